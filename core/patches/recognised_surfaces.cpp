@@ -16,6 +16,15 @@ void RecognisedSurfaces::follow(const PatchSet& before, const PatchSet& now) {
   of_patch = std::move(followed);
 }
 
+std::string_view side_name(SurfaceSide side) {
+  switch (side) {
+    case SurfaceSide::kConvex: return "convex";
+    case SurfaceSide::kConcave: return "concave";
+    case SurfaceSide::kBoth: return "both";
+  }
+  return "";
+}
+
 std::string_view reason_name(FreeReason reason) {
   switch (reason) {
     case FreeReason::kNone: return "";

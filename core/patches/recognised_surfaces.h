@@ -25,6 +25,15 @@ enum class FreeReason : std::uint8_t {
   kUnevenFacets  ///< a kind fits all vertices, but the facets are cut so unevenly that they are probably meant to be flat
 };
 
+/// The side of a surface on which the facets' outside is.
+enum class SurfaceSide : std::uint8_t {
+  kConvex,   ///< away from the axis, the centre or the middle of the tube: a shaft, a ball
+  kConcave,  ///< towards it: a hole, a fillet in a corner
+  kBoth      ///< some facets look to the one side and some to the other: a pin in its bore
+};
+
+/// The stable name of a side.
+std::string_view side_name(SurfaceSide side);
 /// The stable name of a reason.
 std::string_view reason_name(FreeReason reason);
 
@@ -44,8 +53,8 @@ struct RecognisedSurface {
   double sweep_deg = 0;       ///< how much of a full turn around the axis the facets cover; 360 if all of it
   double tolerance = 0;       ///< all essential vertices lie within this distance of the surface
   double deviation = 0;       ///< the largest distance of an essential vertex from the surface
-  bool is_hollow = false;     ///< the facets face the axis or the centre: a hole rather than a shaft
-  Box3 extent;                ///< the bounding box of the facets
+  SurfaceSide side = SurfaceSide::kConvex;  ///< it has no meaning for planes and free regions
+  Box3 extent;                              ///< the bounding box of the facets
   // The following are for free regions only.
   FreeReason reason = FreeReason::kNone;
   SurfaceKind nearest_kind = SurfaceKind::kFree;  ///< the kind that fits best, or kFree if none could be fitted
