@@ -21,6 +21,9 @@ constexpr double kMinFacing = 0.8;
 /// A facet whose chord height is larger than this many medians was cut on purpose: it is the flat on a shaft.
 constexpr double kMaxUneven = 3;
 
+/// A torus through three circles about one axis proves nothing, because there always is one.
+constexpr int kMinRings = 4;
+
 /// The smallest numbers of facets that are believed.
 std::size_t min_facets(SurfaceKind kind) { return kind == SurfaceKind::kTorus ? 6 : 4; }
 
@@ -78,7 +81,11 @@ class ClaimGrower::Gauge {
 };
 
 ClaimGrower::ClaimGrower(const FacetGraph& graph, double tolerance, RunControl& control)
-    : graph_(graph), tolerance_(tolerance), check_(control), taken_(graph.size(), Taken::kFree), mark_(graph.size(), 0) {}
+    : graph_(graph),
+      tolerance_(tolerance),
+      check_(control),
+      taken_(graph.size(), Taken::kFree),
+      mark_(graph.size(), 0) {}
 
 FacetPlace ClaimGrower::place_of(PatchId p) const {
   Vec3 sum;
@@ -97,6 +104,8 @@ bool ClaimGrower::fits(const Gauge& gauge, PatchId p, double tolerance, int side
     if (!graph_.is_corner(s)) continue;
     const Vec3& q = graph_.position(graph_.vertex(s));
     if (!(std::fabs(gauge.distance(q)) <= tolerance)) return false;
+    // Two circles lie on a cylinder, but also on a sphere, to which the facets between them are no tangents.
+    if (!(side * gauge.facing(q, graph_.normal(p)) >= kMinFacing)) return false;
     sum += q;
     ++count;
   }
@@ -166,7 +175,7 @@ void ClaimGrower::trim(const AnalyticSurface& shape, double tolerance, int side,
   members.erase(std::remove_if(members.begin(), members.end(), leaves), members.end());
 }
 
-void ClaimGrower::drop_uneven(const AnalyticSurface& shape, std::vector<PatchId>& members) const {
+double ClaimGrower::drop_uneven(const AnalyticSurface& shape, std::vector<PatchId>& members) const {
   const Gauge gauge(shape);
   std::vector<std::pair<double, PatchId>> heights;
   heights.reserve(members.size());
@@ -183,14 +192,28 @@ void ClaimGrower::drop_uneven(const AnalyticSurface& shape, std::vector<PatchId>
     if (2 * below >= area) break;
   }
   const double max = kMaxUneven * median + tolerance_;
-  if (heights.back().first <= max) return;
+  if (heights.back().first <= max) return median;
   members.clear();
   for (const auto& [height, p] : heights)
     if (height <= max) members.push_back(p);
+  return median;
 }
 
-std::optional<Claim> ClaimGrower::grow(const AnalyticSurface& start, std::span<const PatchId> seed,
-                                       Taken may_replace) {
+bool ClaimGrower::has_enough_rings(const AnalyticSurface& torus, double tolerance) const {
+  std::vector<double> places;
+  for (const Vec3& p : points_) {
+    const Vec3 q = p - torus.origin;
+    const double z = dot(q, torus.axis), r = norm(q - z * torus.axis);
+    places.push_back(torus.minor_radius * std::atan2(z, r - torus.radius));
+  }
+  std::sort(places.begin(), places.end());
+  int rings = 1;
+  for (std::size_t i = 1; i < places.size() && rings < kMinRings; ++i)
+    if (places[i] - places[i - 1] > 4 * tolerance) ++rings;
+  return rings >= kMinRings;
+}
+
+std::optional<Claim> ClaimGrower::grow(const AnalyticSurface& start, std::span<const PatchId> seed, Taken may_replace) {
   ++growth_;
   Claim claim;
   AnalyticSurface shape = start;
@@ -231,7 +254,8 @@ std::optional<Claim> ClaimGrower::grow(const AnalyticSurface& start, std::span<c
     trim(shape, tolerance_, side, members);
     const bool is_settled = members.size() == before;
     if (members.size() < min_facets(shape.kind)) return std::nullopt;
-    if (!expand(Gauge(shape), tolerance_, side, may_replace, static_cast<std::size_t>(-1), members) && is_settled) break;
+    if (!expand(Gauge(shape), tolerance_, side, may_replace, static_cast<std::size_t>(-1), members) && is_settled)
+      break;
   }
   return conclude(shape, side, std::move(members));
 }
@@ -239,7 +263,7 @@ std::optional<Claim> ClaimGrower::grow(const AnalyticSurface& start, std::span<c
 std::optional<Claim> ClaimGrower::conclude(AnalyticSurface shape, int side, std::vector<PatchId> members) {
   constexpr int kMaxFits = 4;
   for (int i = 0; i < kMaxFits; ++i) {
-    drop_uneven(shape, members);
+    const double chord_height = drop_uneven(shape, members);
     if (members.size() < min_facets(shape.kind)) return std::nullopt;
     vertices_.clear();
     for (const PatchId p : members)
@@ -258,7 +282,8 @@ std::optional<Claim> ClaimGrower::conclude(AnalyticSurface shape, int side, std:
     const std::size_t before = members.size();
     trim(shape, tolerance_, side, members);
     if (members.size() == before) {
-      Claim claim{shape, side, std::move(members), 0, 0};
+      if (shape.kind == SurfaceKind::kTorus && !has_enough_rings(shape, tolerance_)) return std::nullopt;
+      Claim claim{shape, side, std::move(members), 0, 0, chord_height};
       const Gauge gauge(shape);
       for (const Vec3& p : points_) claim.deviation = std::max(claim.deviation, std::fabs(gauge.distance(p)));
       for (const PatchId p : claim.facets) claim.area += graph_.area(p);

@@ -23,8 +23,9 @@ struct Claim {
   AnalyticSurface shape;
   int side = 1;  ///< 1 if the facets' normals point to the positive side of the surface, otherwise -1
   std::vector<PatchId> facets;
-  double area = 0;       ///< sum of the facets' areas
-  double deviation = 0;  ///< largest distance of a corner from the surface
+  double area = 0;          ///< sum of the facets' areas
+  double deviation = 0;     ///< largest distance of a corner from the surface
+  double chord_height = 0;  ///< the facets' distance from the surface: the median of their largest ones, by area
 };
 
 /// The state of a facet while claims are made.
@@ -60,7 +61,10 @@ class ClaimGrower {
               std::vector<PatchId>& members);
   bool refit(AnalyticSurface& shape, std::span<const PatchId> members);
   void trim(const AnalyticSurface& shape, double tolerance, int side, std::vector<PatchId>& members);
-  void drop_uneven(const AnalyticSurface& shape, std::vector<PatchId>& members) const;
+  /// Removes facets that are too far from the surface in their middles, and returns the median of these distances.
+  double drop_uneven(const AnalyticSurface& shape, std::vector<PatchId>& members) const;
+  /// Returns whether the points lie on more circles around the axis of a torus than always fit one.
+  bool has_enough_rings(const AnalyticSurface& torus, double tolerance) const;
   std::optional<Claim> conclude(AnalyticSurface shape, int side, std::vector<PatchId> members);
 
   const FacetGraph& graph_;

@@ -22,6 +22,10 @@ constexpr double kMuchLarger = 1.3;
 /// A kind with more parameters is chosen only if its area is larger by this factor.
 constexpr double kLarger = 1.02;
 
+/// The facets of a band around an axis have their corners on a cone, on a sphere and on tori. They deviate less from the
+/// cone than from the others.
+constexpr double kNearer = 0.9;
+
 /// Makes the claims of all facets.
 class Recogniser {
  public:
@@ -53,8 +57,38 @@ class Recogniser {
       if (!is_free(pair[0]) || !is_free(pair[1])) continue;
       std::optional<Claim> best;
       for (const AnalyticSurface& guess : guesses.of(seed)) take_larger(grower_.grow(guess, pair, Taken::kFree), best);
+      if (best && best->shape.kind == SurfaceKind::kSphere) ask_again(best);
       if (best) add(std::move(*best));
     }
+  }
+
+  /// Tries the other kinds on the facets of a sphere. If these are a band, any surface of revolution fits.
+  void ask_again(std::optional<Claim>& best) {
+    std::vector<PatchId> seed;
+    sample(best->facets, seed);
+    collect(seed);
+    try_kinds(seed, Taken::kFree, best);
+  }
+
+  /// Stores the corners and middles of facets.
+  void collect(std::span<const PatchId> facets) {
+    points_.clear();
+    places_.clear();
+    for (const PatchId p : facets) {
+      places_.push_back(grower_.place_of(p));
+      graph_.for_each_corner(p, [&](const Vec3& q) { points_.push_back(q); });
+    }
+  }
+
+  /// Grows those kinds of surfaces that normals help to guess from facets that were collected.
+  void try_kinds(std::span<const PatchId> seed, Taken may_replace, std::optional<Claim>& best) {
+    const auto attempt = [&](const std::optional<AnalyticSurface>& guess) {
+      const auto fitted = guess ? fit_from(*guess, points_) : std::nullopt;
+      if (fitted) take_larger(grower_.grow(*fitted, seed, may_replace), best);
+    };
+    attempt(guess_cylinder(points_, places_));
+    attempt(guess_cone(points_, places_));
+    attempt(guess_torus(points_, places_));
   }
 
   static void take_larger(std::optional<Claim> claim, std::optional<Claim>& best) {
@@ -63,8 +97,17 @@ class Recogniser {
       best = std::move(claim);
       return;
     }
-    const bool is_simpler = parameter_count(claim->shape.kind) < parameter_count(best->shape.kind);
-    if (is_simpler ? kLarger * claim->area >= best->area : claim->area > kLarger * best->area) best = std::move(claim);
+    if (is_better(*claim, *best)) best = std::move(claim);
+  }
+
+  /// The larger surface is better. Of two that are about as large, it is the one from which the facets deviate less, or
+  /// else the one with fewer parameters.
+  static bool is_better(const Claim& a, const Claim& b) {
+    if (a.area > kLarger * b.area) return true;
+    if (b.area > kLarger * a.area) return false;
+    if (a.chord_height < kNearer * b.chord_height) return true;
+    if (b.chord_height < kNearer * a.chord_height) return false;
+    return parameter_count(a.shape.kind) < parameter_count(b.shape.kind);
   }
 
   void add(Claim claim) {
@@ -82,7 +125,7 @@ class Recogniser {
     std::vector<PatchId> seed;
     for (std::uint32_t c = 0; c < claims_.size(); ++c) {
       const SurfaceKind kind = claims_[c].shape.kind;
-      if (kind != SurfaceKind::kCone && kind != SurfaceKind::kCylinder) continue;
+      const bool has_axis = kind == SurfaceKind::kCone || kind == SurfaceKind::kCylinder;
       std::vector<std::pair<std::uint32_t, PatchId>> beside;  // owner and facet
       for (const PatchId p : claims_[c].facets)
         graph_.for_each_neighbour(p, [&](PatchId q) {
@@ -100,13 +143,13 @@ class Recogniser {
         for (std::size_t i = begin; i < end; ++i) others.push_back(beside[i].second);
         sample(others, seed);
         if (seed.size() == of_claim) continue;
-        points_.clear();
-        for (const PatchId p : seed) graph_.for_each_corner(p, [&](const Vec3& q) { points_.push_back(q); });
+        collect(seed);
         const AnalyticSurface& band = claims_[c].shape;
         std::optional<Claim> best;
         if (const auto sphere = guess_sphere(points_)) take_larger(grower_.grow(*sphere, seed, Taken::kWeakly), best);
-        if (const auto torus = guess_torus(points_, band.origin, band.axis))
+        if (const auto torus = has_axis ? guess_torus(points_, band.origin, band.axis) : std::nullopt)
           take_larger(grower_.grow(*torus, seed, Taken::kWeakly), best);
+        if (!has_axis) try_kinds(seed, Taken::kWeakly, best);
         if (best && replace(std::move(*best))) break;
       }
     }
@@ -149,7 +192,6 @@ class Recogniser {
   /// Claims surfaces whose edges are no rulings, from a facet pair with its neighbours.
   void claim_scattered(std::span<const SurfaceSeed> seeds) {
     std::vector<PatchId> around;
-    std::vector<FacetPlace> places;
     StopCheck check(control_);
     for (const SurfaceSeed& seed : seeds) {
       check();
@@ -163,23 +205,11 @@ class Recogniser {
       std::sort(around.begin() + 2, around.end());
       around.erase(std::unique(around.begin() + 2, around.end()), around.end());
       std::erase_if(around, [&, i = 0](PatchId p) mutable { return i++ >= 2 && (p == f || p == g); });
-      points_.clear();
-      places.clear();
-      for (const PatchId p : around) {
-        tried_[p] = 1;
-        places.push_back(grower_.place_of(p));
-        graph_.for_each_corner(p, [&](const Vec3& q) { points_.push_back(q); });
-      }
+      for (const PatchId p : around) tried_[p] = 1;
+      collect(around);
       if (around.size() < 4) continue;
       std::optional<Claim> best;
-      const auto attempt = [&](const std::optional<AnalyticSurface>& guess) {
-        if (!guess) return;
-        const auto fitted = fit_from(*guess, points_);
-        if (fitted) take_larger(grower_.grow(*fitted, around, Taken::kFree), best);
-      };
-      attempt(guess_cylinder(points_, places));
-      attempt(guess_cone(points_, places));
-      attempt(guess_torus(points_, places));
+      try_kinds(around, Taken::kFree, best);
       if (best) add(std::move(*best));
     }
   }
@@ -195,6 +225,7 @@ class Recogniser {
   IdVector<PatchId, std::uint8_t> tried_;   ///< whether a facet was in the seed of a scattered surface
   std::vector<Claim> claims_;
   std::vector<Vec3> points_;
+  std::vector<FacetPlace> places_;
   RunControl& control_;
 };
 

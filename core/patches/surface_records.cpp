@@ -222,9 +222,7 @@ class Records {
     record.tolerance = rules_.tolerance;
     for (const Vec3& p : corners) record.deviation = std::max(record.deviation, std::fabs(shape.distance(p)));
     record.deviation *= unit();
-    record.side = claim.side > 0   ? SurfaceSide::kConvex
-                  : claim.side < 0 ? SurfaceSide::kConcave
-                                   : SurfaceSide::kBoth;
+    record.side = claim.side > 0 ? SurfaceSide::kConvex : claim.side < 0 ? SurfaceSide::kConcave : SurfaceSide::kBoth;
     add_facets(claim.facets, result_.surfaces.push_back(std::move(record)));
   }
 
@@ -257,7 +255,9 @@ class Records {
       height = std::max(height, std::fabs(shape.distance(middle)));
       if (is_sphere) continue;
       // The angles of the corners, relative to the middle's.
-      const auto angle_of = [&](const Vec3& q) { return std::atan2(dot(q - shape.origin, y), dot(q - shape.origin, x)); };
+      const auto angle_of = [&](const Vec3& q) {
+        return std::atan2(dot(q - shape.origin, y), dot(q - shape.origin, x));
+      };
       const double at = angle_of(middle);
       double from = 0, to = 0;
       for (const Vec3& q : corners) {

@@ -46,8 +46,8 @@ std::optional<double> meeting_of(const Vec3& a, const Vec3& b, const Vec3& p, co
 }  // namespace
 
 std::vector<SurfaceSeed> find_seeds(const FacetGraph& graph, RunControl& control) {
-  const auto blocks =
-      map_blocks<std::vector<SurfaceSeed>>(graph.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
+  const auto blocks = map_blocks<std::vector<SurfaceSeed>>(
+      graph.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
         std::vector<SurfaceSeed> seeds;
         for (std::size_t i = begin; i < end; ++i) {
           const PatchId p(i);
@@ -62,8 +62,8 @@ std::vector<SurfaceSeed> find_seeds(const FacetGraph& graph, RunControl& control
                          &b = graph.position(graph.vertex(next < last ? next : graph.sides_begin(p)));
               const Vec3 middle = a + b;
               // No two edges of a symmetric part have the same of these sums by symmetry.
-              const double tie = 0.7548776662466927 * middle.x + 0.5698402909980532 * middle.y +
-                                 0.3247179572447460 * middle.z;
+              const double tie =
+                  0.7548776662466927 * middle.x + 0.5698402909980532 * middle.y + 0.3247179572447460 * middle.z;
               seeds.push_back({norm_squared(b - a), tie, s, next - s, p});
             }
             s = next;
@@ -98,7 +98,8 @@ const std::vector<AnalyticSurface>& SeedGuesses::of(const SurfaceSeed& seed) {
   graph_.for_each_corner(graph_.beyond(seed.side), [&](const Vec3& p) { second_.push_back(p); });
   const std::uint32_t next = seed.side + seed.sides;
   const Vec3& a = graph_.position(graph_.vertex(seed.side));
-  const Vec3& b = graph_.position(graph_.vertex(next < graph_.sides_end(seed.facet) ? next : graph_.sides_begin(seed.facet)));
+  const Vec3& b =
+      graph_.position(graph_.vertex(next < graph_.sides_end(seed.facet) ? next : graph_.sides_begin(seed.facet)));
   points_ = first_;
   points_.insert(points_.end(), second_.begin(), second_.end());
   if (const auto sphere = guess_sphere(points_)) guesses_.push_back(*sphere);
