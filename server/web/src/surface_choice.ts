@@ -36,8 +36,8 @@ export class SurfaceChoice {
   }
   /** Null where it is not known. */
   ofPatch(patch: number): RecognisedSurface | null {
-    const id = this.report?.patches[patch]?.surface;
-    return this.report?.surfaces.find((surface) => surface.id === id) ?? null;
+    const surface = this.report?.patches[patch]?.surface;
+    return surface === undefined ? null : (this.report!.surfaces[surface] ?? null);
   }
 
   /** Shows the faces of these surfaces in both views, and their numbers in the panel. */

@@ -62,13 +62,14 @@ export interface Statistics {
 export type SurfaceKind = "plane" | "cylinder" | "cone" | "sphere" | "torus" | "revolution" | "free";
 /** A surface that the facets of the input were made from, or a region for which none was found. */
 export interface RecognisedSurface {
+  /** Its place in the report's list. */
   id: number;
   kind: SurfaceKind;
   patches: number;
   /** Faces of the input. */
   faces: number;
   area: number;
-  bounding_box: { min: Point; max: Point };
+  bounding_box: { min: Point; max: Point } | null;
   /** Which of the following are there depends on the kind. */
   point?: Point;
   axis?: Point;

@@ -2,7 +2,7 @@
 import type { Point } from "../mesh/drawable.ts";
 import type { RecognisedSurface } from "../service/types.ts";
 import { degrees, real, sentence, whole } from "../ui/words.ts";
-import { kindName, shortReason } from "./groups.ts";
+import { extentOf, kindName, shortReason } from "./groups.ts";
 
 /** Coordinates of unit vectors below this are rounding. */
 const kNoDirection = 1e-6;
@@ -29,17 +29,16 @@ export function sideOf({ side }: RecognisedSurface): string {
 }
 
 const kSideMeanings: Partial<Record<RecognisedSurface["kind"], Record<"convex" | "concave", string>>> = {
-  cylinder: { convex: "as of a shaft or a rounded edge", concave: "as of a hole or a fillet" },
-  cone: { convex: "as of a chamfer on a shaft", concave: "as of a countersink" },
-  sphere: { convex: "as of a ball", concave: "as of a socket" },
+  cylinder: { convex: "shaft, rounding", concave: "hole, fillet" },
+  cone: { convex: "tip, chamfer", concave: "countersink" },
+  sphere: { convex: "ball", concave: "socket" },
 };
 
-/** "Concave, as of a hole or a fillet" */
-function sideInWords({ kind, side }: RecognisedSurface): string {
-  if (!side) return "";
-  if (side === "both") return "Some faces are convex, others concave";
-  const meaning = kSideMeanings[kind]?.[side];
-  return sentence(meaning ? `${side}, ${meaning}` : side);
+/** "concave (hole, fillet)" */
+function sideInWords(surface: RecognisedSurface): string {
+  const { kind, side } = surface;
+  const meaning = side && side !== "both" ? kSideMeanings[kind]?.[side] : undefined;
+  return meaning ? `${sideOf(surface)} (${meaning})` : sideOf(surface);
 }
 
 /** Why a free region is of no kind, in a sentence. */
@@ -64,8 +63,7 @@ export function whyFree(surface: RecognisedSurface): string {
 /** Names and values for a list; those that a kind does not have are left out. */
 export function factsOf(surface: RecognisedSurface): [name: string, value: string][] {
   const { kind, point, axis, radius, half_angle_deg, profile, tolerance = 0 } = surface;
-  const { min, max } = surface.bounding_box;
-  const extent = max.map((x, i) => x - min[i]!) as Point;
+  const extent = extentOf(surface);
   const step = Math.max(tolerance, 1e-9 * Math.hypot(...extent));
   const facts: [string, string][] = [];
   const fact = (name: string, value: string | number | null | undefined): void => {
@@ -92,14 +90,13 @@ export function factsOf(surface: RecognisedSurface): [name: string, value: strin
   fact(isCentred ? "Centre" : kind === "cone" ? "Apex" : "Through", point && vector(point, step));
   fact("Sweep", sweepOf(surface));
   fact("Side", sideInWords(surface));
-  fact("Chord height of the input", surface.input_chord_height);
-  fact("Turn along an edge", surface.input_turn_deg === undefined ? null : degrees(surface.input_turn_deg));
-  fact("Faces of the input", whole(surface.faces));
-  fact("Flat patches", whole(surface.patches));
+  fact("Chord height", surface.input_chord_height);
+  fact("Turn of an edge", surface.input_turn_deg === undefined ? null : degrees(surface.input_turn_deg));
+  fact("Faces", whole(surface.faces));
+  fact("Patches", whole(surface.patches));
   fact("Area", surface.area);
   fact("Extent", extent.map(real).join(" × "));
-  if (surface.deviation !== undefined) {
-    fact("Farthest vertex", `${real(surface.deviation)} off, ${real(tolerance)} allowed`);
-  }
+  fact("Deviation", surface.deviation);
+  fact("Tolerance", surface.tolerance);
   return facts;
 }

@@ -1,4 +1,5 @@
 // The surfaces of a report, put in order for a reader: equal ones stand together.
+import type { Point } from "../mesh/drawable.ts";
 import type { RecognisedSurface, SurfaceKind } from "../service/types.ts";
 import { count, real } from "../ui/words.ts";
 
@@ -35,6 +36,11 @@ const kReasons: Record<NonNullable<RecognisedSurface["reason"]>, string> = {
 /** The reason why a free region belongs to no kind, in two or three words. */
 export function shortReason({ reason }: RecognisedSurface): string {
   return reason ? kReasons[reason] : "";
+}
+
+/** The lengths of the box of its facets. */
+export function extentOf({ bounding_box: box }: RecognisedSurface): Point {
+  return box ? (box.max.map((x, axis) => x - box.min[axis]!) as Point) : [0, 0, 0];
 }
 
 /** The numbers by which surfaces of a kind are told to be equal. The first of them is the one that sorts them. */
@@ -80,9 +86,10 @@ const kSamePart = 1e-4;
 const kOtherPart = 1e-2;
 
 /** How far a size may be off: an arc of a small angle tells its radius with less certainty than a full turn does. */
-function uncertainty({ kind, tolerance = 0, sweep_deg = 360, bounding_box: { min, max } }: RecognisedSurface): number {
+function uncertainty(surface: RecognisedSurface): number {
+  const { kind, tolerance = 0, sweep_deg = 360 } = surface;
   if (kind === "cone") {
-    const extent = Math.hypot(...max.map((x, axis) => x - min[axis]!));
+    const extent = Math.hypot(...extentOf(surface));
     return extent > 0 ? (tolerance / extent) * (180 / Math.PI) : 0;
   }
   const half = (Math.min(sweep_deg, 180) / 2) * (Math.PI / 180);

@@ -2,7 +2,7 @@
 import type { RecognisedSurface } from "../service/types.ts";
 import type { Rgb } from "../surfaces/colours.ts";
 import { sideOf, sweepOf } from "../surfaces/facts.ts";
-import { type SurfaceGroup, kindName, nameOfGroup, summaryOf } from "../surfaces/groups.ts";
+import { type SurfaceGroup, extentOf, kindName, nameOfGroup, summaryOf } from "../surfaces/groups.ts";
 import { type Child, h } from "./dom.ts";
 import { nameOfSurface, surfaceFacts } from "./surface_card.ts";
 import { swatch } from "./swatch.ts";
@@ -20,9 +20,11 @@ export interface ShownSurfaces {
 }
 
 export class SurfacesPanel {
+  private readonly list = h("div", { class: "surface-list" });
   private readonly details = h("div", { class: "surface-details" });
   private rows: { group: SurfaceGroup; row: HTMLElement; button: HTMLElement }[] = [];
   private shown: ShownSurfaces | null = null;
+  private chosen: ReadonlySet<number> = new Set();
 
   /** `onChoose` is told the ids of what was clicked, or none where it was given up. */
   constructor(
@@ -35,38 +37,24 @@ export class SurfacesPanel {
     const { groups } = shown;
     this.rows = groups.slice(0, kMaxRows).map((group) => this.row(group));
     const left = groups.length - this.rows.length;
-    this.panel.replaceChildren(
+    const titles = ["Surfaces", "Side", "Sweep", "Faces", "Area"].map((name) => h("th", { scope: "col" }, name));
+    this.list.replaceChildren(
+      h("p", { class: "surface-summary" }, `${summaryOf(groups)}.`),
       h(
-        "div",
-        { class: "surfaces" },
-        h(
-          "div",
-          { class: "surface-list" },
-          h("p", { class: "surface-summary" }, `${summaryOf(groups)}.`),
-          h(
-            "table",
-            { class: "numbers-table" },
-            h(
-              "thead",
-              {},
-              h(
-                "tr",
-                {},
-                ...["Surfaces", "Side", "Sweep", "Faces", "Area"].map((name) => h("th", { scope: "col" }, name)),
-              ),
-            ),
-            h("tbody", {}, ...this.rows.map(({ row }) => row)),
-          ),
-          left > 0 && h("p", { class: "muted" }, `${count(left, "more row is", "more rows are")} in the report.`),
-        ),
-        this.details,
+        "table",
+        { class: "numbers-table" },
+        h("thead", {}, h("tr", {}, ...titles)),
+        h("tbody", {}, ...this.rows.map(({ row }) => row)),
       ),
+      h("p", { class: "muted", hidden: left <= 0 }, `${count(left, "more row is", "more rows are")} in the report.`),
     );
+    this.panel.replaceChildren(h("div", { class: "surfaces" }, this.list, this.details));
     this.mark(new Set());
   }
 
   /** Shows which surfaces are chosen. */
   mark(chosen: ReadonlySet<number>): void {
+    this.chosen = chosen;
     if (!this.shown) return;
     const isIn = ({ id }: RecognisedSurface): boolean => chosen.has(id);
     for (const { group, row, button } of this.rows) {
@@ -76,12 +64,22 @@ export class SurfacesPanel {
     }
     const at = this.shown.groups.findIndex((group) => group.surfaces.some(isIn));
     const group = this.shown.groups[at];
-    this.rows[at]?.row.scrollIntoView({ block: "nearest" });
     const parts = group
       ? this.detailsOf(group, group.surfaces.filter(isIn))
       : [h("p", { class: "muted" }, this.advice())];
+    const hadFocus = this.details.contains(document.activeElement);
     this.details.replaceChildren(...parts.filter((part) => part instanceof Node));
     this.details.scrollTop = 0;
+    if (hadFocus) this.details.querySelector<HTMLElement>("[aria-pressed=true]")?.focus();
+    if (group) this.reveal(this.rows[at]?.row);
+  }
+
+  /** Scrolls the list, and nothing around it. */
+  private reveal(row: HTMLElement | undefined): void {
+    if (!row) return;
+    const [inner, outer] = [row.getBoundingClientRect(), this.list.getBoundingClientRect()];
+    if (inner.top < outer.top) this.list.scrollTop += inner.top - outer.top;
+    else if (inner.bottom > outer.bottom) this.list.scrollTop += inner.bottom - outer.bottom;
   }
 
   private advice(): string {
@@ -101,7 +99,7 @@ export class SurfacesPanel {
     );
     const row = h(
       "tr",
-      { "data-kind": group.kind, click: () => this.toggle(group, button) },
+      { "data-kind": group.kind, click: () => this.toggle(group) },
       h("th", { scope: "row" }, button),
       h("td", {}, tally(surfaces.map(sideOf))),
       h("td", {}, tally(surfaces.map(sweepOf))),
@@ -111,18 +109,17 @@ export class SurfacesPanel {
     return { group, row, button };
   }
 
-  private toggle({ surfaces }: SurfaceGroup, button: HTMLElement): void {
-    const isPressed = button.getAttribute("aria-pressed") === "true";
-    this.onChoose(isPressed ? [] : surfaces.map(({ id }) => id));
+  private toggle({ surfaces }: SurfaceGroup): void {
+    const areAll = surfaces.every(({ id }) => this.chosen.has(id));
+    this.onChoose(areAll ? [] : surfaces.map(({ id }) => id));
   }
 
-  private detailsOf({ kind, ...group }: SurfaceGroup, chosen: RecognisedSurface[]): Child[] {
-    const { surfaces } = group;
+  private detailsOf(group: SurfaceGroup, chosen: RecognisedSurface[]): Child[] {
     const only = chosen.length === 1 ? chosen[0]! : null;
-    const title = only ? nameOfSurface(only) : sentence(nameOfGroup({ kind, ...group }));
+    const title = only ? nameOfSurface(only) : sentence(nameOfGroup(group));
     return [
       h("h3", {}, swatch(chosen.map(({ id }) => this.shown!.colours.get(id)!)), title),
-      surfaces.length > 1 && this.members({ kind, ...group }, only),
+      group.surfaces.length > 1 && this.members(group, only),
       only && surfaceFacts(only),
     ];
   }
@@ -165,10 +162,12 @@ function tally(words: string[]): string {
 }
 
 /** The middle of a surface's faces. */
-function placeOf({ bounding_box: { min, max } }: RecognisedSurface): string {
-  const extent = Math.hypot(...max.map((x, i) => x - min[i]!));
-  return min
-    .map((x, i) => (x + max[i]!) / 2)
+function placeOf(surface: RecognisedSurface): string {
+  const box = surface.bounding_box;
+  if (!box) return `Surface ${whole(surface.id)}`;
+  const extent = Math.hypot(...extentOf(surface));
+  return box.min
+    .map((x, i) => (x + box.max[i]!) / 2)
     .map((x) => real(Math.abs(x) < 1e-6 * extent ? 0 : Number(x.toPrecision(4))))
     .join(", ");
 }
