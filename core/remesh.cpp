@@ -14,6 +14,7 @@
 #include "core/base/blocks.h"
 #include "core/base/parallel.h"
 #include "core/base/stopwatch.h"
+#include "core/base/tolerance.h"
 #include "core/geometry/patch_mesh.h"
 #include "core/geometry/patch_reason.h"
 #include "core/mending/body_labels.h"
@@ -142,6 +143,7 @@ class Run {
     report_.plane_tolerance = summary.plane_tolerance;
     report_.plane_tolerance_is_automatic = summary.plane_tolerance_is_automatic;
     report_.rounding_step = summary.rounding_step;
+    rounding_tolerance_ = summary.rounding_tolerance;
     report_.diagnostics = std::move(summary.diagnostics);
     const double diagonal = report_.input.bounding_box.diagonal();
     check_options(options_, diagonal);
@@ -172,7 +174,7 @@ class Run {
                                     prepared_.pinched(control_), report_.plane_tolerance / surface().unit, control_);
     report_.surfaces = recognise_surfaces({surface(), adjacency(), partition_.patches, partition_.loops,
                                            unforced ? *unforced : partition_.essential, partition_.summaries.patches},
-                                          {options_.feature_angle_deg, report_.rounding_step}, control_);
+                                          {options_.feature_angle_deg, kRecognitionTolerance * rounding_tolerance_}, control_);
     are_surfaces_known_ = true;
   }
 
@@ -411,6 +413,7 @@ class Run {
   FoundIntersections input_intersections_;  ///< belongs to the prepared surface
   bool are_input_intersections_known_ = false;
   bool are_surfaces_known_ = false;
+  double rounding_tolerance_ = 0;  ///< see InputSummary
   Regions regions_;
   Partition partition_;
   Candidate candidate_;

@@ -17,6 +17,10 @@ inline constexpr double kToleranceFloor = 1e-9;
 /// which gives a factor of sqrt(3); and a plane through noisy points adds a factor of 3.
 inline constexpr double kToleranceSteps = 2.6;
 
+/// Corners of facets may be this many automatic plane tolerances away from the surface from which they were made. That
+/// is about ten rounding steps: programs compute points of curves between two surfaces less exactly than they round.
+inline constexpr double kRecognitionTolerance = 3.8;
+
 /// Largest automatic plane tolerance, relative to the diagonal. If a model was rounded more coarsely, its details are
 /// as small as the rounding, and only its owner can tell them apart. The diagnostic `rounding_capped` says so.
 inline constexpr double kToleranceCeiling = 1e-4;

@@ -70,6 +70,7 @@ class Preparation {
     const double automatic = automatic_tolerance_of(rounding);
     summary_.plane_tolerance = options_.plane_tolerance.value_or(automatic);
     rounding_ = automatic;
+    summary_.rounding_tolerance = automatic;
     spike_rounding_ = std::min(kToleranceSteps * rounding.possible_step(),
                                kToleranceCeiling * summary_.statistics.bounding_box.diagonal());
     // A caller who asks for more than the digits explain wants larger bends to be flattened, too.

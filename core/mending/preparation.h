@@ -63,6 +63,8 @@ struct InputSummary {
   double plane_tolerance = 0;  ///< the tolerance that is used, in model units
   bool plane_tolerance_is_automatic = true;
   double rounding_step = 0;             ///< see Report
+  /// The automatic plane tolerance, even if the caller has asked for another one, in model units.
+  double rounding_tolerance = 0;
   std::vector<Diagnostic> diagnostics;  ///< those of the reader come first
 };
 

@@ -26,8 +26,9 @@ struct Facets {
 /// for the result.
 struct RecognitionRules {
   double feature_angle_deg = 30;
-  /// The step to which the coordinates of the input are rounded, in model units.
-  double rounding_step = 0;
+  /// The largest distance of a facet's corner from its surface, in model units: what the rounding of the input's
+  /// coordinates explains.
+  double tolerance = 0;
 };
 
 /// Recognises planes, cylinders, cones, spheres, tori and surfaces of revolution. All other facets are free.

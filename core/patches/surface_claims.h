@@ -1,0 +1,80 @@
+/// Claims of facets for surfaces: a surface grows from a few facets over its neighbours as long as their corners lie on
+/// it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/base/ids.h"
+#include "core/base/run_control.h"
+#include "core/base/stoppable.h"
+#include "core/base/vec.h"
+#include "core/geometry/analytic_surface.h"
+#include "core/geometry/surface_fit.h"
+#include "core/patches/facet_graph.h"
+
+namespace remesh {
+
+/// Facets that are claimed for a surface, in local units.
+struct Claim {
+  AnalyticSurface shape;
+  int side = 1;  ///< 1 if the facets' normals point to the positive side of the surface, otherwise -1
+  std::vector<PatchId> facets;
+  double area = 0;          ///< sum of the facets' areas
+  double deviation = 0;     ///< largest distance of a corner from the surface
+  double chord_height = 0;  ///< the facets' distance from the surface: the median of their largest ones, by area
+};
+
+/// The state of a facet while claims are made.
+enum class Taken : std::uint8_t {
+  kFree,
+  kWeakly,  ///< by a claim that a larger one may replace
+  kFirmly,
+};
+
+/// Grows claims. It has scratch memory for all facets, so that a claim costs no more than its size.
+class ClaimGrower {
+ public:
+  /// Input: the largest distance of a corner from its surface, in local units.
+  ClaimGrower(const FacetGraph& graph, double tolerance, RunControl& control);
+
+  double tolerance() const { return tolerance_; }
+  Taken taken(PatchId p) const { return taken_[p]; }
+  void set_taken(PatchId p, Taken taken) { taken_[p] = taken; }
+
+  /// Grows a surface from facets that lie about on it, over facets that are not taken, or at most weakly.
+  /// Output: nothing if no surface of this kind has enough facets to be believed.
+  std::optional<Claim> grow(const AnalyticSurface& start, std::span<const PatchId> seed, Taken may_replace);
+
+  FacetPlace place_of(PatchId p) const;
+
+ private:
+  /// A surface whose distances can be computed fast.
+  class Gauge;
+
+  bool fits(const Gauge& gauge, PatchId p, double tolerance, int side) const;
+  double chord_height(const Gauge& gauge, PatchId p) const;
+  bool expand(const Gauge& gauge, double tolerance, int side, Taken may_replace, std::size_t max_size,
+              std::vector<PatchId>& members);
+  bool refit(AnalyticSurface& shape, std::span<const PatchId> members);
+  void trim(const AnalyticSurface& shape, double tolerance, int side, std::vector<PatchId>& members);
+  /// Removes facets that are too far from the surface in their middles, and returns the median of these distances.
+  double drop_uneven(const AnalyticSurface& shape, std::vector<PatchId>& members) const;
+  /// Returns whether the points lie on more circles around the axis of a torus than always fit one.
+  bool has_enough_rings(const AnalyticSurface& torus, double tolerance) const;
+  std::optional<Claim> conclude(AnalyticSurface shape, int side, std::vector<PatchId> members);
+
+  const FacetGraph& graph_;
+  double tolerance_;
+  StopCheck check_;
+  IdVector<PatchId, Taken> taken_;
+  IdVector<PatchId, std::uint32_t> mark_;  ///< the last growth that took the facet
+  std::uint32_t growth_ = 0;
+  std::vector<Vec3> points_;
+  std::vector<VertexId> vertices_;
+};
+
+}  // namespace remesh

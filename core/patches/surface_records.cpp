@@ -1,0 +1,415 @@
+#include "core/patches/surface_records.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "core/base/stoppable.h"
+#include "core/base/union_find.h"
+#include "core/geometry/surface_fit.h"
+
+namespace remesh {
+namespace {
+
+constexpr double kDegrees = 180 / std::numbers::pi;
+
+/// A free region has at least so many facets. Fewer that meet smoothly are taken for planks.
+constexpr std::size_t kMinFreeFacets = 12;
+
+/// A facet of a free region is a plane if it is so many times as large as the others.
+constexpr double kFlatArea = 20;
+
+/// The best kind is looked for in so many free regions at most, and by so many corners.
+constexpr std::size_t kMaxExplained = 64, kMaxSamples = 256;
+
+/// Returns the angle that intervals cover together. They are in [0, 2 pi) and may pass 2 pi.
+double covered_angle(std::vector<std::pair<double, double>>& intervals) {
+  constexpr double kTurn = 2 * std::numbers::pi;
+  std::vector<std::pair<double, double>> parts;
+  for (const auto& [from, to] : intervals) {
+    if (to <= kTurn) {
+      parts.push_back({from, to});
+    } else {
+      parts.push_back({from, kTurn});
+      parts.push_back({0, to - kTurn});
+    }
+  }
+  std::sort(parts.begin(), parts.end());
+  double covered = 0, end = 0;
+  for (const auto& [from, to] : parts) {
+    covered += std::max(0.0, to - std::max(from, end));
+    end = std::max(end, to);
+  }
+  return std::min(covered, kTurn);
+}
+
+/// Returns an axis in the direction in which its largest component is positive. If components are about as large, the
+/// first of them counts.
+Vec3 canonical_direction(const Vec3& axis) {
+  const double largest = std::max({std::fabs(axis.x), std::fabs(axis.y), std::fabs(axis.z)});
+  for (int i = 0; i < 3; ++i)
+    if (std::fabs(axis[i]) > 0.999 * largest) return axis[i] < 0 ? -axis : axis;
+  return axis;
+}
+
+/// Makes the records.
+class Records {
+ public:
+  Records(const Facets& facets, const FacetGraph& graph, const RecognitionRules& rules, RunControl& control)
+      : facets_(facets), graph_(graph), rules_(rules), control_(control), check_(control) {
+    result_.of_patch.assign(graph.size(), SurfaceId());
+  }
+
+  RecognisedSurfaces make(std::vector<Claim> claims) {
+    join_equal(claims);
+    for (Claim& claim : claims) add_claim(claim);
+    add_free_regions();
+    add_planes();
+    put_in_order();
+    return std::move(result_);
+  }
+
+ private:
+  double unit() const { return facets_.surface.unit; }
+  double tolerance() const { return rules_.tolerance / unit(); }
+  Vec3 in_model(const Vec3& local) const { return facets_.surface.centre + unit() * local; }
+
+  /// Returns numbers that are about equal for equal surfaces.
+  std::array<double, 8> key_of(const Claim& claim) const {
+    const AnalyticSurface& s = claim.shape;
+    const Vec3 axis = s.kind == SurfaceKind::kCone ? s.axis : canonical_direction(s.axis);
+    const Vec3 place = s.kind == SurfaceKind::kCylinder ? s.origin - dot(s.origin, axis) * axis : s.origin;
+    return {s.radius + s.half_angle, s.minor_radius, axis.x, axis.y, axis.z, place.x, place.y, place.z};
+  }
+
+  std::vector<Vec3> corners_of(std::span<const PatchId> facets) {
+    std::vector<VertexId> vertices;
+    for (const PatchId p : facets)
+      for (std::uint32_t s = graph_.sides_begin(p); s < graph_.sides_end(p); ++s) {
+        check_();
+        if (graph_.is_corner(s)) vertices.push_back(graph_.vertex(s));
+      }
+    sort_stoppable(vertices.begin(), vertices.end(), control_);
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    std::vector<Vec3> points;
+    points.reserve(vertices.size());
+    for (const VertexId v : vertices) points.push_back(graph_.position(v));
+    sort_stoppable(points.begin(), points.end(), control_);
+    return points;
+  }
+
+  /// Joins claims for equal surfaces into one.
+  void join_equal(std::vector<Claim>& claims) {
+    struct Keyed {
+      SurfaceKind kind;
+      std::array<double, 8> key;
+      std::uint32_t claim;
+    };
+    std::vector<Keyed> keys;
+    for (std::uint32_t c = 0; c < claims.size(); ++c) keys.push_back({claims[c].shape.kind, key_of(claims[c]), c});
+    std::stable_sort(keys.begin(), keys.end(), [](const Keyed& a, const Keyed& b) { return a.kind < b.kind; });
+    for (std::size_t begin = 0, end = 0; begin < keys.size(); begin = end) {
+      while (end < keys.size() && keys[end].kind == keys[begin].kind) ++end;
+      join_within(claims, std::span(keys).subspan(begin, end - begin), 0);
+    }
+    std::erase_if(claims, [](const Claim& c) { return c.facets.empty(); });
+  }
+
+  /// Splits a list at gaps of the i-th number, and goes on with the next number.
+  template <class Keyed>
+  void join_within(std::vector<Claim>& claims, std::span<Keyed> keys, std::size_t i) {
+    constexpr double kGap = 1e-4;
+    if (keys.size() < 2) return;
+    if (i == 8) return join(claims, keys);
+    std::stable_sort(keys.begin(), keys.end(), [&](const Keyed& a, const Keyed& b) { return a.key[i] < b.key[i]; });
+    for (std::size_t begin = 0, end = 0; begin < keys.size(); begin = end) {
+      end = begin + 1;
+      while (end < keys.size() && keys[end].key[i] - keys[end - 1].key[i] <= kGap) ++end;
+      join_within(claims, keys.subspan(begin, end - begin), i + 1);
+    }
+  }
+
+  /// Joins those of some claims that are equal.
+  template <class Keyed>
+  void join(std::vector<Claim>& claims, std::span<Keyed> keys) {
+    // Each claim is compared with a few others, so that the work is in proportion.
+    constexpr std::size_t kMaxCompared = 16;
+    // From large to small. Ties are broken by the place.
+    std::sort(keys.begin(), keys.end(), [&](const Keyed& a, const Keyed& b) {
+      const Claim &c = claims[a.claim], &d = claims[b.claim];
+      return c.area != d.area ? c.area > d.area : a.key < b.key;
+    });
+    std::vector<std::uint32_t> leaders;
+    for (const Keyed& key : keys) {
+      Claim& claim = claims[key.claim];
+      bool is_joined = false;
+      for (std::size_t k = 0; k < std::min(kMaxCompared, leaders.size()) && !is_joined; ++k)
+        is_joined = try_join(claims[leaders[k]], claim);
+      if (!is_joined) leaders.push_back(key.claim);
+    }
+  }
+
+  bool try_join(Claim& a, Claim& b) {
+    const std::vector<Vec3> of_a = corners_of(a.facets), of_b = corners_of(b.facets);
+    constexpr double kNear = 20;  // The surface of few facets may be off by more outside of them.
+    const auto is_near = [&](const AnalyticSurface& s, std::span<const Vec3> points) {
+      return std::all_of(points.begin(), points.end(),
+                         [&](const Vec3& p) { return std::fabs(s.distance(p)) <= kNear * tolerance(); });
+    };
+    if (!is_near(a.shape, of_b) && !is_near(b.shape, of_a)) return false;
+    std::vector<Vec3> all = of_a;
+    all.insert(all.end(), of_b.begin(), of_b.end());
+    std::sort(all.begin(), all.end());
+    all.erase(std::unique(all.begin(), all.end()), all.end());
+    const auto fitted = fit_from(a.shape, all);
+    if (!fitted) return false;
+    double deviation = 0;
+    for (const Vec3& p : all) deviation = std::max(deviation, std::fabs(fitted->distance(p)));
+    if (!(deviation <= tolerance())) return false;
+    const auto convex = [](const Claim& c) { return c.side > 0; };
+    a.shape = *fitted;
+    a.deviation = deviation;
+    a.area += b.area;
+    if (convex(a) != convex(b)) a.side = 0;
+    a.facets.insert(a.facets.end(), b.facets.begin(), b.facets.end());
+    b.facets.clear();
+    return true;
+  }
+
+  /// Adds the patches, faces, area and extent of some facets to a record.
+  void add_facets(std::span<const PatchId> facets, SurfaceId id) {
+    RecognisedSurface& record = result_.surfaces[id];
+    std::vector<double> areas;
+    for (const PatchId p : facets) {
+      check_();
+      result_.of_patch[p] = id;
+      record.faces += facets_.summaries[p.value].input_faces;
+      areas.push_back(facets_.summaries[p.value].area);
+      graph_.for_each_corner(p, [&](const Vec3& q) { record.extent.add({in_model(q), in_model(q)}); });
+    }
+    record.patches += facets.size();
+    // The sum comes in an order that depends on the areas alone.
+    sort_stoppable(areas.begin(), areas.end(), control_);
+    for (const double area : areas) record.area += area;
+  }
+
+  void add_claim(const Claim& claim) {
+    AnalyticSurface shape = claim.shape;
+    if (shape.kind != SurfaceKind::kCone) shape.axis = canonical_direction(shape.axis);
+    const std::vector<Vec3> corners = corners_of(claim.facets);
+    if (shape.kind == SurfaceKind::kCylinder) {
+      // The point of the axis lies in the middle of the facets.
+      double low = HUGE_VAL, high = -HUGE_VAL;
+      for (const Vec3& p : corners) {
+        const double z = dot(p - shape.origin, shape.axis);
+        low = std::min(low, z);
+        high = std::max(high, z);
+      }
+      shape.origin += 0.5 * (low + high) * shape.axis;
+    }
+    RecognisedSurface record;
+    measure_facets(claim, shape, record);
+    record.shape = {shape.kind,
+                    in_model(shape.origin),
+                    shape.kind == SurfaceKind::kSphere ? Vec3{} : shape.axis,
+                    unit() * shape.radius,
+                    unit() * shape.minor_radius,
+                    shape.half_angle};
+    record.tolerance = rules_.tolerance;
+    for (const Vec3& p : corners) record.deviation = std::max(record.deviation, std::fabs(shape.distance(p)));
+    record.deviation *= unit();
+    record.side = claim.side > 0 ? SurfaceSide::kConvex : claim.side < 0 ? SurfaceSide::kConcave : SurfaceSide::kBoth;
+    add_facets(claim.facets, result_.surfaces.push_back(std::move(record)));
+  }
+
+  /// Measures the chord height, turn and sweep of a claim.
+  void measure_facets(const Claim& claim, const AnalyticSurface& shape, RecognisedSurface& record) {
+    const bool is_sphere = shape.kind == SurfaceKind::kSphere;
+    Vec3 x, y;
+    if (!is_sphere) {
+      const Vec3 a = shape.axis;
+      const double ax = std::fabs(a.x), ay = std::fabs(a.y), az = std::fabs(a.z);
+      x = normalized(cross(a, ax <= ay && ax <= az ? Vec3{1, 0, 0} : ay <= az ? Vec3{0, 1, 0} : Vec3{0, 0, 1}));
+      y = cross(a, x);
+    }
+    std::vector<std::pair<double, double>> intervals;
+    std::vector<Vec3> corners;
+    double height = 0, min_cosine = 1;
+    for (const PatchId p : claim.facets) {
+      check_();
+      corners.clear();
+      graph_.for_each_corner(p, [&](const Vec3& q) { corners.push_back(q); });
+      Vec3 sum;
+      for (std::size_t i = 0; i < corners.size(); ++i) {
+        const Vec3 &q = corners[i], &next = corners[(i + 1) % corners.size()];
+        sum += q;
+        height = std::max(height, std::fabs(shape.distance(0.5 * (q + next))));
+        const Vec3 n = shape.normal(q), m = shape.normal(next);
+        if (norm_squared(n) > 0 && norm_squared(m) > 0) min_cosine = std::min(min_cosine, dot(n, m));
+      }
+      const Vec3 middle = (1.0 / static_cast<double>(corners.size())) * sum;
+      height = std::max(height, std::fabs(shape.distance(middle)));
+      if (is_sphere) continue;
+      // The angles of the corners, relative to the middle's.
+      const auto angle_of = [&](const Vec3& q) {
+        return std::atan2(dot(q - shape.origin, y), dot(q - shape.origin, x));
+      };
+      const double at = angle_of(middle);
+      double from = 0, to = 0;
+      for (const Vec3& q : corners) {
+        const Vec3 w = q - shape.origin;
+        if (norm_squared(w - dot(w, shape.axis) * shape.axis) <= tolerance() * tolerance()) continue;  // on the axis
+        const double turn = std::remainder(angle_of(q) - at, 2 * std::numbers::pi);
+        from = std::min(from, turn);
+        to = std::max(to, turn);
+      }
+      double begin = at + from;
+      begin -= 2 * std::numbers::pi * std::floor(begin / (2 * std::numbers::pi));
+      intervals.push_back({begin, begin + (to - from)});
+    }
+    record.input_chord_height = height * unit();
+    record.input_turn_deg = kDegrees * std::acos(std::clamp(min_cosine, -1.0, 1.0));
+    if (!is_sphere) {
+      const double sweep = kDegrees * covered_angle(intervals);
+      // Neighbouring facets meet up to rounding.
+      record.sweep_deg = sweep > 360 - 1e-3 ? 360 : sweep;
+    }
+  }
+
+  /// Finds the free regions among the facets that nobody claims.
+  void add_free_regions() {
+    std::vector<PatchId> region;
+    std::vector<std::pair<double, std::vector<PatchId>>> regions;
+    IdVector<PatchId, std::uint8_t> is_visited(graph_.size(), 0);
+    const auto is_free = [&](PatchId p) { return !result_.of_patch[p].is_valid() && graph_.may_be_curved(p); };
+    for (std::size_t i = 0; i < graph_.size(); ++i) {
+      const PatchId first(i);
+      if (!is_free(first) || is_visited[first] != 0) continue;
+      region.assign({first});
+      is_visited[first] = 1;
+      for (std::size_t k = 0; k < region.size(); ++k)
+        graph_.for_each_neighbour(region[k], [&](PatchId q) {
+          check_();
+          if (!is_free(q) || is_visited[q] != 0) return;
+          is_visited[q] = 1;
+          region.push_back(q);
+        });
+      drop_flat(region);
+      if (region.size() < kMinFreeFacets) continue;
+      double area = 0;
+      for (const PatchId p : region) area += graph_.area(p);
+      regions.push_back({area, region});
+    }
+    std::stable_sort(regions.begin(), regions.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+    for (std::size_t i = 0; i < regions.size(); ++i) {
+      RecognisedSurface record;
+      record.reason = FreeReason::kNoKindFits;
+      if (i < kMaxExplained) explain(regions[i].second, record);
+      add_facets(regions[i].second, result_.surfaces.push_back(std::move(record)));
+    }
+  }
+
+  /// Removes facets from a region that are much larger than the others.
+  void drop_flat(std::vector<PatchId>& region) const {
+    if (region.size() < kMinFreeFacets) return;
+    std::vector<double> areas;
+    for (const PatchId p : region) areas.push_back(graph_.area(p));
+    auto middle = areas.begin() + static_cast<std::ptrdiff_t>(areas.size() / 2);
+    std::nth_element(areas.begin(), middle, areas.end());
+    std::erase_if(region, [&](PatchId p) { return graph_.area(p) > kFlatArea * *middle; });
+  }
+
+  /// Finds the kind that comes nearest to a free region.
+  void explain(std::span<const PatchId> region, RecognisedSurface& record) {
+    const std::size_t step = (region.size() + kMaxSamples - 1) / kMaxSamples;
+    std::vector<PatchId> chosen;
+    for (std::size_t i = 0; i < region.size(); i += step) chosen.push_back(region[i]);
+    const std::vector<Vec3> corners = corners_of(chosen);
+    std::vector<FacetPlace> places;
+    for (const PatchId p : chosen) {
+      Vec3 sum;
+      int count = 0;
+      graph_.for_each_corner(p, [&](const Vec3& q) {
+        sum += q;
+        ++count;
+      });
+      places.push_back({(1.0 / count) * sum, graph_.normal(p)});
+    }
+    double best = HUGE_VAL;
+    const auto attempt = [&](const std::optional<AnalyticSurface>& guess) {
+      const auto fitted = guess ? fit_from(*guess, corners) : std::nullopt;
+      if (!fitted) return;
+      double deviation = 0;
+      for (const Vec3& p : corners) deviation = std::max(deviation, std::fabs(fitted->distance(p)));
+      if (!(deviation < best)) return;
+      best = deviation;
+      record.nearest_kind = fitted->kind;
+      record.nearest_deviation = deviation * unit();
+    };
+    attempt(guess_sphere(corners));
+    attempt(guess_cylinder(corners, places));
+    attempt(guess_cone(corners, places));
+    attempt(guess_torus(corners, places));
+  }
+
+  /// Adds a plane for each facet that is left.
+  void add_planes() {
+    for (std::size_t i = 0; i < graph_.size(); ++i) {
+      check_();
+      const PatchId p(i);
+      if (result_.of_patch[p].is_valid()) continue;
+      const PatchSummary& patch = facets_.summaries[i];
+      RecognisedSurface plane;
+      plane.shape = {SurfaceKind::kPlane, patch.offset * patch.normal, patch.normal, 0, 0, 0};
+      plane.tolerance = rules_.tolerance;
+      plane.deviation = patch.deviation;
+      plane.patches = 1;
+      plane.faces = patch.input_faces;
+      plane.area = patch.area;
+      graph_.for_each_corner(p, [&](const Vec3& q) { plane.extent.add({in_model(q), in_model(q)}); });
+      result_.of_patch[p] = result_.surfaces.push_back(std::move(plane));
+    }
+  }
+
+  /// Numbers the surfaces by kind, and from large to small.
+  void put_in_order() {
+    std::vector<std::uint32_t> order(result_.surfaces.size());
+    for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
+    sort_stoppable(order.begin(), order.end(), control_, [&](std::uint32_t i, std::uint32_t j) {
+      const RecognisedSurface &a = result_.surfaces[SurfaceId(i)], &b = result_.surfaces[SurfaceId(j)];
+      if (a.shape.kind != b.shape.kind) return a.shape.kind < b.shape.kind;
+      if (a.area != b.area) return a.area > b.area;
+      if (a.extent.min != b.extent.min) return a.extent.min < b.extent.min;
+      return i < j;
+    });
+    std::vector<SurfaceId> now(order.size());
+    IdVector<SurfaceId, RecognisedSurface> sorted;
+    sorted.reserve(order.size());
+    for (std::uint32_t i = 0; i < order.size(); ++i) {
+      now[order[i]] = SurfaceId(i);
+      sorted.push_back(std::move(result_.surfaces[SurfaceId(order[i])]));
+    }
+    result_.surfaces = std::move(sorted);
+    for (SurfaceId& s : result_.of_patch) s = now[s.value];
+  }
+
+  const Facets& facets_;
+  const FacetGraph& graph_;
+  const RecognitionRules& rules_;
+  RunControl& control_;
+  StopCheck check_;
+  RecognisedSurfaces result_;
+};
+
+}  // namespace
+
+RecognisedSurfaces make_records(const Facets& facets, const FacetGraph& graph, std::vector<Claim> claims,
+                                const RecognitionRules& rules, RunControl& control) {
+  return Records(facets, graph, rules, control).make(std::move(claims));
+}
+
+}  // namespace remesh

@@ -1,0 +1,21 @@
+/// Makes the list of surfaces of the claims that were made for them.
+#pragma once
+
+#include <vector>
+
+#include "core/base/run_control.h"
+#include "core/patches/facet_graph.h"
+#include "core/patches/recognised_surfaces.h"
+#include "core/patches/surface_claims.h"
+#include "core/patches/surface_recognition.h"
+
+namespace remesh {
+
+/// Joins claims for equal surfaces, measures all surfaces, and divides the facets that nobody claims into planes and
+/// free regions.
+/// Input:  no facet is in two claims.
+/// Errors: kCancelled, kTimeout - asked to stop through `control`.
+RecognisedSurfaces make_records(const Facets& facets, const FacetGraph& graph, std::vector<Claim> claims,
+                                const RecognitionRules& rules, RunControl& control);
+
+}  // namespace remesh

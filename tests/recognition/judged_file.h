@@ -1,0 +1,54 @@
+/// Judges what recognition claims of one mesh.
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "tests/recognition/step_truth.h"
+#include "tests/support/claims.h"
+
+namespace remesh::recognition {
+
+/// Areas of the STEP faces of one kind, in squared model units. The right, wrong and unclaimed areas add up to `judged`.
+struct KindAreas {
+  std::size_t faces = 0;  ///< STEP faces
+  std::size_t judged_faces = 0;
+  double all = 0;
+  double judged = 0;  ///< of faces that recognition can be expected to find
+  double right = 0;
+  double wrong_kind = 0;   ///< claimed as another kind of curved surface
+  double wrong_shape = 0;  ///< the kind is right, but the place or a radius is not
+  double unclaimed = 0;    ///< claimed as planes, or free, or dropped
+  double claimed = 0;      ///< of all faces, judged or not: claimed as any curved surface
+  double fitting = 0;      ///< free-form: claimed, and the whole face does lie on the claimed surface
+};
+
+/// What one STEP face was claimed as.
+struct FaceVerdict {
+  const StepFace* face = nullptr;
+  FaceShape shape;
+  bool is_judged = false;
+  double right = 0;  ///< area
+  /// The area and the error by claimed surface. The surface is invalid for planes, free regions and dropped faces.
+  struct Part {
+    double area = 0;
+    ClaimError error;
+  };
+  std::map<SurfaceId, Part> parts;
+};
+
+struct JudgedFile {
+  double step = 0;             ///< the float step at the largest coordinate
+  double micros_per_face = 0;  ///< the shortest time of the stage `surfaces`, with one thread
+  test::Claims claims;
+  std::vector<test::ClaimFit> fits;
+  std::map<SurfaceKind, KindAreas> kinds;  ///< empty without truth
+  std::vector<FaceVerdict> verdicts;       ///< one per STEP face
+};
+
+/// Judges a mesh. `truth` may be null. The faces of `truth` must outlive the answer.
+/// A STEP face is judged if its corners lie within 6 steps of its surface and if it has at least 4 facets.
+JudgedFile judge(const PolygonMesh& mesh, const std::vector<StepFace>* truth, int runs);
+
+}  // namespace remesh::recognition
