@@ -124,8 +124,10 @@ std::string write_json_answer(const Result& result, const RequestOptions& option
 
 std::string write_mesh_answer(Format format, const Result& result, StageTimes& times, RunControl& control) {
   const Clock::time_point start = Clock::now();
-  std::string body =
-      write_mesh(format, result.mesh, result.face_patch, summary_comments(summary_of(result.report)), control);
+  std::string body = write_mesh(format,
+                                {result.mesh, result.face_patch, summary_comments(summary_of(result.report)),
+                                 result.report.surfaces.of_patch.items()},
+                                control);
   times.add(Stage::kWrite, ms_since(start));
   return body;
 }
