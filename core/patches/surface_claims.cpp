@@ -28,6 +28,15 @@ constexpr double kMaxUneven = 2.6;
 /// A torus through three circles about one axis proves nothing, because there always is one.
 constexpr int kMinRings = 4;
 
+/// A surface of so many facets is believed if half of their corners are this close to it, in tolerances: rounding alone
+/// moves them by so much.
+constexpr double kCloseFit = 0.1;
+constexpr std::size_t kClearFacets = 8;
+
+/// Any other surface must end where it ends. If the next facet leaves it by no more than this many chord heights, the
+/// facets go on as if nothing had happened, and at most this part of the border may be such.
+constexpr double kSoftBorder = 4, kMaxSoft = 0.15;
+
 /// The smallest numbers of facets that are believed.
 std::size_t min_facets(SurfaceKind kind) { return kind == SurfaceKind::kTorus ? 6 : 4; }
 
@@ -240,7 +249,7 @@ bool ClaimGrower::has_enough_rings(const AnalyticSurface& torus, double toleranc
 
 std::optional<Claim> ClaimGrower::grow(const AnalyticSurface& start, std::span<const PatchId> seed, Taken may_replace) {
   ++growth_;
-  Claim claim;
+  given_up_.clear();
   AnalyticSurface shape = start;
   double facing = 0;
   {
@@ -258,20 +267,27 @@ std::optional<Claim> ClaimGrower::grow(const AnalyticSurface& start, std::span<c
     members.push_back(p);
   }
   if (members.size() < 2 || 2 * members.size() < seed.size()) return std::nullopt;
+  std::optional<Claim> claim;
+  if (grow_members(shape, side, may_replace, members)) claim = conclude(shape, side, members);
+  if (!claim) given_up_ = std::move(members);
+  return claim;
+}
+
+bool ClaimGrower::grow_members(AnalyticSurface& shape, int side, Taken may_replace, std::vector<PatchId>& members) {
   constexpr int kMaxRounds = 80;
   bool is_exact = false;
   for (int round = 0; round < kMaxRounds; ++round) {
     const std::size_t before = members.size();
     const double slack = slack_of(before) * tolerance_;
     if (expand(Gauge(shape), slack, side, may_replace, 2 * before + 2, members)) {
-      if (!refit(shape, members, Precision::kGoodEnough)) return std::nullopt;
+      if (!refit(shape, members, Precision::kGoodEnough)) return false;
       is_exact = false;
       trim(shape, slack_of(members.size()) * tolerance_, side, members);
       if (members.size() <= before) break;
     } else {
       // A better fit may reach further.
       if (is_exact) break;
-      if (before < min_facets(shape.kind) || !refit(shape, members, Precision::kExact)) return std::nullopt;
+      if (before < min_facets(shape.kind) || !refit(shape, members, Precision::kExact)) return false;
       is_exact = true;
     }
   }
@@ -281,12 +297,31 @@ std::optional<Claim> ClaimGrower::grow(const AnalyticSurface& start, std::span<c
     const std::size_t before = members.size();
     trim(shape, tolerance_, side, members);
     const bool is_settled = members.size() == before;
-    if (members.size() < min_facets(shape.kind)) return std::nullopt;
+    if (members.size() < min_facets(shape.kind)) return false;
     if (!expand(Gauge(shape), tolerance_, side, may_replace, static_cast<std::size_t>(-1), members) && is_settled)
       break;
-    if (!refit(shape, members, Precision::kExact)) return std::nullopt;
+    if (!refit(shape, members, Precision::kExact)) return false;
   }
-  return conclude(shape, side, std::move(members));
+  return true;
+}
+
+bool ClaimGrower::goes_on_beyond(const Gauge& gauge, const Claim& claim) {
+  // The facets of the claim are marked, and only they are.
+  ++growth_;
+  for (const PatchId p : claim.facets) mark_[p] = growth_;
+  std::size_t sides = 0, soft = 0;
+  for (const PatchId p : claim.facets)
+    for (std::uint32_t s = graph_.sides_begin(p); s < graph_.sides_end(p); ++s) {
+      check_();
+      const PatchId q = graph_.beyond(s);
+      if (q.is_valid() && mark_[q] == growth_) continue;
+      ++sides;
+      if (!q.is_valid() || !graph_.may_be_curved(q)) continue;
+      double distance = 0;
+      graph_.for_each_corner(q, [&](const Vec3& c) { distance = std::max(distance, std::fabs(gauge.distance(c))); });
+      if (distance <= kSoftBorder * claim.chord_height) ++soft;
+    }
+  return static_cast<double>(soft) > kMaxSoft * static_cast<double>(sides);
 }
 
 std::optional<Claim> ClaimGrower::conclude(AnalyticSurface shape, int side, std::vector<PatchId> members) {
@@ -314,7 +349,14 @@ std::optional<Claim> ClaimGrower::conclude(AnalyticSurface shape, int side, std:
       if (shape.kind == SurfaceKind::kTorus && !has_enough_rings(shape, tolerance_)) return std::nullopt;
       Claim claim{shape, side, std::move(members), 0, 0, chord_height};
       const Gauge gauge(shape);
-      for (const Vec3& p : points_) claim.deviation = std::max(claim.deviation, std::fabs(gauge.distance(p)));
+      std::size_t close = 0;
+      for (const Vec3& p : points_) {
+        const double d = std::fabs(gauge.distance(p));
+        claim.deviation = std::max(claim.deviation, d);
+        if (d <= kCloseFit * tolerance_) ++close;
+      }
+      const bool is_clear = 2 * close >= points_.size() && claim.facets.size() >= kClearFacets;
+      if (!is_clear && claim.deviation > kCloseFit * tolerance_ && goes_on_beyond(gauge, claim)) return std::nullopt;
       for (const PatchId p : claim.facets) claim.area += graph_.area(p);
       return claim;
     }
