@@ -33,9 +33,10 @@ constexpr int kMinRings = 4;
 constexpr double kCloseFit = 0.1;
 constexpr std::size_t kClearFacets = 8;
 
-/// Any other surface must end where it ends. If the next facet leaves it by no more than this many chord heights, the
-/// facets go on as if nothing had happened, and at most this part of the border may be such.
-constexpr double kSoftBorder = 4, kMaxSoft = 0.15;
+/// Any other surface must end where it ends. If the next facet leaves it by no more than this many chord heights, or
+/// is not larger than this many facets of the surface, the facets go on as if nothing had happened. At most this part of
+/// the border may be such.
+constexpr double kSoftBorder = 4, kAlikeArea = 4, kMaxSoft = 0.15;
 
 /// The smallest numbers of facets that are believed.
 std::size_t min_facets(SurfaceKind kind) { return kind == SurfaceKind::kTorus ? 6 : 4; }
@@ -310,6 +311,9 @@ bool ClaimGrower::goes_on_beyond(const Gauge& gauge, const Claim& claim) {
   ++growth_;
   for (const PatchId p : claim.facets) mark_[p] = growth_;
   std::size_t sides = 0, soft = 0;
+  double area = 0;
+  for (const PatchId p : claim.facets) area += graph_.area(p);
+  const double alike = kAlikeArea * area / static_cast<double>(claim.facets.size());
   for (const PatchId p : claim.facets)
     for (std::uint32_t s = graph_.sides_begin(p); s < graph_.sides_end(p); ++s) {
       check_();
@@ -319,7 +323,7 @@ bool ClaimGrower::goes_on_beyond(const Gauge& gauge, const Claim& claim) {
       if (!q.is_valid() || !graph_.may_be_curved(q)) continue;
       double distance = 0;
       graph_.for_each_corner(q, [&](const Vec3& c) { distance = std::max(distance, std::fabs(gauge.distance(c))); });
-      if (distance <= kSoftBorder * claim.chord_height) ++soft;
+      if (distance <= kSoftBorder * claim.chord_height || graph_.area(q) <= alike) ++soft;
     }
   return static_cast<double>(soft) > kMaxSoft * static_cast<double>(sides);
 }
