@@ -28,10 +28,11 @@ constexpr double kMaxUneven = 2.6;
 /// A torus through three circles about one axis proves nothing, because there always is one.
 constexpr int kMinRings = 4;
 
-/// A surface of so many facets is believed if half of their corners are this close to it, in tolerances: rounding alone
-/// moves them by so much.
+/// Rounding alone moves corners by this many tolerances. A surface is believed if so large a part of its corners is as
+/// close to it; the smaller part holds for many facets.
 constexpr double kCloseFit = 0.1;
-constexpr std::size_t kClearFacets = 8;
+constexpr double kCloseOfFew = 0.9, kCloseOfMany = 0.5;
+constexpr std::size_t kManyFacets = 40;
 
 /// Any other surface must end where it ends. If the next facet leaves it by no more than this many chord heights, or
 /// is not larger than this many facets of the surface, the facets go on as if nothing had happened. At most this part of
@@ -359,8 +360,9 @@ std::optional<Claim> ClaimGrower::conclude(AnalyticSurface shape, int side, std:
         claim.deviation = std::max(claim.deviation, d);
         if (d <= kCloseFit * tolerance_) ++close;
       }
-      const bool is_clear = 2 * close >= points_.size() && claim.facets.size() >= kClearFacets;
-      if (!is_clear && claim.deviation > kCloseFit * tolerance_ && goes_on_beyond(gauge, claim)) return std::nullopt;
+      const double part = static_cast<double>(close) / static_cast<double>(points_.size());
+      const bool is_clear = part >= (claim.facets.size() < kManyFacets ? kCloseOfFew : kCloseOfMany);
+      if (!is_clear && goes_on_beyond(gauge, claim)) return std::nullopt;
       for (const PatchId p : claim.facets) claim.area += graph_.area(p);
       return claim;
     }
