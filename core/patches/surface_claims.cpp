@@ -311,7 +311,7 @@ bool ClaimGrower::goes_on_beyond(const Gauge& gauge, const Claim& claim) {
   // The facets of the claim are marked, and only they are.
   ++growth_;
   for (const PatchId p : claim.facets) mark_[p] = growth_;
-  std::size_t sides = 0, soft = 0;
+  double border = 0, soft = 0;
   double area = 0;
   for (const PatchId p : claim.facets) area += graph_.area(p);
   const double alike = kAlikeArea * area / static_cast<double>(claim.facets.size());
@@ -320,13 +320,14 @@ bool ClaimGrower::goes_on_beyond(const Gauge& gauge, const Claim& claim) {
       check_();
       const PatchId q = graph_.beyond(s);
       if (q.is_valid() && mark_[q] == growth_) continue;
-      ++sides;
+      const double length = norm(graph_.position(graph_.vertex_after(p, s)) - graph_.position(graph_.vertex(s)));
+      border += length;
       if (!q.is_valid() || !graph_.may_be_curved(q)) continue;
       double distance = 0;
       graph_.for_each_corner(q, [&](const Vec3& c) { distance = std::max(distance, std::fabs(gauge.distance(c))); });
-      if (distance <= kSoftBorder * claim.chord_height || graph_.area(q) <= alike) ++soft;
+      if (distance <= kSoftBorder * claim.chord_height || graph_.area(q) <= alike) soft += length;
     }
-  return static_cast<double>(soft) > kMaxSoft * static_cast<double>(sides);
+  return soft > kMaxSoft * border;
 }
 
 std::optional<Claim> ClaimGrower::conclude(AnalyticSurface shape, int side, std::vector<PatchId> members) {
