@@ -14,6 +14,9 @@ constexpr double kFirstSlack = 20;
 /// The surface is fitted to at most this many facets while it grows, evenly chosen.
 constexpr std::size_t kFitFacets = 64, kExactFitFacets = 256;
 
+/// A fit to growing facets begins near its end.
+constexpr int kMaxFitSteps = 6;
+
 /// A fit is good enough to grow further if the root mean square of the distances is this many tolerances.
 constexpr double kGoodEnough = 0.2;
 
@@ -174,7 +177,8 @@ bool ClaimGrower::refit(AnalyticSurface& shape, std::span<const PatchId> members
   }
   const double good = precision == Precision::kExact ? 0 : kGoodEnough * tolerance_;
   if (sum <= static_cast<double>(points_.size()) * good * good) return true;
-  const std::optional<AnalyticSurface> better = fit_from(shape, points_, {good, kFirstSlack * tolerance_});
+  const std::optional<AnalyticSurface> better =
+      fit_from(shape, points_, {good, kFirstSlack * tolerance_, kMaxFitSteps});
   if (better) shape = *better;
   return better.has_value();
 }
@@ -271,7 +275,7 @@ std::optional<Claim> ClaimGrower::grow(const AnalyticSurface& start, std::span<c
   if (members.size() < 2 || 2 * members.size() < seed.size()) return std::nullopt;
   std::optional<Claim> claim;
   if (grow_members(shape, side, may_replace, members)) claim = conclude(shape, side, members);
-  if (!claim) given_up_ = std::move(members);
+  if (!claim && members.size() >= min_facets(shape.kind)) given_up_ = std::move(members);
   return claim;
 }
 
