@@ -411,7 +411,7 @@ Model tee(int n) {
   };
   for (std::size_t j = 0; j + 1 < xs.size(); ++j)
     for (int k = 0; k < steps; ++k)
-      sculptor.face({below(j, k), below(j, k + 1), below(j + 1, k + 1), below(j + 1, k)}, main_pipe);
+      sculptor.face({below(j, k), below(j + 1, k), below(j + 1, k + 1), below(j, k + 1)}, main_pipe);
   return sculptor.take(label("tee", {n}));
 }
 

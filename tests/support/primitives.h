@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -82,6 +83,8 @@ struct Variant {
   Storage storage = Storage::kDoubles;
   bool is_rotated = false;
   bool is_moved = false;
+
+  friend std::ostream& operator<<(std::ostream& out, const Variant& variant) { return out << variant.name; }
 };
 /// The variants that recognition has to see through.
 std::vector<Variant> variants();
