@@ -124,8 +124,10 @@ std::string write_json_answer(const Result& result, const RequestOptions& option
 
 std::string write_mesh_answer(Format format, const Result& result, StageTimes& times, RunControl& control) {
   const Clock::time_point start = Clock::now();
-  std::string body =
-      write_mesh(format, result.mesh, result.face_patch, summary_comments(summary_of(result.report)), control);
+  std::string body = write_mesh(format,
+                                {result.mesh, result.face_patch, summary_comments(summary_of(result.report)),
+                                 result.report.surfaces.of_patch.items()},
+                                control);
   times.add(Stage::kWrite, ms_since(start));
   return body;
 }
@@ -186,6 +188,12 @@ AnalysisAnswer run_analyze_job(Job job, const Limits& limits, RunControl& contro
 std::string report_document(const RemeshAnswer& answer, RunControl& control) {
   JsonWriter json;
   write_report(json, answer.report, answer.options, ReportKind::kRemesh, answer.times, control);
+  return json.take() + "\n";
+}
+
+std::string report_document(const AnalysisAnswer& answer, RunControl& control) {
+  JsonWriter json;
+  write_report(json, answer.report, answer.options, ReportKind::kAnalysis, answer.times, control);
   return json.take() + "\n";
 }
 

@@ -1,6 +1,7 @@
 #include "api/report_json.h"
 
 #include <algorithm>
+#include <numbers>
 #include <type_traits>
 
 #include "core/base/error.h"
@@ -72,6 +73,18 @@ void write_quality(JsonWriter& json, const Quality& quality) {
   json.end_object();
 }
 
+/// Writes a box, or null if it is empty.
+void write_box(JsonWriter& json, std::string_view name, const Box3& box) {
+  json.key(name);
+  if (box.is_empty()) return json.null();
+  json.begin_object();
+  json.key("min");
+  write_point(json, box.min);
+  json.key("max");
+  write_point(json, box.max);
+  json.end_object();
+}
+
 void write_statistics_members(JsonWriter& json, const MeshStatistics& mesh) {
   json.member("vertices", mesh.vertices);
   json.member("faces", mesh.faces);
@@ -84,17 +97,7 @@ void write_statistics_members(JsonWriter& json, const MeshStatistics& mesh) {
   json.member("area", mesh.area);
   json.member("volume", mesh.volume);
   json.member("intersecting_pairs", mesh.intersecting_pairs);
-  json.key("bounding_box");
-  if (mesh.bounding_box.is_empty()) {
-    json.null();
-  } else {
-    json.begin_object();
-    json.key("min");
-    write_point(json, mesh.bounding_box.min);
-    json.key("max");
-    write_point(json, mesh.bounding_box.max);
-    json.end_object();
-  }
+  write_box(json, "bounding_box", mesh.bounding_box);
   json.key("quality");
   write_quality(json, mesh.quality);
 }
@@ -128,7 +131,89 @@ void write_options(JsonWriter& json, const RequestOptions& options) {
   json.end_object();
 }
 
-void write_patches(JsonWriter& json, const std::vector<PatchSummary>& patches, RunControl& control) {
+/// Writes what describes a surface of its kind: where it is, and how large.
+void write_shape(JsonWriter& json, const RecognisedSurface& surface) {
+  const AnalyticSurface& shape = surface.shape;
+  const SurfaceKind kind = shape.kind;
+  if (kind == SurfaceKind::kFree) return;
+  json.key("point");
+  write_point(json, shape.origin);
+  if (kind == SurfaceKind::kPlane) {
+    json.key("normal");
+    write_point(json, shape.axis);
+    json.member("offset", dot(shape.axis, shape.origin));
+  } else if (kind != SurfaceKind::kSphere) {
+    json.key("axis");
+    write_point(json, shape.axis);
+  }
+  if (kind == SurfaceKind::kCylinder || kind == SurfaceKind::kSphere) json.member("radius", shape.radius);
+  if (kind == SurfaceKind::kTorus) {
+    json.member("major_radius", shape.radius);
+    json.member("minor_radius", shape.minor_radius);
+  }
+  if (kind == SurfaceKind::kCone) json.member("half_angle_deg", shape.half_angle * 180 / std::numbers::pi);
+  if (kind == SurfaceKind::kRevolution) {
+    json.key("profile");
+    json.begin_array();
+    for (const Vec2& at : surface.profile) {
+      json.begin_array();
+      json.number(at.x);
+      json.number(at.y);
+      json.end_array();
+    }
+    json.end_array();
+  }
+}
+
+/// Writes the reason why a free region has no surface, and which kind of surface comes nearest to it.
+void write_freedom(JsonWriter& json, const RecognisedSurface& region) {
+  json.member("reason", reason_name(region.reason));
+  const bool has_nearest = region.nearest_kind != SurfaceKind::kFree;
+  json.member("nearest_kind", has_nearest ? std::optional(kind_name(region.nearest_kind)) : std::nullopt);
+  json.member("nearest_deviation", has_nearest ? std::optional(region.nearest_deviation) : std::nullopt);
+}
+
+void write_surface(JsonWriter& json, SurfaceId id, const RecognisedSurface& surface) {
+  const bool is_free = surface.shape.kind == SurfaceKind::kFree;
+  const bool is_curved = !is_free && surface.shape.kind != SurfaceKind::kPlane;
+  json.begin_object();
+  json.member("id", std::uint64_t{id.value});
+  json.member("kind", kind_name(surface.shape.kind));
+  write_shape(json, surface);
+  if (is_curved) {
+    json.member("side", side_name(surface.side));
+    json.member("sweep_deg", surface.sweep_deg);
+  }
+  json.member("patches", surface.patches);
+  json.member("faces", surface.faces);
+  json.member("area", surface.area);
+  if (is_curved) {
+    json.member("input_chord_height", surface.input_chord_height);
+    json.member("input_turn_deg", surface.input_turn_deg);
+  }
+  if (!is_free) {
+    json.member("tolerance", surface.tolerance);
+    json.member("deviation", surface.deviation);
+  }
+  write_box(json, "bounding_box", surface.extent);
+  if (is_free) write_freedom(json, surface);
+  json.end_object();
+}
+
+void write_surfaces(JsonWriter& json, const RecognisedSurfaces& surfaces, RunControl& control) {
+  Pace pace(control);
+  json.begin_array();
+  SurfaceId id(0);
+  for (const RecognisedSurface& surface : surfaces.surfaces) {
+    pace();
+    write_surface(json, id, surface);
+    ++id.value;
+  }
+  json.end_array();
+}
+
+void write_patches(JsonWriter& json, const std::vector<PatchSummary>& patches, const RecognisedSurfaces& surfaces,
+                   RunControl& control) {
   Pace pace(control);
   json.begin_array();
   for (std::size_t id = 0; id < patches.size(); ++id) {
@@ -136,6 +221,9 @@ void write_patches(JsonWriter& json, const std::vector<PatchSummary>& patches, R
     const PatchSummary& patch = patches[id];
     json.begin_object();
     json.member("id", std::uint64_t{id});
+    const SurfaceId surface = surfaces.of_patch[PatchId(id)];
+    json.member("kind", kind_name(surfaces.surfaces[surface].shape.kind));
+    json.member("surface", std::uint64_t{surface.value});
     json.key("normal");
     write_point(json, patch.normal);
     json.member("offset", patch.offset);
@@ -317,7 +405,9 @@ void write_report(JsonWriter& json, const Report& report, const RequestOptions& 
     write_output(json, report);
   }
   json.key("patches");
-  write_patches(json, report.patches, control);
+  write_patches(json, report.patches, report.surfaces, control);
+  json.key("surfaces");
+  write_surfaces(json, report.surfaces, control);
   json.key("diagnostics");
   write_diagnostics(json, report.diagnostics);
   json.key("volume_ready");

@@ -15,7 +15,7 @@ static_assert(std::endian::native == std::endian::little, "archives are little-e
 static_assert(sizeof(Vec3) == 24);
 
 /// The last digit is the version of the format.
-constexpr std::string_view kMagic = "REMESHD3";
+constexpr std::string_view kMagic = "REMESHD4";
 
 constexpr std::uint32_t value_of(std::uint32_t number) { return number; }
 template <class Tag>
@@ -257,6 +257,7 @@ std::string pack_result(const KeptResult& kept) {
   out.labels(result.mesh.labels.material);
   out.texts(result.mesh.labels.material_libraries);
   out.ids(result.face_patch.items());
+  out.ids(result.report.surfaces.of_patch.items());
   out.ids(result.face_source.items());
   out.ids(result.input_face_patch.items());
   pack(result.basis, out);
@@ -288,6 +289,7 @@ KeptResult unpack_result(std::string_view bytes) {
   in.labels(result.mesh.labels.material);
   result.mesh.labels.material_libraries = in.texts();
   in.ids(result.face_patch.items());
+  in.ids(result.report.surfaces.of_patch.items());
   in.ids(result.face_source.items());
   in.ids(result.input_face_patch.items());
   unpack(in, result.basis);

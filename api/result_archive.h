@@ -22,7 +22,8 @@ struct KeptResult {
   /// The report on the result in doubles, as JSON. It is empty unless the job's own report describes coordinates that
   /// were rounded for its format.
   std::string exact_report;
-  Result result;  ///< the result in doubles, with its basis; its report is empty
+  /// The result in doubles, with its basis. Its report is empty, except for the surfaces of the patches.
+  Result result;
 };
 
 /// Packs a result.

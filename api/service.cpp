@@ -289,8 +289,10 @@ Response write_kept(std::string_view mesh, const std::function<std::string()>& r
     const bool local_origin = is_origin_named ? options.options().core.local_origin : kept.local_origin;
     if (round_output(storage_of(format), local_origin, kept.result, control))
       update_summary(kept.result, kept.summary, control);
-    response.body =
-        write_mesh(format, kept.result.mesh, kept.result.face_patch, summary_comments(kept.summary), control);
+    response.body = write_mesh(format,
+                               {kept.result.mesh, kept.result.face_patch, summary_comments(kept.summary),
+                                kept.result.report.surfaces.of_patch.items()},
+                               control);
   }
   response.headers = result_headers(summary_line(kept.summary), kept.server_timing, kept.file_name, format);
   return response;

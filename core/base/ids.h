@@ -45,10 +45,15 @@ struct FaceTag {
 struct PatchTag {
   static constexpr char kPrefix = 'p';
 };
+struct SurfaceTag {
+  static constexpr char kPrefix = 's';
+};
 
 using VertexId = Id<VertexTag>;
 using FaceId = Id<FaceTag>;
 using PatchId = Id<PatchTag>;
+/// Stands for a surface that facets were made from (see recognised_surfaces.h), and not for a Surface.
+using SurfaceId = Id<SurfaceTag>;
 
 /// A vector that is indexed by one kind of id only.
 template <class I, class T, class Allocator = std::allocator<T>>

@@ -83,15 +83,9 @@ const std::array<FormatSpec, kFormats.size()> kSpecs{{
      [](const Sniffed& s) {
        return likely_if(s.first_word.starts_with('<') && s.text.find("<VTKFile") != std::string_view::npos);
      },
-     nullptr,
-     [](const WriterInput& in, RunControl& control) {
-       return write_vtu(in.mesh, in.face_patch, in.comments, control);
-     }},
+     nullptr, write_vtu},
     {"msh", "msh", "application/x-gmsh", Storage::kDouble,
-     [](const Sniffed& s) { return likely_if(s.first_word == "$MeshFormat"); }, nullptr,
-     [](const WriterInput& in, RunControl& control) {
-       return write_msh(in.mesh, in.face_patch, in.comments, control);
-     }},
+     [](const Sniffed& s) { return likely_if(s.first_word == "$MeshFormat"); }, nullptr, write_msh},
 }};
 
 }  // namespace

@@ -29,13 +29,6 @@ enum class Mark {
   kCertain,   ///< no other format looks like this, whatever its first words say
 };
 
-/// The input of a writer.
-struct WriterInput {
-  const TriangleMesh& mesh;
-  const IdVector<FaceId, PatchId>& face_patch;
-  const std::vector<std::string>& comments;
-};
-
 /// One format. The page and the documents have names of their own for it. The media type stands here although only the
 /// API and the daemon use it, because then one row is all that the code has to know of a format.
 struct FormatSpec {

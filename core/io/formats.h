@@ -4,11 +4,13 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/base/diagnostic.h"
+#include "core/base/ids.h"
 #include "core/base/options.h"
 #include "core/base/run_control.h"
 #include "core/mesh/mesh.h"
@@ -59,6 +61,15 @@ struct ReadLimits {
 struct DecompressionLimits {
   std::uint64_t max_bytes = std::uint64_t{1} << 30;
   std::uint64_t max_ratio = 100;  ///< decompressed to compressed bytes; the first MiB is exempt
+};
+
+/// The input of a writer. Only the formats that have a place for them write the ids and the comments.
+struct WriterInput {
+  const TriangleMesh& mesh;
+  const IdVector<FaceId, PatchId>& face_patch;
+  const std::vector<std::string>& comments;
+  /// The surface that each patch is a piece of; empty if it is not known.
+  std::span<const SurfaceId> surface_of_patch = {};
 };
 
 /// The result of a reader: the mesh, and diagnostics about what was dropped (`attribute_dropped`, ...).

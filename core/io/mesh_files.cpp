@@ -11,10 +11,9 @@ ReadResult read_mesh(Format format, std::string_view content, const ReadLimits& 
               "the format " + std::string(format_name(format)) + " is not read here");
 }
 
-std::string write_mesh(Format format, const TriangleMesh& mesh, const IdVector<FaceId, PatchId>& face_patch,
-                       const std::vector<std::string>& comments, RunControl& control) {
+std::string write_mesh(Format format, const WriterInput& input, RunControl& control) {
   control.enter(Stage::kWrite);
-  if (const auto write = format_spec(format).write) return write({mesh, face_patch, comments}, control);
+  if (const auto write = format_spec(format).write) return write(input, control);
   throw Error(Code::kNotAcceptable, Stage::kWrite,
               "the format " + std::string(format_name(format)) + " is not written here");
 }

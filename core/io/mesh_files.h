@@ -13,10 +13,8 @@ namespace remesh {
 /// Errors:  kUnsupportedMediaType - another format; also those of the reader.
 ReadResult read_mesh(Format format, std::string_view content, const ReadLimits& limits, RunControl& control);
 
-/// Writes any format except JSON. See write_obj and the other writers. `comments` are written if the format has a
-/// place for them, and `face_patch` if it has cell data or groups.
+/// Writes any format except JSON. See write_obj and the other writers.
 /// Errors:  kNotAcceptable - JSON; also those of the writer.
-std::string write_mesh(Format format, const TriangleMesh& mesh, const IdVector<FaceId, PatchId>& face_patch,
-                       const std::vector<std::string>& comments, RunControl& control);
+std::string write_mesh(Format format, const WriterInput& input, RunControl& control);
 
 }  // namespace remesh

@@ -29,17 +29,37 @@ void write_name(std::string& out, std::size_t tag, std::string_view name) {
   out += '\n';
 }
 
+/// Writes the number of each face's surface. Readers that do not know this section pass over it.
+void write_surfaces(std::string& out, const WriterInput& input, RunControl& control) {
+  // There is one text, the name; one real number, the time; and three integers: the number of the step in time, of
+  // values per face, and of faces.
+  out += "$ElementData\n1\n\"surface\"\n1\n0\n3\n0\n1\n";
+  append_integer(out, input.face_patch.size());
+  out += '\n';
+  StopCheck check(control);
+  std::uint64_t element = 0;
+  for (const PatchId p : input.face_patch) {
+    check();
+    append_integer(out, ++element);
+    out += ' ';
+    append_integer(out, input.surface_of_patch[p.value].value);
+    out += '\n';
+  }
+  out += "$EndElementData\n";
+}
+
 }  // namespace
 
-std::string write_msh(const TriangleMesh& mesh, const IdVector<FaceId, PatchId>& face_patch,
-                      const std::vector<std::string>& comments, RunControl& control) {
+std::string write_msh(const WriterInput& input, RunControl& control) {
   control.enter(Stage::kWrite);
+  const TriangleMesh& mesh = input.mesh;
+  const IdVector<FaceId, PatchId>& face_patch = input.face_patch;
   // If there are no labels, the patches become the physical groups.
   const LabelSet* const labels = dividing_labels(mesh.labels);
   std::string out = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n";
-  if (!comments.empty()) {
+  if (!input.comments.empty()) {
     out += "$Comments\n";
-    for (const std::string& comment : comments) {
+    for (const std::string& comment : input.comments) {
       // A line that begins with a dollar would end the section.
       for (const std::string& line : comment_lines(comment)) out += "# " + line + "\n";
     }
@@ -92,6 +112,7 @@ std::string write_msh(const TriangleMesh& mesh, const IdVector<FaceId, PatchId>&
     ++f.value;
   }
   out += "$EndElements\n";
+  if (!input.surface_of_patch.empty()) write_surfaces(out, input, control);
   return out;
 }
 

@@ -114,20 +114,25 @@ void write_cells(std::string& out, const TriangleMesh& mesh, WriteProgress& prog
   out += "</Cells>\n";
 }
 
-void write_cell_data(std::string& out, const TriangleMesh& mesh, const IdVector<FaceId, PatchId>& face_patch,
-                     const LabelKinds& kinds, RunControl& control) {
-  const std::size_t n = mesh.faces.size();
+void write_cell_data(std::string& out, const WriterInput& input, const LabelKinds& kinds, RunControl& control) {
+  const std::size_t n = input.mesh.faces.size();
   out += "<CellData Scalars=\"patch\">\n";
   DataArray patch(typed("Int32", "patch"), sizeof(std::int32_t) * n, control);
-  for (const PatchId p : face_patch) patch.add(static_cast<std::int32_t>(p.value));
+  for (const PatchId p : input.face_patch) patch.add(static_cast<std::int32_t>(p.value));
   patch.write(out);
+  if (!input.surface_of_patch.empty()) {
+    DataArray surface(typed("Int32", "surface"), sizeof(std::int32_t) * n, control);
+    for (const PatchId p : input.face_patch)
+      surface.add(static_cast<std::int32_t>(input.surface_of_patch[p.value].value));
+    surface.write(out);
+  }
   for (const auto& [kind, set] : kinds) {
     if (!set->is_used()) continue;
     DataArray labels(typed("Int32", kind), sizeof(std::int32_t) * n, control);
     for (const std::uint32_t label : set->of_face) labels.add(static_cast<std::int32_t>(label));
     labels.write(out);
   }
-  const IdVector<FaceId, FaceQuality> quality = face_quality(mesh, control);
+  const IdVector<FaceId, FaceQuality> quality = face_quality(input.mesh, control);
   const std::pair<std::string_view, double FaceQuality::*> measures[] = {
       {"min_angle_deg", &FaceQuality::min_angle_deg},
       {"radius_edge_ratio", &FaceQuality::radius_edge_ratio},
@@ -142,14 +147,14 @@ void write_cell_data(std::string& out, const TriangleMesh& mesh, const IdVector<
 
 }  // namespace
 
-std::string write_vtu(const TriangleMesh& mesh, const IdVector<FaceId, PatchId>& face_patch,
-                      const std::vector<std::string>& comments, RunControl& control) {
+std::string write_vtu(const WriterInput& input, RunControl& control) {
   control.enter(Stage::kWrite);
+  const TriangleMesh& mesh = input.mesh;
   const LabelKinds kinds{
       {{"object", &mesh.labels.object}, {"group", &mesh.labels.group}, {"material", &mesh.labels.material}}};
   WriteProgress progress(mesh.positions.size() + mesh.faces.size(), control);
   std::string out = "<?xml version=\"1.0\"?>\n";
-  for (const std::string& comment : comments) {
+  for (const std::string& comment : input.comments) {
     for (const std::string& line : comment_lines(comment)) append_comment(out, line);
   }
   for (const auto& [kind, set] : kinds) {
@@ -165,7 +170,7 @@ std::string write_vtu(const TriangleMesh& mesh, const IdVector<FaceId, PatchId>&
          std::to_string(mesh.faces.size()) + "\">\n";
   write_points(out, mesh, progress, control);
   write_cells(out, mesh, progress, control);
-  write_cell_data(out, mesh, face_patch, kinds, control);
+  write_cell_data(out, input, kinds, control);
   out += "</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
   return out;
 }

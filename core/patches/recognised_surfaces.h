@@ -1,4 +1,4 @@
-/// What the facets of a mesh were made from: the surfaces that were recognised, and which patch belongs to which.
+/// Tells what the facets of a mesh were made from: the surfaces that were recognised, and which patch belongs to which.
 #pragma once
 
 #include <cstdint>
@@ -11,11 +11,6 @@
 #include "core/geometry/patch_set.h"
 
 namespace remesh {
-
-struct SurfaceTag {
-  static constexpr char kPrefix = 's';
-};
-using SurfaceId = Id<SurfaceTag>;
 
 /// The reason why the facets of a free region belong to no surface.
 enum class FreeReason : std::uint8_t {

@@ -44,6 +44,7 @@ TEST(options, the_table_has_every_option_of_the_contract_with_its_default) {
                                                          {"split_boundaries", "true"},
                                                          {"keep_boundary_vertices", "false"},
                                                          {"plane_tolerance", "auto"},
+                                                         {"feature_angle_deg", "30"},
                                                          {"normal_tolerance", "1e-06"},
                                                          {"weld_tolerance", "0"},
                                                          {"repair", "duplicates,degenerate,t_junctions,winding,seams"},

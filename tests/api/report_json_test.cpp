@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 namespace remesh::api {
 namespace {
@@ -74,6 +75,92 @@ TEST(report_json, options_are_shown_as_they_were_used) {
   EXPECT_TRUE(options["max_radius_edge_ratio"].is_null());
   EXPECT_EQ(options["gradation"], 1.5);
   EXPECT_EQ(options["plane_tolerance"], 0.25);
+}
+
+/// A report with one surface of each kind. Each has two patches.
+Report report_of_all_kinds() {
+  Report report;
+  for (const SurfaceKind kind : {SurfaceKind::kPlane, SurfaceKind::kCylinder, SurfaceKind::kCone, SurfaceKind::kSphere,
+                                 SurfaceKind::kTorus, SurfaceKind::kRevolution, SurfaceKind::kFree}) {
+    RecognisedSurface surface;
+    surface.shape = {kind, {1, 2, 3}, {0, 0, -1}, 5, 0.5, std::numbers::pi / 4};
+    if (kind == SurfaceKind::kRevolution) surface.profile = {{1, 0}, {2, 0.5}};
+    surface.patches = 2;
+    surface.faces = 4;
+    surface.area = 1.5;
+    surface.input_chord_height = 0.125;
+    surface.input_turn_deg = 10;
+    surface.sweep_deg = 90;
+    surface.tolerance = 1e-9;
+    surface.deviation = 1e-10;
+    surface.side = SurfaceSide::kConcave;
+    surface.extent = {{0, 0, 0}, {1, 2, 4}};
+    surface.reason = FreeReason::kNoKindFits;
+    const SurfaceId id = report.surfaces.surfaces.push_back(surface);
+    for (int patch = 0; patch < 2; ++patch) {
+      report.surfaces.of_patch.push_back(id);
+      report.patches.emplace_back();
+    }
+  }
+  return report;
+}
+
+TEST(report_json, a_surface_has_the_members_of_its_kind) {
+  const Report report = report_of_all_kinds();
+  const json point = {1, 2, 3}, axis = {0, 0, -1}, box = {{"min", {0, 0, 0}}, {"max", {1, 2, 4}}};
+  json all{{"patches", 2}, {"faces", 4}, {"area", 1.5}, {"bounding_box", box}};
+  json fitted = all;
+  fitted.update(json{{"point", point}, {"tolerance", 1e-9}, {"deviation", 1e-10}});
+  json curved = fitted;
+  curved.update(json{{"side", "concave"}, {"sweep_deg", 90}, {"input_chord_height", 0.125}, {"input_turn_deg", 10}});
+  const auto with = [](json members, const json& more) {
+    members.update(more);
+    return members;
+  };
+  const json expected{
+      with(fitted, {{"id", 0}, {"kind", "plane"}, {"normal", axis}, {"offset", -3}}),
+      with(curved, {{"id", 1}, {"kind", "cylinder"}, {"axis", axis}, {"radius", 5}}),
+      with(curved, {{"id", 2}, {"kind", "cone"}, {"axis", axis}, {"half_angle_deg", 45}}),
+      with(curved, {{"id", 3}, {"kind", "sphere"}, {"radius", 5}}),
+      with(curved, {{"id", 4}, {"kind", "torus"}, {"axis", axis}, {"major_radius", 5}, {"minor_radius", 0.5}}),
+      with(curved, {{"id", 5}, {"kind", "revolution"}, {"axis", axis}, {"profile", {{1, 0}, {2, 0.5}}}}),
+      with(all, {{"id", 6},
+                 {"kind", "free"},
+                 {"reason", "no_kind_fits"},
+                 {"nearest_kind", nullptr},
+                 {"nearest_deviation", nullptr}})};
+  for (const ReportKind kind : {ReportKind::kRemesh, ReportKind::kAnalysis})
+    EXPECT_EQ(written(report, kind)["surfaces"], expected);
+}
+
+TEST(report_json, a_free_region_has_its_reason_and_the_nearest_kind) {
+  Report report;
+  RecognisedSurface region;
+  region.reason = FreeReason::kNoKindFits;
+  region.nearest_kind = SurfaceKind::kTorus;
+  region.nearest_deviation = 1.1e-4;
+  report.surfaces.surfaces.push_back(region);
+  region.reason = FreeReason::kFewFacets;
+  report.surfaces.surfaces.push_back(region);
+  region.reason = FreeReason::kUnevenFacets;
+  report.surfaces.surfaces.push_back(region);
+  const json surfaces = written(report)["surfaces"];
+  EXPECT_EQ(surfaces[0]["reason"], "no_kind_fits");
+  EXPECT_EQ(surfaces[0]["nearest_kind"], "torus");
+  EXPECT_EQ(surfaces[0]["nearest_deviation"], 1.1e-4);
+  EXPECT_EQ(surfaces[1]["reason"], "few_facets");
+  EXPECT_EQ(surfaces[2]["reason"], "uneven_facets");
+}
+
+TEST(report_json, a_patch_names_its_surface_and_the_kind_of_it) {
+  const json patches = written(report_of_all_kinds())["patches"];
+  ASSERT_EQ(patches.size(), 14u);
+  EXPECT_EQ(patches[0]["kind"], "plane");
+  EXPECT_EQ(patches[0]["surface"], 0);
+  EXPECT_EQ(patches[9]["kind"], "torus");
+  EXPECT_EQ(patches[9]["surface"], 4);
+  EXPECT_EQ(patches[13]["kind"], "free");
+  EXPECT_EQ(patches[13]["surface"], 6);
 }
 
 }  // namespace

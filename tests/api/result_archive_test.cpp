@@ -103,6 +103,7 @@ TEST(result_archive, every_number_and_label_comes_back) {
   kept.result.mesh.labels.material_libraries = {"x.mtl"};
   kept.result.mesh.faces.push_back({VertexId(2), VertexId(0xfffffffeu), VertexId(1)});
   kept.result.face_patch.push_back(PatchId(7));
+  for (const std::uint32_t id : {0u, 0u, 70000u, 1u}) kept.result.report.surfaces.of_patch.push_back(SurfaceId(id));
   for (const std::uint32_t id : {0xffffffffu, 0u, 0x80000000u, 0x7fffffffu, 63u, 64u, 127u, 128u})
     kept.result.face_source.push_back(FaceId(id));
   kept.result.input_face_patch.push_back(PatchId(3));
@@ -130,6 +131,7 @@ TEST(result_archive, every_number_and_label_comes_back) {
   EXPECT_EQ(back.result.mesh.faces, kept.result.mesh.faces);
   EXPECT_EQ(back.result.mesh.labels, kept.result.mesh.labels);
   EXPECT_EQ(back.result.face_patch, kept.result.face_patch);
+  EXPECT_EQ(back.result.report.surfaces.of_patch, kept.result.report.surfaces.of_patch);
   EXPECT_EQ(back.result.face_source, kept.result.face_source);
   EXPECT_EQ(back.result.input_face_patch, kept.result.input_face_patch);
 }

@@ -134,9 +134,10 @@ TEST(run_remesh, the_report_has_every_field_of_the_contract) {
     for (const auto& [name, value] : object.items()) names.insert(name);
     return names;
   };
-  EXPECT_EQ(keys(report), (std::set<std::string>{"version", "options", "tolerance", "input", "output", "patches",
-                                                 "diagnostics", "volume_ready", "predicted_faces", "smallest_gap",
-                                                 "unrefined", "refinement_rounds", "verified", "timing_ms"}));
+  EXPECT_EQ(keys(report),
+            (std::set<std::string>{"version", "options", "tolerance", "input", "output", "patches", "surfaces",
+                                   "diagnostics", "volume_ready", "predicted_faces", "smallest_gap", "unrefined",
+                                   "refinement_rounds", "verified", "timing_ms"}));
   for (const char* side : {"input", "output"}) {
     std::set<std::string> expected{"vertices",     "faces",  "components", "boundary_edges", "non_manifold_edges",
                                    "closed",       "euler",  "area",       "volume",         "intersecting_pairs",
@@ -151,8 +152,8 @@ TEST(run_remesh, the_report_has_every_field_of_the_contract) {
     EXPECT_DOUBLE_EQ(report[side]["volume"].get<double>(), 1);
   }
   EXPECT_EQ(keys(report["patches"][0]),
-            (std::set<std::string>{"id", "normal", "offset", "area", "input_faces", "output_faces", "loops",
-                                   "essential_vertices", "status", "reason", "deviation"}));
+            (std::set<std::string>{"id", "kind", "surface", "normal", "offset", "area", "input_faces", "output_faces",
+                                   "loops", "essential_vertices", "status", "reason", "deviation"}));
   EXPECT_EQ(report["patches"].size(), 6u);
   EXPECT_EQ(report["output"]["faces"], 12);
   EXPECT_EQ(report["volume_ready"], (json{{"ready", true}, {"reasons", json::array()}}));
@@ -535,6 +536,7 @@ TEST(openapi, the_report_schema_names_what_a_report_has) {
   expect_same_keys(schemas["Statistics"], output);
   expect_same_keys(schemas["Quality"], report["output"]["quality"]);
   expect_same_keys(schemas["Patch"], report["patches"][0]);
+  expect_same_keys(schemas["Surface"], report["surfaces"][0]);
   expect_same_keys(schemas["Verified"], report["verified"]);
   expect_same_keys(schemas["Tolerance"], report["tolerance"]);
   ASSERT_FALSE(report["unrefined"].empty());

@@ -42,7 +42,7 @@ int main(int argc, char** argv) {
   RunControl control;
   const TriangleMesh mesh = two_triangles();
   const IdVector<FaceId, PatchId> patches(2, PatchId(0));
-  const auto written = [&](Format format) { return write_mesh(format, mesh, patches, {"a comment"}, control); };
+  const auto written = [&](Format format) { return write_mesh(format, {mesh, patches, {"a comment"}}, control); };
 
   const std::map<std::string, std::vector<std::string>> seeds{
       {"head",

@@ -51,6 +51,7 @@ class Expected:
         self.points = [tuple(map(float, v)) for v in mesh["vertices"]]
         self.faces = [tuple(f) for f in mesh["faces"]]
         self.patches = mesh["face_patch"]
+        self.surfaces = [report["patches"][p]["surface"] for p in self.patches]
         self.labels = mesh.get("labels")
         self.min_angle_deg = report["output"]["quality"]["min_angle_deg"]
 
@@ -98,6 +99,8 @@ def with_meshio(labelled, plain):
             check_mesh(expected, mesh.points, faces, what)
         if kind == "vtu":
             check(list(mesh.cell_data["patch"][0]) == expected.patches, f"{what}: the patches differ")
+        if kind in ("vtu", "msh"):
+            check([int(s) for s in mesh.cell_data["surface"][0]] == expected.surfaces, f"{what}: the surfaces differ")
         if kind == "msh":
             names = {tag: name for name, (tag, _) in mesh.field_data.items()}
             groups = [names[tag] for tag in mesh.cell_data["gmsh:physical"][0]]
@@ -140,6 +143,7 @@ def with_vtk(labelled, _):
     with open(path["vtu"], encoding="utf-8") as file:
         text = file.read()
     check(values("patch") == expected.patches, "vtk, vtu: the patches differ")
+    check(values("surface") == expected.surfaces, "vtk, vtu: the surfaces differ")
     for kind in ("object", "group", "material"):
         labels = expected.labels[kind]
         check(values(kind) == labels["of_face"], f"vtk, vtu: the {kind}s differ")
@@ -200,6 +204,11 @@ def with_gmsh(labelled, _):
     check([patches[e] for e in order] == expected.patches, "gmsh, msh: the patches differ")
     names = [n.replace('"', "'") for n in expected.group_names()]
     check([groups[e] for e in order] == names, "gmsh, msh: the groups differ")
+    views = gmsh.view.getTags()
+    check(len(views) == 1, "gmsh, msh: there is not one view")
+    _, elements, values, _, _ = gmsh.view.getModelData(views[0], 0)
+    surface_of = {int(element): int(value[0]) for element, value in zip(elements, values, strict=True)}
+    check([surface_of[e] for e in order] == expected.surfaces, "gmsh, msh: the surfaces differ")
     gmsh.finalize()
     print("ok: gmsh, msh")
 

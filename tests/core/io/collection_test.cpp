@@ -213,7 +213,8 @@ TEST_F(collection, what_is_written_reads_back_bit_for_bit) {
     for (const Format format : {Format::kObj, Format::kPly, Format::kOff}) {
       SCOPED_TRACE(format_name(format));
       RunControl control;
-      const ReadResult back = read_mesh(format, write_mesh(format, mesh, patches, {row["file"]}, control), {}, control);
+      const ReadResult back =
+          read_mesh(format, write_mesh(format, {mesh, patches, {row["file"]}}, control), {}, control);
       EXPECT_TRUE(back.diagnostics.empty());
       ASSERT_EQ(back.mesh.vertex_count(), mesh.positions.size());
       EXPECT_EQ(std::memcmp(back.mesh.positions.items().data(), mesh.positions.items().data(),
@@ -247,7 +248,7 @@ TEST_F(collection, what_is_floats_comes_back_through_binary_stl_bit_for_bit) {
     const TriangleMesh triangles = triangulated(mesh);
     const IdVector<FaceId, PatchId> patches(triangles.faces.size(), PatchId(0));
     RunControl control;
-    const std::string file = write_mesh(Format::kStl, triangles, patches, {}, control);
+    const std::string file = write_mesh(Format::kStl, {triangles, patches, {}}, control);
     const PolygonMesh back = read_mesh(Format::kStl, file, {}, control).mesh;
     EXPECT_EQ(back.corners, mesh.corners);
     EXPECT_EQ(back.positions, mesh.positions);

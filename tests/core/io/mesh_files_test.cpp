@@ -39,7 +39,7 @@ Result remeshed(const PolygonMesh& mesh, const Options& options) {
 PolygonMesh through(Format format, const TriangleMesh& mesh) {
   RunControl control;
   const IdVector<FaceId, PatchId> patches(mesh.faces.size(), PatchId(0));
-  const std::string file = write_mesh(format, mesh, patches, {"a comment"}, control);
+  const std::string file = write_mesh(format, {mesh, patches, {"a comment"}}, control);
   EXPECT_EQ(sniff_format(file), format);
   return read_mesh(format, file, {}, control).mesh;
 }
@@ -65,7 +65,7 @@ TEST(mesh_files, what_is_not_read_or_written_here_is_an_error) {
   for (const Format format : {Format::kJson, Format::kVtu, Format::kMsh}) {
     EXPECT_THROW(read_mesh(format, "", {}, control), Error) << format_name(format);
   }
-  EXPECT_THROW(write_mesh(Format::kJson, {}, {}, {}, control), Error);
+  EXPECT_THROW(write_mesh(Format::kJson, {{}, {}, {}}, control), Error);
 }
 
 /// Returns two triangles on two patches.
@@ -83,16 +83,35 @@ std::pair<TriangleMesh, IdVector<FaceId, PatchId>> folded() {
 TEST(msh_writer, patches_are_physical_groups_unless_there_are_labels) {
   auto [mesh, patches] = folded();
   RunControl control;
-  EXPECT_EQ(write_mesh(Format::kMsh, mesh, patches, {"$End\nline"}, control),
+  EXPECT_EQ(write_mesh(Format::kMsh, {mesh, patches, {"$End\nline"}}, control),
             "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Comments\n# $End\n# line\n$EndComments\n"
             "$PhysicalNames\n2\n2 1 \"patch_0\"\n2 2 \"patch_1\"\n$EndPhysicalNames\n"
             "$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 0.1\n$EndNodes\n"
             "$Elements\n2\n1 2 2 1 1 1 2 3\n2 2 2 2 2 1 4 2\n$EndElements\n");
   mesh.labels.material.names = {"st\"eel\n$End"};
   mesh.labels.material.of_face.items() = {0, 0};
-  const std::string labelled = write_mesh(Format::kMsh, mesh, patches, {}, control);
+  const std::string labelled = write_mesh(Format::kMsh, {mesh, patches, {}}, control);
   EXPECT_NE(labelled.find("$PhysicalNames\n1\n2 1 \"st'eel $End\"\n$EndPhysicalNames\n"), std::string::npos);
   EXPECT_NE(labelled.find("\n2 2 2 1 2 1 4 2\n"), std::string::npos) << "group 1, patch 2";
+}
+
+TEST(msh_writer, surfaces_are_element_data_and_leave_the_groups_alone) {
+  const auto [mesh, patches] = folded();
+  RunControl control;
+  const std::string plain = write_mesh(Format::kMsh, {mesh, patches, {}}, control);
+  const std::vector<SurfaceId> surfaces{SurfaceId(3), SurfaceId(0)};
+  EXPECT_EQ(write_mesh(Format::kMsh, {mesh, patches, {}, surfaces}, control),
+            plain + "$ElementData\n1\n\"surface\"\n1\n0\n3\n0\n1\n2\n1 3\n2 0\n$EndElementData\n");
+}
+
+TEST(vtu_writer, surfaces_are_cell_data) {
+  const auto [mesh, patches] = folded();
+  RunControl control;
+  EXPECT_EQ(write_mesh(Format::kVtu, {mesh, patches, {}}, control).find("surface"), std::string::npos);
+  const std::vector<SurfaceId> surfaces{SurfaceId(1), SurfaceId(0)};
+  const std::string file = write_mesh(Format::kVtu, {mesh, patches, {}, surfaces}, control);
+  // Int32 1 and 0 behind their length of 8 bytes.
+  EXPECT_NE(file.find("Name=\"surface\" format=\"binary\">\nCAAAAAAAAAABAAAAAAAAAA==\n"), std::string::npos) << file;
 }
 
 TEST(vtu_writer, no_name_and_no_comment_can_leave_its_comment) {
@@ -100,7 +119,7 @@ TEST(vtu_writer, no_name_and_no_comment_can_leave_its_comment) {
   mesh.labels.group.names = {"a --> <b>", "caf\xe9", "caf\xc3\xa9"};
   mesh.labels.group.of_face.items() = {0, 1};
   RunControl control;
-  const std::string file = write_mesh(Format::kVtu, mesh, patches, {"--", "one\ntwo"}, control);
+  const std::string file = write_mesh(Format::kVtu, {mesh, patches, {"--", "one\ntwo"}}, control);
   EXPECT_NE(file.find("<!-- -? -->\n<!-- one -->\n<!-- two -->\n<!-- group 0: a -?> <b> -->\n<!-- group 1: caf? -->\n"
                       "<!-- group 2: caf\xc3\xa9 -->\n<VTKFile "),
             std::string::npos)
@@ -115,7 +134,7 @@ TEST(writers, all_stop_when_they_are_told_to) {
     if (format == Format::kJson) continue;
     RunControl control;
     control.cancel();
-    EXPECT_THROW(write_mesh(format, mesh, patches, {}, control), Error) << format_name(format);
+    EXPECT_THROW(write_mesh(format, {mesh, patches, {}}, control), Error) << format_name(format);
   }
 }
 
