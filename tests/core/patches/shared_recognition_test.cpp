@@ -96,7 +96,10 @@ TEST(own_recognition, the_bracket_has_ten_cylinders_and_nothing_else_that_is_cur
 
 TEST_F(shared_recognition, a_torus_is_one) {
   const Judged torus = judge_shared("curved-cad/torus_default_resolution.stl");
-  EXPECT_EQ(torus.count, (std::map<SurfaceKind, std::size_t>{{SurfaceKind::kTorus, 1}}));
+  // Where the tube is highest and lowest, a ring of facets lies in one plane, and the torus touches its rims.
+  EXPECT_EQ(torus.curved(), 1u);
+  EXPECT_EQ(torus.count.count(SurfaceKind::kTorus), 1u);
+  EXPECT_GT(torus.curved_area(), 99.99);
 }
 
 /// What a part consists of: the number of surfaces and the share of the area in percent of each curved kind.
@@ -105,15 +108,18 @@ struct Expected {
   std::map<SurfaceKind, std::pair<std::size_t, double>> kinds;
 };
 
-/// These shares were also found with another program, which fits all facets without any order of kinds.
+/// The round corners of `plate_holes` are tori with radii of 3/4 and 1/4 inch. A search that tries cones before tori finds
+/// six cones in each of them.
 const std::vector<Expected> kParts{
     {"curved-cad/round.stl", {{SurfaceKind::kCylinder, {2, 99.5}}}},
-    {"curved-cad/fe_part1.stl", {{SurfaceKind::kCylinder, {1, 18.2}}}},
-    {"planar-cad/plate_holes.STL", {{SurfaceKind::kCylinder, {14, 7.7}}, {SurfaceKind::kCone, {28, 1.5}}}},
-    {"planar-cad/1002_tray_bottom.STL", {{SurfaceKind::kCylinder, {34, 0.5}}}},
-    {"curved/shape.stl", {{SurfaceKind::kCylinder, {3, 69.9}}}},
-    {"curved-cad/hx_tube.stl.gz", {{SurfaceKind::kCylinder, {10, 58}}}},
-    {"planar-cad/part1.stl", {{SurfaceKind::kCylinder, {4, 17}}}},
+    {"curved-cad/fe_part1.stl", {{SurfaceKind::kCylinder, {1, 18.19}}}},
+    {"curved-cad/sv_cylinder.stl", {{SurfaceKind::kCylinder, {1, 86.98}}}},
+    {"planar-cad/plate_holes.STL",
+     {{SurfaceKind::kCylinder, {14, 7.67}}, {SurfaceKind::kCone, {4, 0.43}}, {SurfaceKind::kTorus, {4, 1.07}}}},
+    {"planar-cad/1002_tray_bottom.STL", {{SurfaceKind::kCylinder, {34, 0.54}}}},
+    {"curved/shape.stl", {{SurfaceKind::kCylinder, {3, 69.95}}}},
+    {"curved-cad/hx_tube.stl.gz", {{SurfaceKind::kCylinder, {3, 58.04}}}},
+    {"planar-cad/part1.stl", {{SurfaceKind::kCylinder, {4, 16.59}}}},
 };
 
 TEST_F(shared_recognition, parts_have_the_surfaces_that_they_were_made_of) {
@@ -125,7 +131,7 @@ TEST_F(shared_recognition, parts_have_the_surfaces_that_they_were_made_of) {
     for (const auto& [kind, expected] : part.kinds) {
       SCOPED_TRACE(kind_name(kind));
       EXPECT_EQ(judged.count[kind], expected.first);
-      EXPECT_NEAR(judged.area[kind], expected.second, 0.06 + 0.01 * expected.second);
+      EXPECT_NEAR(judged.area[kind], expected.second, 0.02 + 0.001 * expected.second);
       curved += expected.first;
     }
     EXPECT_EQ(judged.curved(), curved) << "there are surfaces of other kinds";
@@ -133,8 +139,7 @@ TEST_F(shared_recognition, parts_have_the_surfaces_that_they_were_made_of) {
 }
 
 TEST_F(shared_recognition, parts_of_several_kinds_are_claimed_without_a_claim_that_does_not_fit) {
-  for (const char* name :
-       {"curved-cad/sv_cylinder.stl", "curved-cad/singleOrifice.stl", "curved-cad/sh2.stl", "curved-cad/object.stl"}) {
+  for (const char* name : {"curved-cad/singleOrifice.stl", "curved-cad/sh2.stl", "curved-cad/object.stl"}) {
     if (!test::has_shared_mesh(name)) return;
     SCOPED_TRACE(name);
     Judged judged = judge_shared(name);
