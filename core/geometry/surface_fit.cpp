@@ -82,8 +82,14 @@ struct Parameters {
   Vec3 origin;  ///< a point of the axis, or the centre of a sphere
   Vec3 axis, x, y;
   std::array<double, 3> profile;  ///< see residual_of
+  double cosine = 1, sine = 0;    ///< of a cone's angle
 
   std::size_t count() const { return static_cast<std::size_t>(parameter_count(kind)); }
+  void set_angle() {
+    if (kind != SurfaceKind::kCone) return;
+    cosine = std::cos(profile[1]);
+    sine = std::sin(profile[1]);
+  }
 };
 
 using Gradient = std::array<double, kMaxParameters>;
@@ -113,7 +119,7 @@ double residual_of(const Parameters& at, const Vec3& p, Gradient& d) {
     distance = r - at.profile[0];
     d[4] = -1;
   } else if (at.kind == SurfaceKind::kCone) {
-    const double c = std::cos(at.profile[1]), s = std::sin(at.profile[1]);
+    const double c = at.cosine, s = at.sine;
     distance = r * c - z * s - at.profile[0];
     by_r = c;
     by_z = -s;
@@ -147,6 +153,7 @@ Parameters moved(Parameters at, const std::array<double, kMaxParameters>& step) 
   at.x = normalized(at.x - dot(at.x, at.axis) * at.axis);
   at.y = cross(at.axis, at.x);
   for (std::size_t i = 4; i < at.count(); ++i) at.profile[i - 4] += step[i];
+  at.set_angle();
   return at;
 }
 
@@ -172,16 +179,6 @@ Normal sums_of(const Parameters& at, std::span<const Vec3> points, double scale)
   return sums;
 }
 
-double cost_of(const Parameters& at, std::span<const Vec3> points, double scale) {
-  Gradient d{};
-  double cost = 0;
-  for (const Vec3& p : points) {
-    const double r = residual_of(at, scale * p, d);
-    cost += r * r;
-  }
-  return cost;
-}
-
 Parameters parameters_of(const AnalyticSurface& s, const Vec3& middle, double scale) {
   Parameters at{s.kind, scale * s.origin, s.axis, {}, {}, {}};
   if (s.kind == SurfaceKind::kSphere) {
@@ -196,6 +193,7 @@ Parameters parameters_of(const AnalyticSurface& s, const Vec3& middle, double sc
   if (s.kind == SurfaceKind::kCylinder) at.profile[0] = scale * s.radius;
   if (s.kind == SurfaceKind::kCone) at.profile = {along * std::sin(s.half_angle), s.half_angle, 0};
   if (s.kind == SurfaceKind::kTorus) at.profile = {scale * s.radius, -along, scale * s.minor_radius};
+  at.set_angle();
   return at;
 }
 
@@ -231,7 +229,8 @@ std::optional<AnalyticSurface> surface_of(const Parameters& at, double scale) {
   // A surface that is so much larger than the points is a plane, or one of a kind with fewer parameters.
   constexpr double kMaxRadius = 1e5;
   const bool is_small = std::fabs(s.radius) * scale < kMaxRadius && s.minor_radius * scale < kMaxRadius;
-  const bool has_radius = at.kind == SurfaceKind::kCone || (at.kind == SurfaceKind::kTorus ? s.minor_radius > 0 : s.radius > 0);
+  const bool has_radius =
+      at.kind == SurfaceKind::kCone || (at.kind == SurfaceKind::kTorus ? s.minor_radius > 0 : s.radius > 0);
   if (!is_small || !has_radius || !is_finite(s.origin) || !is_finite(s.axis)) return std::nullopt;
   return s;
 }
@@ -276,8 +275,9 @@ std::optional<AnalyticSurface> guess_sphere(std::span<const Vec3> points) {
 
 std::optional<AnalyticSurface> guess_cylinder(std::span<const Vec3> points, const Vec3& axis) {
   const Vec3 x = across(axis), y = cross(axis, x), mean = mean_of(points);
-  const std::optional<Circle> circle =
-      guess_circle(points, [&](const Vec3& p) { return Vec2{dot(p - mean, x), dot(p - mean, y)}; });
+  const std::optional<Circle> circle = guess_circle(points, [&](const Vec3& p) {
+    return Vec2{dot(p - mean, x), dot(p - mean, y)};
+  });
   if (!circle) return std::nullopt;
   return AnalyticSurface{SurfaceKind::kCylinder, mean + circle->centre.x * x + circle->centre.y * y, axis,
                          circle->radius};
@@ -364,7 +364,8 @@ std::optional<AnalyticSurface> guess_torus(std::span<const Vec3> points, std::sp
   return guess_torus(points, origin, normalized(a));
 }
 
-std::optional<AnalyticSurface> fit_from(const AnalyticSurface& start, std::span<const Vec3> points) {
+std::optional<AnalyticSurface> fit_from(const AnalyticSurface& start, std::span<const Vec3> points,
+                                        const FitGoal& goal) {
   const Vec3 middle = mean_of(points);
   double size = 0;
   for (const Vec3& p : points) size = std::max(size, norm_squared(p - middle));
@@ -372,10 +373,14 @@ std::optional<AnalyticSurface> fit_from(const AnalyticSurface& start, std::span<
   const double scale = std::ldexp(1.0, -std::ilogb(std::sqrt(size)));
   Parameters at = parameters_of(start, middle, scale);
   const std::size_t n = at.count();
+  const auto cost_at = [&](double distance) {
+    return static_cast<double>(points.size()) * scale * distance * scale * distance;
+  };
+  const double good = cost_at(goal.good), hopeless = cost_at(goal.hopeless);
   Normal sums = sums_of(at, points, scale);
   double damping = 1e-9;
-  constexpr int kMaxSteps = 30;
-  for (int i = 0; i < kMaxSteps; ++i) {
+  constexpr int kMaxSteps = 30, kPatience = 4;
+  for (int i = 0; i < kMaxSteps && sums.cost > good; ++i) {
     Matrix<kMaxParameters> matrix = sums.matrix;
     for (std::size_t k = 0; k < n; ++k) matrix[k][k] += damping * matrix[k][k] + 1e-300;
     Gradient step = sums.right;
@@ -385,18 +390,21 @@ std::optional<AnalyticSurface> fit_from(const AnalyticSurface& start, std::span<
       continue;
     }
     const Parameters next = moved(at, step);
-    const double cost = cost_of(next, points, scale);
-    const bool is_settled = std::fabs(sums.cost - cost) <= 1e-6 * sums.cost || cost <= 1e-31;
-    if (cost < sums.cost) {
+    const Normal after = sums_of(next, points, scale);
+    const bool is_settled = std::fabs(sums.cost - after.cost) <= 1e-6 * sums.cost || after.cost <= 1e-31;
+    // A fit that will succeed converges fast near its end.
+    if (i >= kPatience && after.cost > hopeless && after.cost > 0.1 * sums.cost) return std::nullopt;
+    if (after.cost < sums.cost) {
       at = next;
+      sums = after;
       if (is_settled) break;
-      sums = sums_of(at, points, scale);
       damping = std::max(1e-12, 0.1 * damping);
     } else {
       if (is_settled || damping > 1e6) break;
       damping = std::max(1e-6, 30 * damping);
     }
   }
+  if (sums.cost > hopeless) return std::nullopt;
   return surface_of(at, scale);
 }
 

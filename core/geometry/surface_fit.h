@@ -1,6 +1,7 @@
 /// Fits surfaces of the kinds with a closed formula to points.
 #pragma once
 
+#include <cmath>
 #include <optional>
 #include <span>
 
@@ -31,11 +32,18 @@ std::optional<AnalyticSurface> guess_torus(std::span<const Vec3> points, const V
 /// Holds: the normals of a surface of revolution meet its axis.
 std::optional<AnalyticSurface> guess_torus(std::span<const Vec3> points, std::span<const FacetPlace> facets);
 
+/// The root of the mean of the squares of the points' distances at which a fit may end early.
+struct FitGoal {
+  double good = 0;             ///< the fit is as good as it need be
+  double hopeless = HUGE_VAL;  ///< a fit that remains above this is of no use
+};
+
 /// Improves a surface until the sum of the squares of the points' distances from it is a minimum.
-/// Output: nothing if this ends in a surface that is none, for example with an infinite radius.
+/// Output: nothing if this ends in a surface that is none, for example with an infinite radius, or if it is hopeless.
 /// Holds:  the result depends on the order of the points only by rounding.
 /// Cost:   some passes over the points.
 /// Source: the method of D. Marquardt, An Algorithm for Least-Squares Estimation of Nonlinear Parameters, 1963.
-std::optional<AnalyticSurface> fit_from(const AnalyticSurface& start, std::span<const Vec3> points);
+std::optional<AnalyticSurface> fit_from(const AnalyticSurface& start, std::span<const Vec3> points,
+                                        const FitGoal& goal = {});
 
 }  // namespace remesh

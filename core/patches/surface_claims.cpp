@@ -12,7 +12,7 @@ namespace {
 constexpr double kFirstSlack = 20;
 
 /// The surface is fitted to at most this many facets while it grows, evenly chosen.
-constexpr std::size_t kFitFacets = 256;
+constexpr std::size_t kFitFacets = 64;
 
 /// The angle between the normals of a facet and of its surface in the facet's middle is at most acos of this. Facets
 /// that meet smoothly turn by half the feature angle.
@@ -159,7 +159,7 @@ bool ClaimGrower::refit(AnalyticSurface& shape, std::span<const PatchId> members
   constexpr double kGoodEnough = 0.2;
   const double good = kGoodEnough * tolerance_;
   if (sum <= static_cast<double>(points_.size()) * good * good) return true;
-  const std::optional<AnalyticSurface> better = fit_from(shape, points_);
+  const std::optional<AnalyticSurface> better = fit_from(shape, points_, {good, kFirstSlack * tolerance_});
   if (better) shape = *better;
   return better.has_value();
 }

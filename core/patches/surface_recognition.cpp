@@ -83,7 +83,8 @@ class Recogniser {
   /// Grows those kinds of surfaces that normals help to guess from facets that were collected.
   void try_kinds(std::span<const PatchId> seed, Taken may_replace, std::optional<Claim>& best) {
     const auto attempt = [&](const std::optional<AnalyticSurface>& guess) {
-      const auto fitted = guess ? fit_from(*guess, points_) : std::nullopt;
+      const auto fitted =
+          guess ? fit_from(*guess, points_, {grower_.tolerance(), 20 * grower_.tolerance()}) : std::nullopt;
       if (fitted) take_larger(grower_.grow(*fitted, seed, may_replace), best);
     };
     attempt(guess_cylinder(points_, places_));
@@ -157,7 +158,7 @@ class Recogniser {
 
   /// Takes some facets of a list, evenly chosen.
   static void sample(std::span<const PatchId> facets, std::vector<PatchId>& chosen) {
-    constexpr std::size_t kMaxSample = 64;
+    constexpr std::size_t kMaxSample = 16;
     const std::size_t step = (facets.size() + kMaxSample - 1) / kMaxSample;
     for (std::size_t i = 0; i < facets.size(); i += step) chosen.push_back(facets[i]);
   }

@@ -3,43 +3,26 @@ import assert from "node:assert/strict";
 import { existsSync, readFileSync, readdirSync, statSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { pathToFileURL } from "node:url";
-import { bracket, root, startDaemon, temporaryFolder } from "./support.mjs";
+import { bracket, pageModules, root, startDaemon, temporaryFolder } from "./support.mjs";
 
+const kModules = [
+  "mesh/read",
+  "mesh/drawable",
+  "mesh/surface",
+  "mesh/quality",
+  "mesh/scanner",
+  "mesh/triangulate",
+  "samples",
+  "service/curl",
+  "ui/words",
+  "ui/options_form",
+];
 const folder = temporaryFolder();
 let daemon;
 let page;
 
-/** The page's modules, made into one that node can load. */
-async function modules() {
-  const web = join(root, "server/web");
-  const { build } = await import(pathToFileURL(join(web, "node_modules/esbuild/lib/main.js")));
-  const names = [
-    "mesh/read",
-    "mesh/drawable",
-    "mesh/surface",
-    "mesh/quality",
-    "mesh/scanner",
-    "mesh/triangulate",
-    "samples",
-    "service/curl",
-    "ui/words",
-    "ui/options_form",
-  ];
-  const outfile = join(folder.path, "page.mjs");
-  await build({
-    stdin: { contents: names.map((name) => `export * from "./src/${name}.ts";`).join("\n"), resolveDir: web },
-    bundle: true,
-    format: "esm",
-    platform: "node",
-    outfile,
-    logLevel: "warning",
-  });
-  return import(pathToFileURL(outfile));
-}
-
 before(async () => {
-  [daemon, page] = await Promise.all([startDaemon("--request-timeout", "20s"), modules()]);
+  [daemon, page] = await Promise.all([startDaemon("--request-timeout", "20s"), pageModules(folder, kModules)]);
 });
 after(() => {
   daemon?.stop();

@@ -5,7 +5,7 @@ import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { dirname, join } from "node:path";
 import { after, before } from "node:test";
-import { fileURLToPath } from "node:url";
+import { fileURLToPath, pathToFileURL } from "node:url";
 import { PNG } from "pngjs";
 import puppeteer from "puppeteer-core";
 
@@ -83,6 +83,22 @@ export function temporaryFolder() {
     },
     remove: () => rmSync(path, { recursive: true, force: true }),
   };
+}
+
+/** Modules of the page, by their paths below `src` without endings, made into one that node can load. */
+export async function pageModules(folder, names) {
+  const web = join(root, "server/web");
+  const { build } = await import(pathToFileURL(join(web, "node_modules/esbuild/lib/main.js")));
+  const outfile = join(folder.path, "page.mjs");
+  await build({
+    stdin: { contents: names.map((name) => `export * from "./src/${name}.ts";`).join("\n"), resolveDir: web },
+    bundle: true,
+    format: "esm",
+    platform: "node",
+    outfile,
+    logLevel: "warning",
+  });
+  return import(pathToFileURL(outfile));
 }
 
 export async function startBrowser() {

@@ -1,10 +1,12 @@
 // What of the surfaces is looked at: one chosen triangle with its numbers, and what a finding points at.
 import { kValue, nearestTriangle, type Point, trianglesOfFace } from "./mesh/drawable.ts";
-import type { Report } from "./service/types.ts";
+import type { RecognisedSurface, Report } from "./service/types.ts";
+import type { SurfaceChoice } from "./surface_choice.ts";
 import { byId } from "./ui/dom.ts";
 import type { Finding, Target } from "./ui/findings.ts";
+import { surfaceCard } from "./ui/surface_card.ts";
 import { triangleNumbers } from "./ui/triangle_numbers.ts";
-import { type Side, type Viewer, kSides } from "./view/viewer.ts";
+import { type Side, type Viewer, kSides, patchOf } from "./view/viewer.ts";
 
 /** What is known of the surfaces on the screen. */
 export interface Told {
@@ -20,13 +22,70 @@ export class Inspection {
   told: Told | null = null;
   private selected: Side | null = null;
 
-  constructor(private readonly viewer: Viewer) {}
+  constructor(
+    private readonly viewer: Viewer,
+    private readonly surfaces: SurfaceChoice,
+  ) {}
 
+  /** Drops all that is chosen. */
   clear(): void {
+    if (this.surfaces.hasChosen) this.surfaces.choose([]);
+    this.clearTriangle();
+  }
+  private clearTriangle(): void {
     if (this.selected === null) return;
     this.viewer.select(this.selected, -1);
     byId(`${this.selected}-numbers`).hidden = true;
     this.selected = null;
+  }
+
+  /** A click: where surfaces are coloured it chooses the one under it, else the triangle. */
+  pick(side: Side, triangle: number): void {
+    const drawable = this.viewer.drawable(side);
+    const isFace = drawable && triangle >= 0 && 3 * triangle < drawable.corners.length;
+    const surface = isFace && this.viewer.colours === "surface" ? this.surfaceOf(side, triangle) : null;
+    if (surface) this.showSurface(side, triangle, surface);
+    else this.select(side, triangle);
+  }
+
+  /** Surfaces that were chosen in the panel. */
+  chooseSurfaces(ids: number[]): void {
+    this.clearTriangle();
+    this.surfaces.choose(ids);
+  }
+
+  private surfaceOf(side: Side, triangle: number): RecognisedSurface | null {
+    const drawable = this.viewer.drawable(side);
+    return drawable && this.told?.report.output ? this.surfaces.ofPatch(patchOf(drawable, triangle)) : null;
+  }
+
+  private showSurface(side: Side, triangle: number, surface: RecognisedSurface): void {
+    this.clearTriangle();
+    this.selected = side;
+    this.surfaces.choose([surface.id]);
+    this.showCard(
+      side,
+      surfaceCard({
+        surface,
+        colour: this.surfaces.colourOf(surface),
+        face: this.viewer.drawable(side)!.face[triangle]!,
+        onFace: () => this.select(side, triangle),
+        onClose: () => this.close(side),
+      }),
+      this.viewer.height(side, triangle),
+    );
+  }
+
+  private close(side: Side): void {
+    this.clear();
+    byId(side).focus();
+  }
+
+  private showCard(side: Side, card: HTMLElement, height: number): void {
+    const panel = byId(`${side}-numbers`);
+    panel.replaceChildren(card);
+    panel.classList.toggle("above", height < kLow);
+    panel.hidden = false;
   }
 
   /** Shows a triangle's numbers, where they do not cover it; drops those of another one. */
@@ -38,22 +97,21 @@ export class Inspection {
     this.viewer.select(side, triangle);
     const before = this.viewer.drawable("before");
     const source = side === "after" ? this.told?.source?.[drawable.face[triangle]!] : undefined;
-    const panel = byId(`${side}-numbers`);
-    panel.replaceChildren(
+    const surface = this.surfaceOf(side, triangle);
+    this.showCard(
+      side,
       triangleNumbers({
         drawable,
         triangle,
         report: this.told?.report ?? null,
+        surface,
         source: before && source !== undefined ? source : null,
         onSource: (face) => this.select("before", before ? trianglesOfFace(before, face)[0] : -1),
-        onClose: () => {
-          this.clear();
-          byId(side).focus();
-        },
+        onSurface: () => surface && this.showSurface(side, triangle, surface),
+        onClose: () => this.close(side),
       }),
+      height,
     );
-    panel.classList.toggle("above", height < kLow);
-    panel.hidden = false;
   }
 
   /** To one of the places of a finding. */

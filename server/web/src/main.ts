@@ -6,11 +6,13 @@ import { type Post, type Running, ServiceClient, ServiceProblem } from "./servic
 import type { Capabilities, Problem, Report } from "./service/types.ts";
 import { askForKey } from "./ui/key_dialog.ts";
 import { byId, h } from "./ui/dom.ts";
+import { SurfaceChoice } from "./surface_choice.ts";
 import { DownloadPanel } from "./ui/download_panel.ts";
 import { FindingsPanel, findingsOf } from "./ui/findings.ts";
 import { OptionsForm } from "./ui/options_form.ts";
 import { ProgressCard } from "./ui/progress_card.ts";
 import { qualityPanel, reportTables } from "./ui/report_panel.ts";
+import { SurfacesPanel } from "./ui/surfaces_panel.ts";
 import { Tabs } from "./ui/tabs.ts";
 import { wireToolbar } from "./ui/toolbar.ts";
 import { count, degrees, real, seconds, sentence, whole } from "./ui/words.ts";
@@ -31,7 +33,13 @@ class Page {
     before: byId("before"),
     after: byId("after"),
   });
-  private readonly inspection = new Inspection(this.viewer);
+  private readonly surfaces = new SurfaceChoice(
+    this.viewer,
+    new SurfacesPanel(byId("surfaces"), (ids) => this.inspection.chooseSurfaces(ids)),
+  );
+  private readonly inspection: Inspection = new Inspection(this.viewer, this.surfaces);
+  /** Explains the colours anew. */
+  private readonly explainColours = wireToolbar(this.viewer, () => this.surfaces.kinds);
   private readonly progress = new ProgressCard(
     () => this.running?.cancel(),
     (text) => this.say(text),
@@ -54,10 +62,9 @@ class Page {
     this.downloads = new DownloadPanel(byId("download"), this.service);
     new Tabs(document.querySelector("[role=tablist]")!);
     this.takeFiles();
-    wireToolbar(this.viewer);
     for (const side of kSides) {
       listen(byId(side), side, this.viewer, {
-        pick: (where, triangle) => this.inspection.select(where, triangle),
+        pick: (where, triangle) => this.inspection.pick(where, triangle),
         clear: () => this.inspection.clear(),
       });
     }
@@ -238,6 +245,8 @@ class Page {
     }
     byId("quality").replaceChildren(qualityPanel(report));
     byId("report").replaceChildren(reportTables(report));
+    this.surfaces.tell(report);
+    this.explainColours();
     const findings = findingsOf(report);
     byId("tab-findings").replaceChildren(
       "Findings",
@@ -254,7 +263,9 @@ class Page {
     byId("after-count").textContent = "";
     byId("after-empty").hidden = false;
     byId("problem").hidden = true;
-    for (const id of ["quality", "report", "findings"]) {
+    this.surfaces.tell(null);
+    this.explainColours();
+    for (const id of ["quality", "surfaces", "report", "findings"]) {
       byId(id).replaceChildren(h("p", { class: "nothing" }, "Remesh or analyze a mesh to see this."));
     }
     byId("tab-findings").replaceChildren("Findings");

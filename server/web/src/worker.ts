@@ -45,7 +45,8 @@ async function open(file: Blob): Promise<Opened> {
 async function answer(body: Blob): Promise<Answered> {
   const { mesh, report } = JSON.parse(await body.text()) as Answer;
   const kept = new Set(report.patches.filter((patch) => patch.status !== "remeshed").map((patch) => patch.id));
-  const patches = (ofFace: Patches["ofFace"]): Patches => ({ ofFace, kept });
+  const surfaceOf = report.patches.map((patch) => patch.surface);
+  const patches = (ofFace: Patches["ofFace"]): Patches => ({ ofFace, kept, surfaceOf });
   const after = new Draft(surfaceOfJson(mesh), input?.frame ?? null).drawable(patches(mesh.face_patch));
   const before = mesh.input_face_patch && input ? input.values(patches(mesh.input_face_patch)) : null;
   return { report, after, before, source: Uint32Array.from(mesh.face_source) };

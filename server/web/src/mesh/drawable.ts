@@ -34,7 +34,7 @@ export interface Drawable {
 /** Numbers of a triangle in `values`. */
 export const kValue = { minAngle: 0, radiusEdgeRatio: 1, patch: 2, flags: 3, count: 4 } as const;
 /** Bits of kValue.flags; those of edges are shifted by the corner that the edge is across from. */
-export const kFlag = { diagonal: 1, feature: 8, open: 64, kept: 512 } as const;
+export const kFlag = { diagonal: 1, feature: 8, open: 64, kept: 512, smooth: 1024 } as const;
 /** Where it is not known, or the face was dropped. */
 export const kNoPatch = -1;
 
@@ -46,6 +46,8 @@ export interface Patches {
   ofFace: ArrayLike<number | null>;
   /** Patches that could not be remeshed freely. */
   kept: ReadonlySet<number>;
+  /** The surface of each patch: boundaries between patches of one surface are smooth. */
+  surfaceOf: ArrayLike<number>;
 }
 
 /** A surface made ready to be drawn; it stays to be coloured again when its patches are known. */
@@ -99,7 +101,9 @@ export class Draft {
         if (twin < 0) flags |= (kFlag.open | kFlag.feature) << k;
         else {
           const other = (twin / 3) | 0;
-          if (patches ? patchOf(other) !== patch : this.isBend(t, other)) flags |= kFlag.feature << k;
+          const beyond = patchOf(other);
+          if (patches ? beyond !== patch : this.isBend(t, other)) flags |= kFlag.feature << k;
+          if (beyond !== patch && patches?.surfaceOf[beyond] === patches?.surfaceOf[patch]) flags |= kFlag.smooth << k;
         }
       }
       values[kValue.count * t + kValue.patch] = patch;

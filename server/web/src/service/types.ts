@@ -59,8 +59,43 @@ export interface Statistics {
   bounding_box: { min: Point; max: Point } | null;
   quality: Quality;
 }
+export type SurfaceKind = "plane" | "cylinder" | "cone" | "sphere" | "torus" | "revolution" | "free";
+/** A surface that the facets of the input were made from, or a region for which none was found. */
+export interface RecognisedSurface {
+  /** Its place in the report's list. */
+  id: number;
+  kind: SurfaceKind;
+  patches: number;
+  /** Faces of the input. */
+  faces: number;
+  area: number;
+  bounding_box: { min: Point; max: Point } | null;
+  /** Which of the following are there depends on the kind. */
+  point?: Point;
+  axis?: Point;
+  normal?: Point;
+  offset?: number;
+  radius?: number;
+  major_radius?: number;
+  minor_radius?: number;
+  half_angle_deg?: number;
+  /** Pairs of distance from the axis and height along it. */
+  profile?: [number, number][];
+  side?: "convex" | "concave" | "both";
+  sweep_deg?: number;
+  input_chord_height?: number;
+  input_turn_deg?: number;
+  tolerance?: number;
+  deviation?: number;
+  reason?: "no_kind_fits" | "few_facets" | "uneven_facets";
+  nearest_kind?: SurfaceKind | null;
+  nearest_deviation?: number | null;
+}
 export interface Patch {
   id: number;
+  /** The kind and the id of the surface that it is a piece of. */
+  kind: SurfaceKind;
+  surface: number;
   normal: Point;
   area: number;
   input_faces: number;
@@ -87,6 +122,7 @@ export interface Report {
   input: Statistics;
   output?: Statistics;
   patches: Patch[];
+  surfaces: RecognisedSurface[];
   diagnostics: Diagnostic[];
   volume_ready: { ready: boolean; reasons: ({ code: string } & Places)[] };
   predicted_faces: number;

@@ -12,6 +12,7 @@ const kStages = [
   "patches",
   "loops",
   "essential_vertices",
+  "surfaces",
   "triangulation",
   "refinement",
   "assembly",

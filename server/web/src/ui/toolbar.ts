@@ -1,15 +1,22 @@
+import type { SurfaceKind } from "../service/types.ts";
 import { front } from "../view/orbit.ts";
 import type { Colouring } from "../view/surface_model.ts";
 import { type Section, type Viewer, kSides } from "../view/viewer.ts";
 import { byId } from "./dom.ts";
 import { showLegend } from "./legend.ts";
 
-/** How the views are drawn: colours, edges, cameras, the section. */
-export function wireToolbar(viewer: Viewer): void {
+/**
+ * How the views are drawn: colours, edges, cameras, the section. Output: what is to be called when the kinds of surfaces
+ * on the screen have changed.
+ */
+export function wireToolbar(viewer: Viewer, kinds: () => SurfaceKind[]): () => void {
   const colouring = byId<HTMLSelectElement>("colouring");
   const colour = (): void => {
     viewer.colours = colouring.value as Colouring;
-    showLegend(byId("legend"), colouring.value as Colouring, viewer.palette.scale);
+    explain();
+  };
+  const explain = (): void => {
+    showLegend(byId("legend"), colouring.value as Colouring, viewer.palette.scale, kinds());
   };
   colouring.value = "patch";
   colouring.addEventListener("change", colour);
@@ -25,6 +32,7 @@ export function wireToolbar(viewer: Viewer): void {
     for (const side of kSides) viewer.fit(side);
   });
   wireSection(viewer);
+  return explain;
 }
 
 function wireSection(viewer: Viewer): void {

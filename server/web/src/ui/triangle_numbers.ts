@@ -1,22 +1,26 @@
 import { type Drawable, kNoPatch } from "../mesh/drawable.ts";
 import { measureTriangle } from "../mesh/quality.ts";
-import type { Report } from "../service/types.ts";
+import type { RecognisedSurface, Report } from "../service/types.ts";
 import { patchOf } from "../view/viewer.ts";
 import { type Child, h } from "./dom.ts";
+import { nameOfSurface } from "./surface_card.ts";
 import { degrees, label, real, whole } from "./words.ts";
 
 export interface Shown {
   drawable: Drawable;
   triangle: number;
   report: Report | null;
+  surface: RecognisedSurface | null;
   /** The input face under it; of a result's triangle. */
   source: number | null;
   onSource: (face: number) => void;
+  onSurface: () => void;
   onClose: () => void;
 }
 
 /** The numbers of one triangle, for a corner of its view. */
-export function triangleNumbers({ drawable, triangle, report, source, onSource, onClose }: Shown): HTMLElement {
+export function triangleNumbers(shown: Shown): HTMLElement {
+  const { drawable, triangle, report, surface, source, onSource, onSurface, onClose } = shown;
   const ids = [0, 1, 2].map((k) => drawable.corners[3 * triangle + k]!);
   const numbers = measureTriangle(drawable.points, 3 * ids[0]!, 3 * ids[1]!, 3 * ids[2]!);
   const patch = patchOf(drawable, triangle);
@@ -40,6 +44,8 @@ export function triangleNumbers({ drawable, triangle, report, source, onSource, 
       fact("Radius-edge ratio", real(numbers.radiusEdgeRatio)),
       fact("Area", real(numbers.area)),
       patch !== kNoPatch && fact("Patch", `${whole(patch)}${status}`),
+      surface &&
+        fact("Surface", h("button", { type: "button", class: "link", click: onSurface }, nameOfSurface(surface))),
       source !== null &&
         fact(
           "Over input face",

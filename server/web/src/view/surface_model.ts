@@ -16,15 +16,26 @@ import {
 } from "three";
 
 import { type Drawable, kValue } from "../mesh/drawable.ts";
-import { kPickFragment, kPickVertex, kSurfaceFragment, kSurfaceVertex, kTextureWidth } from "./surface_shader.ts";
+import {
+  kGhostFragment,
+  kGhostVertex,
+  kPickFragment,
+  kPickVertex,
+  kSurfaceFragment,
+  kSurfaceVertex,
+  kTextureWidth,
+} from "./surface_shader.ts";
 import type { Palette } from "./palette.ts";
 
-export type Colouring = "plain" | "patch" | "angle" | "ratio";
-const kColourings: Colouring[] = ["plain", "patch", "angle", "ratio"];
+export type Colouring = "plain" | "patch" | "angle" | "ratio" | "surface";
+/** The shader knows them by their places in this list. */
+const kColourings: Colouring[] = ["plain", "patch", "angle", "ratio", "surface"];
 
 /** A mesh on the graphics card. */
 export class SurfaceModel {
   readonly mesh: Mesh<BufferGeometry, ShaderMaterial>;
+  /** Chosen surfaces, as they are seen through others. */
+  readonly ghost: Mesh<BufferGeometry, ShaderMaterial>;
   readonly pickMaterial: ShaderMaterial;
   private texture: DataTexture;
 
@@ -32,6 +43,12 @@ export class SurfaceModel {
     this.texture = textureOf(drawable.values);
     // Shared, so that what is seen is what is picked.
     const shared = { faces: { value: this.texture }, section: { value: new Vector4(0, 0, 0, 1) } };
+    const ofSurfaces = {
+      patches: { value: null },
+      patchCount: { value: 0 },
+      plain: { value: new Color() },
+      selectedColour: { value: new Color() },
+    };
     const material = new ShaderMaterial({
       glslVersion: GLSL3,
       vertexShader: kSurfaceVertex,
@@ -39,14 +56,14 @@ export class SurfaceModel {
       side: DoubleSide,
       uniforms: {
         ...shared,
+        ...ofSurfaces,
+        hasChosen: { value: false },
         colouring: { value: 0 },
         lineWidth: { value: 1 },
-        plain: { value: new Color() },
         inside: { value: new Color() },
         lineColour: { value: new Color() },
         featureColour: { value: new Color() },
         openColour: { value: new Color() },
-        selectedColour: { value: new Color() },
         keptColour: { value: new Color() },
         scale: { value: Array.from({ length: 5 }, () => new Color()) },
         selected: { value: -1 },
@@ -65,6 +82,18 @@ export class SurfaceModel {
     geometry.boundingSphere = new Sphere(new Vector3(), 2);
     this.mesh = new Mesh(geometry, material);
     this.mesh.frustumCulled = false;
+    const ghostMaterial = new ShaderMaterial({
+      glslVersion: GLSL3,
+      vertexShader: kGhostVertex,
+      fragmentShader: kGhostFragment,
+      transparent: true,
+      depthTest: false,
+      depthWrite: false,
+      uniforms: { ...shared, ...ofSurfaces },
+    });
+    this.ghost = new Mesh(geometry, ghostMaterial);
+    this.ghost.frustumCulled = false;
+    this.ghost.visible = false;
   }
 
   get uniforms(): Record<string, { value: unknown }> {
@@ -86,6 +115,14 @@ export class SurfaceModel {
     this.uniforms["faces"]!.value = this.texture;
   }
 
+  /** The texture belongs to the viewer, since both models share it. */
+  set patches({ texture, count, hasChosen }: PatchTexture) {
+    this.uniforms["patches"]!.value = texture;
+    this.uniforms["patchCount"]!.value = count;
+    this.uniforms["hasChosen"]!.value = hasChosen;
+    this.ghost.visible = hasChosen;
+  }
+
   paint(palette: Palette): void {
     const set = (name: string, colour: string): void => {
       (this.uniforms[name]!.value as Color).setStyle(colour);
@@ -103,9 +140,29 @@ export class SurfaceModel {
   dispose(): void {
     this.mesh.geometry.dispose();
     this.mesh.material.dispose();
+    this.ghost.material.dispose();
     this.pickMaterial.dispose();
     this.texture.dispose();
   }
+}
+
+/** What is told of patches, on the graphics card. */
+export interface PatchTexture {
+  texture: DataTexture;
+  count: number;
+  hasChosen: boolean;
+}
+
+/** `table`: four bytes for each patch, see patchTable. */
+export function patchTextureOf(table: Uint8Array, hasChosen: boolean): PatchTexture {
+  const count = table.length / 4;
+  const height = Math.max(Math.ceil(count / kTextureWidth), 1);
+  const texels = new Uint8Array(4 * kTextureWidth * height);
+  texels.set(table);
+  const texture = new DataTexture(texels, kTextureWidth, height, RGBAFormat);
+  texture.minFilter = texture.magFilter = NearestFilter;
+  texture.needsUpdate = true;
+  return { texture, count, hasChosen };
 }
 
 function textureOf(values: Float32Array): DataTexture {

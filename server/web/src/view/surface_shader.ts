@@ -29,11 +29,28 @@ export const kSurfaceVertex = /* glsl */ `
   }
 `;
 
-export const kSurfaceFragment = /* glsl */ `
+/** What is known of a triangle and of its patch. */
+const kTold = /* glsl */ `
   uniform sampler2D faces;
-  uniform int colouring;      // 0 plain, 1 patch, 2 smallest angle, 3 radius-edge ratio
-  uniform float lineWidth;    // pixels; 0: none
+  uniform sampler2D patches;  // of each patch: the colour of its surface, and 1 if that surface is chosen
+  uniform int patchCount;
   uniform vec3 plain;
+  flat in int triangle;
+
+  vec4 numbersOf(int id) {
+    return texelFetch(faces, ivec2(id % ${kTextureWidth}, id / ${kTextureWidth}), 0);
+  }
+  vec4 surfaceOf(int id) {
+    if (id < 0 || id >= patchCount) return vec4(plain, 0.0);
+    return texelFetch(patches, ivec2(id % ${kTextureWidth}, id / ${kTextureWidth}), 0);
+  }
+`;
+
+export const kSurfaceFragment = /* glsl */ `
+  ${kTold}
+  uniform bool hasChosen;     // some surface is chosen
+  uniform int colouring;      // 0 plain, 1 patch, 2 smallest angle, 3 radius-edge ratio, 4 surface
+  uniform float lineWidth;    // pixels; 0: none
   uniform vec3 inside;
   uniform vec3 lineColour;
   uniform vec3 featureColour;
@@ -43,7 +60,6 @@ export const kSurfaceFragment = /* glsl */ `
   uniform vec3 scale[5];      // colours from bad to good
   uniform int selected;
   uniform bool showsKept;
-  flat in int triangle;
   in float cut;
   in vec3 corner;
   in vec3 seen;
@@ -64,7 +80,8 @@ export const kSurfaceFragment = /* glsl */ `
     return mix(vec3(0.74 + 0.14 * tone), 0.42 + 0.56 * rgb, 0.5);
   }
 
-  vec3 faceColour(vec4 numbers) {
+  vec3 faceColour(vec4 numbers, vec4 surface) {
+    if (colouring == 4) return surface.rgb;
     if (colouring == 1) return patchColour(numbers.z);
     if (colouring == 2) return ramp(numbers.x / 60.0);
     if (colouring == 3) return ramp(1.0 - log2(max(numbers.y, 0.57735) / 0.57735) / 3.0);
@@ -74,9 +91,12 @@ export const kSurfaceFragment = /* glsl */ `
   void main() {
     if (cut > 0.0) discard;
     // Here rather than for each corner: of a million triangles most are behind others.
-    vec4 numbers = texelFetch(faces, ivec2(triangle % ${kTextureWidth}, triangle / ${kTextureWidth}), 0);
-    vec3 base = faceColour(numbers);
+    vec4 numbers = numbersOf(triangle);
+    vec4 surface = surfaceOf(int(numbers.z));
+    vec3 base = faceColour(numbers, surface);
     int flags = int(numbers.w);
+    bool isChosen = hasChosen && surface.a > 0.5;
+    if (hasChosen) base = isChosen ? mix(base, selectedColour, 0.82) : mix(base, plain, 0.6);
     if (showsKept && (flags & 512) != 0) {
       float stripe = fract((gl_FragCoord.x + gl_FragCoord.y) / 10.0);
       base = mix(base, keptColour, stripe < 0.5 ? 0.85 : 0.35);
@@ -88,7 +108,8 @@ export const kSurfaceFragment = /* glsl */ `
     float fill = max(dot(normal, normalize(vec3(-0.7, -0.1, 0.7))), 0.0);
     vec3 lit = base * (0.56 + 0.42 * key + 0.14 * fill);
     // The back of a face is the inside of the part: flat, as a cut is drawn.
-    if (!gl_FrontFacing) lit = (triangle == selected ? selectedColour : inside) * (0.82 + 0.18 * key);
+    vec3 back = triangle == selected ? selectedColour : isChosen ? mix(inside, selectedColour, 0.5) : inside;
+    if (!gl_FrontFacing) lit = back * (0.82 + 0.18 * key);
 
     vec3 width = fwidth(corner);
     vec3 distance = corner / max(width, 1e-9);
@@ -100,7 +121,9 @@ export const kSurfaceFragment = /* glsl */ `
       vec3 open = vec3(1e9);
       for (int k = 0; k < 3; ++k) {
         if ((flags & (1 << k)) != 0) mesh[k] = 1e9;
-        if ((flags & (8 << k)) != 0) feature[k] = distance[k];
+        // Where surfaces are looked at, the facets of one surface are not told apart more than its triangles are.
+        bool isSmooth = (colouring == 4 || hasChosen) && (flags & (1024 << k)) != 0;
+        if ((flags & (8 << k)) != 0 && !isSmooth) feature[k] = distance[k];
         if ((flags & (64 << k)) != 0) open[k] = distance[k];
       }
       float thin = 1.0 - smoothstep(lineWidth - 0.5, lineWidth + 0.5, min(min(mesh.x, mesh.y), mesh.z));
@@ -115,6 +138,22 @@ export const kSurfaceFragment = /* glsl */ `
       lit = mix(lit, lineColour, 1.0 - smoothstep(1.5, 2.5, rim));
     }
     colour = vec4(lit, 1.0);
+  }
+`;
+
+/** Chosen surfaces once more, as they are seen through what is before them. */
+export const kGhostVertex = /* glsl */ `
+  ${kCommonVertex}
+  void main() { place(); }
+`;
+export const kGhostFragment = /* glsl */ `
+  ${kTold}
+  uniform vec3 selectedColour;
+  in float cut;
+  out vec4 colour;
+  void main() {
+    if (cut > 0.0 || surfaceOf(int(numbersOf(triangle).z)).a < 0.5) discard;
+    colour = vec4(selectedColour, 0.3);
   }
 `;
 

@@ -19,7 +19,7 @@ import { type Marked, Marks } from "./marks.ts";
 import { type Orbit, between, kFieldOfView, lookAt, overview, place } from "./orbit.ts";
 import { type Palette, kDarkPalette, kLightPalette } from "./palette.ts";
 import { Triad } from "./triad.ts";
-import { type Colouring, SurfaceModel } from "./surface_model.ts";
+import { type Colouring, type PatchTexture, SurfaceModel, patchTextureOf } from "./surface_model.ts";
 
 export const kSides = ["before", "after"] as const;
 export type Side = (typeof kSides)[number];
@@ -68,6 +68,7 @@ export class Viewer {
   private detail = 1;
   private section: Section | null = null;
   private colouring: Colouring = "plain";
+  private patches: PatchTexture = patchTextureOf(new Uint8Array(), false);
   private hasLines = true;
   areLinked = true;
 
@@ -106,12 +107,12 @@ export class Viewer {
   show(side: Side, drawable: Drawable | null): void {
     const pane = this.panes[side];
     if (pane.model) {
-      pane.scene.remove(pane.model.mesh);
+      pane.scene.remove(pane.model.mesh, pane.model.ghost);
       pane.model.dispose();
     }
     pane.marks.clear();
     pane.model = drawable && new SurfaceModel(drawable);
-    if (pane.model) pane.scene.add(pane.model.mesh);
+    if (pane.model) pane.scene.add(pane.model.mesh, pane.model.ghost);
     this.paint();
     this.applySection();
     this.invalidate();
@@ -126,6 +127,16 @@ export class Viewer {
 
   set colours(colouring: Colouring) {
     this.colouring = colouring;
+    this.paint();
+    this.invalidate();
+  }
+  get colours(): Colouring {
+    return this.colouring;
+  }
+  /** Tells the surfaces of patches, see patchTable. `hasChosen`: some are chosen, and the others step back. */
+  setPatches(table: Uint8Array, hasChosen: boolean): void {
+    this.patches.texture.dispose();
+    this.patches = patchTextureOf(table, hasChosen);
     this.paint();
     this.invalidate();
   }
@@ -301,6 +312,7 @@ export class Viewer {
       if (!model) continue;
       model.paint(this.palette);
       model.colouring = this.colouring;
+      model.patches = this.patches;
       model.uniforms["lineWidth"]!.value = this.hasLines ? 0.55 * ratio : 0;
     }
   }

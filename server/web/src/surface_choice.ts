@@ -1,0 +1,51 @@
+// The surfaces of the report on the screen: their colours, and which of them are chosen.
+import type { RecognisedSurface, Report, SurfaceKind } from "./service/types.ts";
+import { type Rgb, coloursOf, patchTable } from "./surfaces/colours.ts";
+import { groupSurfaces, kKinds } from "./surfaces/groups.ts";
+import type { SurfacesPanel } from "./ui/surfaces_panel.ts";
+import type { Viewer } from "./view/viewer.ts";
+
+export class SurfaceChoice {
+  private report: Report | null = null;
+  private colours: ReadonlyMap<number, Rgb> = new Map();
+  private chosen: ReadonlySet<number> = new Set();
+
+  constructor(
+    private readonly viewer: Viewer,
+    private readonly panel: SurfacesPanel,
+  ) {}
+
+  /** Null where there is no report. */
+  tell(report: Report | null): void {
+    this.report = report;
+    const groups = groupSurfaces(report?.surfaces ?? []);
+    this.colours = coloursOf(groups);
+    if (report) this.panel.show({ groups, colours: this.colours, areDrawn: report.output !== undefined });
+    this.choose([]);
+  }
+
+  get kinds(): SurfaceKind[] {
+    const present = new Set(this.report?.surfaces.map(({ kind }) => kind));
+    return kKinds.filter((kind) => present.has(kind));
+  }
+  get hasChosen(): boolean {
+    return this.chosen.size > 0;
+  }
+  colourOf({ id }: RecognisedSurface): Rgb {
+    return this.colours.get(id)!;
+  }
+  /** Null where it is not known. */
+  ofPatch(patch: number): RecognisedSurface | null {
+    const surface = this.report?.patches[patch]?.surface;
+    return surface === undefined ? null : (this.report!.surfaces[surface] ?? null);
+  }
+
+  /** Shows the faces of these surfaces in both views, and their numbers in the panel. */
+  choose(ids: readonly number[]): void {
+    this.chosen = new Set(ids);
+    // An analysis does not tell the patches of faces.
+    const patches = this.report?.output ? this.report.patches : [];
+    this.viewer.setPatches(patchTable(patches, this.colours, this.chosen), this.hasChosen && patches.length > 0);
+    this.panel.mark(this.chosen);
+  }
+}
