@@ -59,10 +59,15 @@ class ClaimGrower {
   double chord_height(const Gauge& gauge, PatchId p) const;
   bool expand(const Gauge& gauge, double tolerance, int side, Taken may_replace, std::size_t max_size,
               std::vector<PatchId>& members);
-  bool refit(AnalyticSurface& shape, std::span<const PatchId> members);
+  enum class Precision : std::uint8_t { kGoodEnough, kExact };
+  bool refit(AnalyticSurface& shape, std::span<const PatchId> members, Precision precision);
   void trim(const AnalyticSurface& shape, double tolerance, int side, std::vector<PatchId>& members);
   /// Removes facets that are too far from the surface in their middles, and returns the median of these distances.
-  double drop_uneven(const AnalyticSurface& shape, std::vector<PatchId>& members) const;
+  double drop_uneven(const AnalyticSurface& shape, std::vector<PatchId>& members);
+  /// Returns the largest angle by which the surface turns between corners of a facet.
+  double turn(const Gauge& gauge, PatchId p) const;
+  /// Sorts values of facets, and returns the value that half of the area is below.
+  double median_by_area(std::vector<std::pair<double, PatchId>>& values) const;
   /// Returns whether the points lie on more circles around the axis of a torus than always fit one.
   bool has_enough_rings(const AnalyticSurface& torus, double tolerance) const;
   std::optional<Claim> conclude(AnalyticSurface shape, int side, std::vector<PatchId> members);
@@ -75,6 +80,7 @@ class ClaimGrower {
   std::uint32_t growth_ = 0;
   std::vector<Vec3> points_;
   std::vector<VertexId> vertices_;
+  std::vector<std::pair<double, PatchId>> values_;
 };
 
 }  // namespace remesh

@@ -150,7 +150,7 @@ class Recogniser {
         if (const auto sphere = guess_sphere(points_)) take_larger(grower_.grow(*sphere, seed, Taken::kWeakly), best);
         if (const auto torus = has_axis ? guess_torus(points_, band.origin, band.axis) : std::nullopt)
           take_larger(grower_.grow(*torus, seed, Taken::kWeakly), best);
-        if (!has_axis) try_kinds(seed, Taken::kWeakly, best);
+        if (!best) try_kinds(seed, Taken::kWeakly, best);
         if (best && replace(std::move(*best))) break;
       }
     }
