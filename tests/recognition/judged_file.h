@@ -24,7 +24,7 @@ struct KindAreas {
   double fitting = 0;      ///< free-form: claimed, and the whole face does lie on the claimed surface
 };
 
-/// What one STEP face was claimed as.
+/// One STEP face, and the surfaces that its triangles are claimed for.
 struct FaceVerdict {
   const StepFace* face = nullptr;
   FaceShape shape;

@@ -25,7 +25,7 @@ struct StepFace {
 /// Errors: std::runtime_error - the table cannot be understood.
 std::optional<std::vector<StepFace>> truth_beside(const std::string& mesh_path);
 
-/// What the triangles of a STEP face say about their surface.
+/// Measures of the triangles of a STEP face against its surface.
 struct FaceShape {
   double area = 0;
   double off = 0;          ///< the largest distance of a corner from the face's surface

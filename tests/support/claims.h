@@ -1,4 +1,4 @@
-/// What recognition claims of a mesh, face by face, and an independent check that the claims fit.
+/// The claims of recognition about a mesh, face by face, and an independent check that they fit.
 #pragma once
 
 #include <span>
@@ -11,7 +11,7 @@
 
 namespace remesh::test {
 
-/// What was claimed of the faces of a mesh.
+/// The claims about the faces of a mesh.
 struct Claims {
   Report report;
   IdVector<FaceId, PatchId> face_patch;  ///< by face of the input; invalid if it was dropped

@@ -102,7 +102,7 @@ TEST_F(shared_recognition, a_torus_is_one) {
   EXPECT_GT(torus.curved_area(), 99.99);
 }
 
-/// What a part consists of: the number of surfaces and the share of the area in percent of each curved kind.
+/// A part and its surfaces: their number and the share of the area in percent of each curved kind.
 struct Expected {
   std::string name;
   std::map<SurfaceKind, std::pair<std::size_t, double>> kinds;
