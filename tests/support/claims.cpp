@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <map>
 #include <numbers>
 #include <tuple>
@@ -118,6 +120,30 @@ double float_step(const PolygonMesh& mesh) {
   double largest = 0;
   for (const Vec3& p : mesh.positions) largest = std::max({largest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
   return largest > 0 ? std::ldexp(1, std::ilogb(largest) - 23) : 0;
+}
+
+double written_step(const PolygonMesh& mesh) {
+  const auto all = [&](const auto& holds) {
+    return std::all_of(mesh.positions.begin(), mesh.positions.end(),
+                       [&](const Vec3& p) { return holds(p.x) && holds(p.y) && holds(p.z); });
+  };
+  double largest = 0;
+  for (const Vec3& p : mesh.positions) largest = std::max({largest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
+  if (largest == 0) return 0;
+  // A value near 0 may show digits of the arithmetic that made it.
+  const auto is_zero = [&](double value) { return std::fabs(value) < 1e-12 * largest; };
+  for (int digits = 3; digits <= 9; ++digits) {
+    const auto is_short = [&](double value) {
+      char text[40];
+      std::snprintf(text, sizeof text, "%.*g", digits, value);
+      return is_zero(value) || std::strtod(text, nullptr) == value;
+    };
+    if (all(is_short)) return std::pow(10, std::floor(std::log10(largest)) + 1 - digits);
+  }
+  const auto is_float = [&](double value) {
+    return is_zero(value) || static_cast<double>(static_cast<float>(value)) == value;
+  };
+  return all(is_float) ? float_step(mesh) : 0;
 }
 
 std::vector<Vec3> corners_of(const PolygonMesh& mesh, FaceId f) {

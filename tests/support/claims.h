@@ -47,6 +47,9 @@ std::vector<ClaimFit> fit_of_claims(const PolygonMesh& mesh, const Claims& claim
 
 /// Returns the float step at the largest coordinate, which is the rounding step of a file that holds floats.
 double float_step(const PolygonMesh& mesh);
+/// Returns the step to which the numbers of a file were rounded when they were written: the last place of the largest
+/// one, if all of them are decimals of few digits or all are floats. It is 0 if they are neither.
+double written_step(const PolygonMesh& mesh);
 /// Returns the corners of a face.
 std::vector<Vec3> corners_of(const PolygonMesh& mesh, FaceId f);
 /// Returns the area of a face with any number of corners.

@@ -384,53 +384,36 @@ Model tee(int n) {
   const double radius = 4, branch = 2, length = 6, top = 7;
   const std::uint32_t main_pipe = sculptor.surface(cylinder_along({}, {1, 0, 0}, radius));
   const std::uint32_t side_pipe = sculptor.surface(cylinder_along({}, kUp, branch));
-  // The cut has exact coordinates on both cylinders.
+  // The corners of the cut lie on both cylinders. Each of them is the end of a ruling of either.
   const auto cut = [&](int i) {
     const Vec2 d = direction(i, n);
     const double y = branch * d.y;
     return Vec3{branch * d.x, y, std::sqrt(radius * radius - y * y)};
   };
   add_strip(sculptor, n, cut, circle(n, branch, top), [&](int) { return side_pipe; });
-  // The upper half of the main pipe is unrolled to (x, angle from the top). Rings lead from the cut to the border.
-  const int rings = n / 4;
-  const auto on_main = [&](Vec2 p) {
-    return Vec3{p.x, radius * std::sin(p.y), p.y == kPi / 2 || p.y == -kPi / 2 ? 0 : radius * std::cos(p.y)};
+  const auto rim = [&](int i, double side) { return Vec3{side * length, cut(i).y, cut(i).z}; };
+  for (int i = 0; i < n; ++i) {
+    const double side = 4 * i < n || 4 * i >= 3 * n ? 1 : -1;
+    sculptor.face({cut(i), rim(i, side), rim(i + 1, side), cut(i + 1)}, main_pipe);
+  }
+  // The other facets reach from rim to rim. The first and the last of them pass the cut, which touches their sides.
+  const int left = n / 4, right = 3 * n / 4;
+  const int steps = 5 * n / 3;
+  const double reach = 2 * kPi - 2 * std::asin(branch / radius);
+  const auto around = [&](int k, double side) {
+    if (k == 0) return rim(left, side);
+    if (k == steps) return rim(right, side);
+    const double angle = std::asin(branch / radius) + reach * k / steps;
+    return Vec3{side * length, radius * std::sin(angle), radius * std::cos(angle)};
   };
-  const auto border = [&](int i) {
-    // The border is walked in eight parts, so that its points are evenly spaced.
-    const double t = 8.0 * (i % n) / n;
-    const auto part = [](double s) { return std::clamp(s, -1.0, 1.0); };
-    const double x = t <= 4 ? part(2 - t) : part(t - 6);
-    const double y = t <= 2 ? part(t) : t <= 6 ? part(4 - t) : part(t - 8);
-    return Vec2{length * x, kPi / 2 * y};
-  };
-  const auto ring = [&](int k) {
-    return [&, k](int i) {
-      const Vec3 c = cut(i % n);
-      if (k == 0) return c;
-      if (k == rings) return on_main(border(i));
-      const Vec2 inner{c.x, std::asin(c.y / radius)};
-      const double t = static_cast<double>(k) / rings;
-      return on_main((1 - t) * inner + t * border(i));
-    };
-  };
-  for (int k = 0; k < rings; ++k)
-    for (int i = 0; i < n; ++i)
-      sculptor.two_triangles(ring(k)(i), ring(k + 1)(i), ring(k + 1)(i + 1), ring(k)(i + 1), main_pipe);
-  // Each step around the lower half continues the straight pieces of the border along x.
-  const int steps = n / 4;
-  std::vector<double> xs;
-  for (int i = 0; i < n; ++i)
-    if (border(i).y == kPi / 2) xs.push_back(border(i).x);
-  std::sort(xs.begin(), xs.end());
-  const auto below = [&](std::size_t j, int k) {
-    if (k == 0) return on_main({xs[j], kPi / 2});
-    if (k == steps) return on_main({xs[j], -kPi / 2});
-    return on_main({xs[j], kPi / 2 + kPi * k / steps});
-  };
-  for (std::size_t j = 0; j + 1 < xs.size(); ++j)
-    for (int k = 0; k < steps; ++k)
-      sculptor.face({below(j, k), below(j + 1, k), below(j + 1, k + 1), below(j, k + 1)}, main_pipe);
+  for (int k = 0; k < steps; ++k) {
+    std::vector<Vec3> corners{around(k, -1)};
+    if (k == 0) corners.push_back(cut(left));
+    for (const Vec3& p : {around(k, 1), around(k + 1, 1)}) corners.push_back(p);
+    if (k + 1 == steps) corners.push_back(cut(right));
+    corners.push_back(around(k + 1, -1));
+    sculptor.face(corners, main_pipe);
+  }
   return sculptor.take(label("tee", {n}));
 }
 

@@ -55,7 +55,8 @@ Model tube(int n, double radius, double wall, double height);
 Model plates_with_a_common_bore(int n);
 /// Makes a plate with a bore and the pin in it. They have the same radius, and the pin is turned by half a facet.
 Model pin_in_its_bore(int n);
-/// Makes half of a pipe along x with a branch along z; both are open.
+/// Makes a pipe along x with a branch along z; both are open. `n` is a multiple of 12. The facets of the pipe are the
+/// narrower the nearer they are to the sides of the branch.
 Model tee(int n);
 /// Makes a vase: a surface of revolution whose profile is a wave.
 Model vase(int n, int m);

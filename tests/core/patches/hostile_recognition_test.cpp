@@ -21,6 +21,7 @@
 #include "tests/support/shapes.h"
 #include "tests/support/solids.h"
 #include "tests/support/time_limit.h"
+#include "tests/support/unrefined_options.h"
 
 namespace remesh {
 namespace {
@@ -76,21 +77,40 @@ std::vector<Named> surfaces(std::size_t faces) {
           {"a cylinder with noise of 1e-7", noisy_cylinder(n / 20, 1e-7)}};
 }
 
+/// Returns the time of the stage alone. The run is stopped when the next one begins, which may take far longer.
 test::Seconds time_of_recognition(const PolygonMesh& mesh) {
+  using Clock = std::chrono::steady_clock;
   RunControl control;
-  const Report report = analyze_surface(mesh, {}, {}, control);
-  for (const StageTime& time : report.timing_ms)
-    if (time.stage == Stage::kSurfaces) return test::Seconds(time.ms / 1000);
-  return test::Seconds(0);
+  std::atomic<bool> is_over = false;
+  Clock::time_point began, ended;
+  std::thread watcher([&] {
+    while (control.stage() != Stage::kSurfaces && !is_over) std::this_thread::yield();
+    began = Clock::now();
+    while (control.stage() == Stage::kSurfaces && !is_over) std::this_thread::yield();
+    ended = Clock::now();
+    control.cancel();
+  });
+  try {
+    remesh_surface(mesh, unrefined(), {}, control);
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code, Code::kCancelled) << error.what();
+  }
+  is_over = true;
+  watcher.join();
+  return ended - began;
 }
 
 TEST(hostile_recognition, it_takes_microseconds_a_face) {
   const std::size_t faces = unless_sanitized(100'000, 10'000);
   for (const Named& surface : surfaces(faces)) {
-    // `./dev recognition` holds the stage to 1.5 microseconds; a busy machine takes a few times that.
+    // `./dev recognition` holds the stage to 1.5 microseconds; a busy machine takes a few times that. The best of few
+    // attempts counts, so that a surface that takes far too long does not hold up the other tests.
     const test::Seconds bound = static_cast<double>(surface.mesh.face_count()) * test::Seconds(10e-6);
-    test::expect_best_within(
-        bound + test::Seconds(0.01), [&] { return time_of_recognition(surface.mesh); }, surface.name);
+    SCOPED_TRACE(surface.name);
+    test::Seconds best = time_of_recognition(surface.mesh);
+    for (int more = 2; more > 0 && best > test::kSlowdown * bound && best < 10 * test::kSlowdown * bound; --more)
+      best = std::min(best, time_of_recognition(surface.mesh));
+    test::expect_within(bound + test::Seconds(0.01), best, surface.name);
   }
 }
 
@@ -100,7 +120,7 @@ TEST(hostile_recognition, no_claim_is_refuted_by_a_corner_of_a_facet) {
     RunControl control;
     const test::Claims claims = test::claims_of(surface.mesh, control);
     const double floor = kToleranceFloor * claims.report.input.bounding_box.diagonal();
-    const double step = std::max(claims.report.rounding_step, floor);
+    const double step = std::max({claims.report.rounding_step, test::written_step(surface.mesh), floor});
     for (const test::ClaimFit& fit : test::fit_of_claims(surface.mesh, claims, step)) {
       const RecognisedSurface& s = claims.surfaces()[fit.surface];
       EXPECT_LE(fit.deviation, s.tolerance * (1 + 1e-6)) << kind_name(s.shape.kind) << " " << fit.surface;
@@ -117,14 +137,14 @@ test::Seconds time_to_stop_recognition(const PolygonMesh& mesh, test::Seconds af
   std::atomic<bool> is_over = false;
   Clock::time_point asked;
   std::thread watcher([&] {
-    while (control.stage() < Stage::kSurfaces && !is_over) std::this_thread::sleep_for(std::chrono::microseconds(100));
+    while (control.stage() != Stage::kSurfaces && !is_over) std::this_thread::yield();
     std::this_thread::sleep_for(after);
     asked = Clock::now();
     control.cancel();
   });
   bool is_stopped = false;
   try {
-    analyze_surface(mesh, {}, {}, control);
+    remesh_surface(mesh, unrefined(), {}, control);
   } catch (const Error& error) {
     is_stopped = error.code == Code::kCancelled;
   }

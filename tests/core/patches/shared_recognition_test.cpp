@@ -69,7 +69,8 @@ Judged judge(const std::filesystem::path& path) {
   for (auto& [kind, area] : judged.area) area *= 100 / whole;
   for (const RecognisedSurface& s : judged.claims.surfaces()) ++judged.count[s.shape.kind];
   const Report& report = judged.claims.report;
-  const double step = std::max(report.rounding_step, kToleranceFloor * report.input.bounding_box.diagonal());
+  const double step = std::max(
+      {report.rounding_step, test::written_step(judged.mesh), kToleranceFloor * report.input.bounding_box.diagonal()});
   for (const test::ClaimFit& fit : test::fit_of_claims(judged.mesh, judged.claims, step)) {
     const RecognisedSurface& s = judged.claims.surfaces()[fit.surface];
     EXPECT_LE(fit.deviation, s.tolerance * (1 + 1e-6)) << kind_name(s.shape.kind) << " " << fit.surface;
