@@ -116,9 +116,13 @@ class Run {
     // The triangles are not part of the report, but they predict what refinement would make of the patches.
     triangulate();
     examine_input();
-    if (options_.refine) warn_of_curves(surface(), partition_.patches, report_.diagnostics);
     watch_.enter(Stage::kRefinement);
     refiner_->predict_faces(patched(), candidate_.triangulated);
+    tell_curves({[&](PatchId p) {
+                   return goals() != nullptr ? refiner_->predicted_of_patch()[p.value]
+                                             : static_cast<double>(partition_.summaries.patches[p.value].output_faces);
+                 },
+                 RefinedFaces::Are::kPredicted});
     report_.smallest_gap = refiner_->smallest_gap();
     if (!report_.smallest_gap)
       report_.smallest_gap = GapSearch(surface(), adjacency(), partition_.patches, report_.plane_tolerance, control_,
@@ -334,6 +338,15 @@ class Run {
                                                      report_.plane_tolerance, control_);
   }
 
+  /// Tells which curved surfaces are refined facet by facet.
+  void tell_curves(const RefinedFaces& refined) {
+    if (!options_.refine) return;
+    if (options_.feature_angle_deg > 0)
+      warn_of_curved_surfaces(surface(), partition_.patches, report_.surfaces, refined, report_.diagnostics);
+    else
+      warn_of_curves(surface(), partition_.patches, report_.diagnostics);
+  }
+
   void summarise() {
     report_.patches = std::move(partition_.summaries.patches);
     report_.predicted_faces = goals() != nullptr ? refiner_->predicted_faces() : partition_.summaries.triangles;
@@ -348,7 +361,7 @@ class Run {
     for (std::size_t p = 0; p < candidate_.triangulated.meshes.size(); ++p)
       report_.patches[p].output_faces = candidate_.triangulated.meshes[PatchId(p)].mesh.triangle_count();
     prepared_.release();
-    if (options_.refine) warn_of_curves(surface(), partition_.patches, report_.diagnostics);
+    tell_curves({[&](PatchId p) { return static_cast<double>(report_.patches[p.value].output_faces); }});
     if (!report_.verified.are_all_intersections_known) warn_of_many_intersections(report_.diagnostics);
   }
 

@@ -522,6 +522,26 @@ TEST(remesh_surface, a_curved_surface_is_warned_of_where_it_is_to_be_refined_and
   }
 }
 
+TEST(remesh_surface, a_curved_surface_is_told_of_where_its_facets_are_pairs_of_triangles) {
+  constexpr int kSides = 24;
+  const PolygonMesh rod = shapes::fan_triangulated(shapes::cylinder(kSides, 1, 3));
+  RunControl control;
+  Options each_facet_is_a_surface;
+  each_facet_is_a_surface.feature_angle_deg = 0;
+  for (const Options& options : {Options(), each_facet_is_a_surface}) {
+    const Report analysed = analyze_surface(rod, options, {}, control);
+    const Result result = remeshed(rod, options);
+    for (const Report& report : {analysed, result.report}) {
+      const Diagnostic* const curved = find(report.diagnostics, DiagnosticCode::kCurvedSurface);
+      ASSERT_EQ(curved != nullptr, options.feature_angle_deg > 0);
+      if (curved == nullptr) continue;
+      EXPECT_EQ(curved->count, std::uint64_t{2 * kSides});
+      EXPECT_NE(curved->message.find("1 cylinder, made of 24 facets;"), std::string::npos) << curved->message;
+    }
+  }
+  EXPECT_EQ(find(remeshed(shapes::box({1, 1, 1}), {}).report.diagnostics, DiagnosticCode::kCurvedSurface), nullptr);
+}
+
 TEST(remesh_surface, diagnostics_of_the_reader_are_passed_on) {
   RunControl control;
   const Result result = remesh_surface(shapes::sheet(1, 1, 1, 1), unrefined(), {}, control,
