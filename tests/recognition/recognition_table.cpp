@@ -38,7 +38,7 @@ constexpr double kMaxFreeFormPercent = 0.5;
 constexpr double kMaxMicrosPerFace = 1.5;
 constexpr double kMaxBytesPerFace = 100;
 /// A smaller mesh is not timed against the bound, because fixed costs and the clock weigh too much.
-constexpr std::size_t kMinTimedFaces = 20'000;
+constexpr std::size_t kMinTimedFaces = 5'000;
 /// A tolerance of so many rounding steps is still the rounding of the file.
 constexpr double kMaxToleranceSteps = 10;
 

@@ -181,7 +181,7 @@ Model varied(const Model& model, const Variant& variant, double* step) {
         case Storage::kDoubles: break;
         case Storage::kFloats: p[axis] = static_cast<double>(static_cast<float>(p[axis])); break;
         case Storage::kSixDigits: p[axis] = with_six_digits(p[axis]); break;
-        case Storage::kNoisyDoubles: p[axis] += random.uniform(-1e-9, 1e-9) * size; break;
+        case Storage::kNoisyDoubles: p[axis] += random.uniform(-0.5e-9, 0.5e-9) * size; break;
       }
   }
   if (step == nullptr) return result;
@@ -189,7 +189,7 @@ Model varied(const Model& model, const Variant& variant, double* step) {
     case Storage::kDoubles: *step = 1e-12 * std::max(size, largest(result.mesh)); break;
     case Storage::kFloats: *step = test::float_step(result.mesh); break;
     case Storage::kSixDigits: *step = std::pow(10, std::floor(std::log10(largest(result.mesh))) - 5); break;
-    case Storage::kNoisyDoubles: *step = 2e-9 * size; break;
+    case Storage::kNoisyDoubles: *step = 1e-9 * size; break;
   }
   return result;
 }
