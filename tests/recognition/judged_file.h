@@ -10,7 +10,8 @@
 
 namespace remesh::recognition {
 
-/// Areas of the STEP faces of one kind, in squared model units. The right, wrong and unclaimed areas add up to `judged`.
+/// Areas of the STEP faces of one kind, in squared model units. The right, wrong and unclaimed areas add up to
+/// `judged`.
 struct KindAreas {
   std::size_t faces = 0;  ///< STEP faces
   std::size_t judged_faces = 0;

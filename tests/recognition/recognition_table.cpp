@@ -5,7 +5,7 @@
 ///   --faces  one line more for each STEP face that is not right, and for each claimed surface of other meshes
 ///   --million  judges the time and the memory of the stage on surfaces of a million faces
 ///   --runs   the stage is timed so often (3), and the shortest time counts
-/// Exit code: 0 - all bounds hold; 1 - the bounds that do not hold are listed; 2 - usage, or a mesh that cannot be read.
+/// Exit code: 0 - all bounds hold; 1 - the bounds that do not hold are listed; 2 - usage, or a mesh cannot be read.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -145,7 +145,8 @@ void print_claims(const PolygonMesh& mesh, const JudgedFile& file, const std::st
     double steps = 0;      ///< the largest, in rounding steps
     double tilt_deg = 0;
   };
-  // Doubles are judged by the finest tolerance that the pipeline has for planes, because models are computed in many steps.
+  // Doubles are judged by the finest tolerance that the pipeline has for planes, because models are computed in many
+  // steps.
   const double step = std::max({file.claims.report.rounding_step, test::written_step(mesh),
                                 kToleranceFloor * file.claims.report.input.bounding_box.diagonal()});
   std::map<SurfaceKind, Sum> sums;

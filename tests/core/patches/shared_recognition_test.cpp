@@ -1,4 +1,5 @@
-// Tests recognition on real parts. Some are known from other sources; of noisy and free-form ones little may be claimed.
+// Tests recognition on real parts. Some are known from other sources; of noisy and free-form ones little may be
+// claimed.
 
 #include <gtest/gtest.h>
 
@@ -109,8 +110,8 @@ struct Expected {
   std::map<SurfaceKind, std::pair<std::size_t, double>> kinds;
 };
 
-/// The round corners of `plate_holes` are tori with radii of 3/4 and 1/4 inch. A search that tries cones before tori finds
-/// six cones in each of them.
+/// The round corners of `plate_holes` are tori with radii of 3/4 and 1/4 inch. A search that tries cones before tori
+/// finds six cones in each of them.
 const std::vector<Expected> kParts{
     {"curved-cad/round.stl", {{SurfaceKind::kCylinder, {2, 99.5}}}},
     {"curved-cad/fe_part1.stl", {{SurfaceKind::kCylinder, {1, 18.19}}}},
