@@ -95,7 +95,8 @@ std::vector<Variant> variants();
 
 /// Turns, moves and rounds a model, and the truth about it likewise, which is not rounded.
 /// Output: `step`, unless it is null - the step to which coordinates are rounded. That of doubles is larger than their
-///         last place, because a model is computed in many steps. Noise moves a coordinate by up to half of 1e-9 of the diagonal.
+///         last place, because a model is computed in many steps. Noise moves a coordinate by up to half of 1e-9 of the
+///         diagonal.
 Model varied(const Model& model, const Variant& variant, double* step);
 
 /// Returns the height of the lowest facet over its surface, as seen from the model's lowest curved surface: rounding
