@@ -20,12 +20,17 @@ export class SurfaceChoice {
     this.report = report;
     const groups = groupSurfaces(report?.surfaces ?? []);
     this.colours = coloursOf(groups);
-    if (report) this.panel.show({ groups, colours: this.colours, areDrawn: report.output !== undefined });
+    if (report) this.panel.show({ groups, colours: this.colours, areDrawn: this.areDrawn });
     this.choose([]);
   }
 
+  /** An analysis does not tell the patches of faces. */
+  private get areDrawn(): boolean {
+    return this.report?.output !== undefined;
+  }
+  /** The kinds that are seen in the views. */
   get kinds(): SurfaceKind[] {
-    const present = new Set(this.report?.surfaces.map(({ kind }) => kind));
+    const present = new Set(this.areDrawn ? this.report!.surfaces.map(({ kind }) => kind) : []);
     return kKinds.filter((kind) => present.has(kind));
   }
   get hasChosen(): boolean {
@@ -36,16 +41,15 @@ export class SurfaceChoice {
   }
   /** Null where it is not known. */
   ofPatch(patch: number): RecognisedSurface | null {
-    const surface = this.report?.patches[patch]?.surface;
+    const surface = this.areDrawn ? this.report!.patches[patch]?.surface : undefined;
     return surface === undefined ? null : (this.report!.surfaces[surface] ?? null);
   }
 
   /** Shows the faces of these surfaces in both views, and their numbers in the panel. */
   choose(ids: readonly number[]): void {
     this.chosen = new Set(ids);
-    // An analysis does not tell the patches of faces.
-    const patches = this.report?.output ? this.report.patches : [];
-    this.viewer.setPatches(patchTable(patches, this.colours, this.chosen), this.hasChosen && patches.length > 0);
+    const patches = this.areDrawn ? this.report!.patches : [];
+    this.viewer.setPatches(patchTable(patches, this.colours, this.chosen), this.areDrawn && this.hasChosen);
     this.panel.mark(this.chosen);
   }
 }

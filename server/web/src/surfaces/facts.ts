@@ -14,8 +14,9 @@ function vector(p: Point, step: number): string {
   return p.map((x) => real(Math.abs(x) < step ? 0 : x)).join(", ");
 }
 
-export function sweepOf({ sweep_deg }: RecognisedSurface): string {
-  if (sweep_deg === undefined) return "";
+/** Spheres have none, because they have no axis. */
+export function sweepOf({ kind, sweep_deg }: RecognisedSurface): string {
+  if (sweep_deg === undefined || kind === "sphere") return "";
   return sweep_deg >= kFullTurn ? "full turn" : degrees(sweep_deg);
 }
 
