@@ -48,6 +48,17 @@ picture("angles-dark", { scheme: "dark" }, async (visitor) => {
   await visitor.tab("report");
 });
 
+picture("surfaces", {}, async (visitor) => {
+  const { page, run, tab } = visitor;
+  await sample(visitor, "Hub");
+  await run();
+  await page.select("#colouring", "surface");
+  await tab("surfaces");
+  const box = await (await page.$("#before")).boundingBox();
+  await page.mouse.click(box.x + box.width * 0.5, box.y + box.height * 0.72);
+  await page.waitForSelector("#before-numbers .surface-facts");
+});
+
 picture("finding", {}, async (visitor) => {
   const { drop, page, run, tab, waitForText } = visitor;
   // A ramp that runs out to a sharp edge, in a box: corners below any bound.
