@@ -191,4 +191,10 @@ std::string report_document(const RemeshAnswer& answer, RunControl& control) {
   return json.take() + "\n";
 }
 
+std::string report_document(const AnalysisAnswer& answer, RunControl& control) {
+  JsonWriter json;
+  write_report(json, answer.report, answer.options, ReportKind::kAnalysis, answer.times, control);
+  return json.take() + "\n";
+}
+
 }  // namespace remesh::api

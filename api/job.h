@@ -69,5 +69,6 @@ AnalysisAnswer run_analyze_job(Job job, const Limits& limits, RunControl& contro
 
 /// Writes the report alone as a JSON document.
 std::string report_document(const RemeshAnswer& answer, RunControl& control);
+std::string report_document(const AnalysisAnswer& answer, RunControl& control);
 
 }  // namespace remesh::api

@@ -16,6 +16,7 @@
 #include <string_view>
 #include <vector>
 
+#include "api/cli/analysis_text.h"
 #include "api/cli/batch.h"
 #include "api/cli/failure.h"
 #include "api/cli/files.h"
@@ -37,6 +38,7 @@ struct Arguments {
   std::string report;
   std::string batch;  // a folder; it replaces the input
   std::string server;
+  bool is_analysis = false;
   int workers = 1;
   api::Fields options;  // options by their names in the API
 };
@@ -80,6 +82,7 @@ bool has_unknown_ending(const std::string& path) {
 /// Errors: UsageError - a required path is missing, or two outputs have the same path.
 void check_paths(const Arguments& arguments) {
   if (!arguments.batch.empty()) {
+    if (arguments.is_analysis) throw UsageError("--analyze cannot be combined with --batch");
     if (!arguments.input.empty()) throw UsageError("--batch cannot be combined with the input " + arguments.input);
     if (!arguments.server.empty()) throw UsageError("--batch cannot be combined with --server");
     if (arguments.report.empty()) throw UsageError("--batch needs --report, the file for its table");
@@ -87,6 +90,12 @@ void check_paths(const Arguments& arguments) {
     return;
   }
   if (arguments.input.empty()) throw UsageError("input is required");
+  if (arguments.is_analysis) {
+    if (!arguments.output.empty()) throw UsageError("--analyze cannot be combined with --output: it writes no mesh");
+    if (!arguments.server.empty()) throw UsageError("--analyze cannot be combined with --server");
+    if (arguments.report == "-") throw UsageError("with --analyze the report cannot go to standard output");
+    return;
+  }
   if (arguments.output.empty()) throw UsageError("--output is required");
   if (arguments.output == arguments.report) {
     throw UsageError("the mesh and the report cannot both go to " + name_of_output(arguments.output));
@@ -102,6 +111,9 @@ void parse(CLI::App& app, int argc, char** argv, Arguments& arguments) {
   app.add_option("-o,--output", arguments.output,
                  "the mesh to write; - for standard output; compressed if it ends in .gz");
   app.add_option("--report", arguments.report, "also write the report, as JSON");
+  app.add_flag("--analyze", arguments.is_analysis,
+               "remesh nothing, but list what the mesh consists of: its cylinders, cones and other surfaces with their "
+               "sizes, its defects, and how many faces a remeshing with these options would make");
   app.add_option(
       "--batch", arguments.batch,
       "remesh every mesh in this folder instead of one input; --report is then a table (CSV) with one line per "
@@ -192,6 +204,26 @@ void remesh_one(const Arguments& arguments, api::Job job, RunControl& control) {
   if (answer.report.output_origin) tell_origin(api::origin_text(*answer.report.output_origin));
 }
 
+/// Prints what the mesh consists of.
+void analyze_one(const Arguments& arguments, api::Job job, RunControl& control) {
+  job.input_format = format_from_file_name(arguments.input);
+  FileContent mesh = read_file(arguments.input, control);
+  job.mesh = mesh.view();
+  job.release_mesh = [&] { mesh.release(); };
+
+  api::AnalysisAnswer answer;
+  std::string report;
+  {
+    const ProgressBar progress([&] { return progress_line(control); });
+    answer = api::run_analyze_job(std::move(job), limits_for(arguments.workers), control);
+    if (!arguments.report.empty()) report = api::report_document(answer, control);
+    control.check();
+  }
+  const std::string name = arguments.input == "-" ? "standard input" : arguments.input;
+  write_file("-", analysis_text(answer.report, name));
+  if (!arguments.report.empty()) write_file(arguments.report, report);
+}
+
 /// Does the same as remesh_one, but by a server.
 void remesh_one_remotely(const Arguments& arguments, RunControl& control) {
   RemoteJob job;
@@ -246,9 +278,11 @@ int run(const Arguments& arguments) {
     for (const auto& [name, value] : arguments.options) job.options.add(name, value);
     job.options.check();
     if (!arguments.batch.empty()) return remesh_folder(arguments, control);
-    check_writable(arguments.output);
+    if (!arguments.is_analysis) check_writable(arguments.output);
     if (!arguments.report.empty()) check_writable(arguments.report);
-    if (!arguments.server.empty()) {
+    if (arguments.is_analysis) {
+      analyze_one(arguments, std::move(job), control);
+    } else if (!arguments.server.empty()) {
       remesh_one_remotely(arguments, control);
     } else {
       remesh_one(arguments, std::move(job), control);

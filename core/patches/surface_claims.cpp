@@ -12,17 +12,32 @@ namespace {
 constexpr double kFirstSlack = 20;
 
 /// The surface is fitted to at most this many facets while it grows, evenly chosen.
-constexpr std::size_t kFitFacets = 64;
+constexpr std::size_t kFitFacets = 64, kExactFitFacets = 256;
+
+/// A fit is good enough to grow further if the root mean square of the distances is this many tolerances.
+constexpr double kGoodEnough = 0.2;
 
 /// The angle between the normals of a facet and of its surface in the facet's middle is at most acos of this. Facets
 /// that meet smoothly turn by half the feature angle.
 constexpr double kMinFacing = 0.8;
 
-/// A facet whose chord height is larger than this many medians was cut on purpose: it is the flat on a shaft.
-constexpr double kMaxUneven = 3;
+/// A facet over which the surface turns by more than this many medians was cut on purpose: it is the flat on a shaft.
+/// Programs make pieces of boundaries half as large as facets inside.
+constexpr double kMaxUneven = 2.6;
 
 /// A torus through three circles about one axis proves nothing, because there always is one.
 constexpr int kMinRings = 4;
+
+/// Rounding alone moves corners by this many tolerances. A surface is believed if so large a part of its corners is as
+/// close to it; the smaller part holds for many facets.
+constexpr double kCloseFit = 0.1;
+constexpr double kCloseOfFew = 0.9, kCloseOfMany = 0.5;
+constexpr std::size_t kManyFacets = 40;
+
+/// Any other surface must end where it ends. If the next facet leaves it by no more than this many chord heights, or
+/// is not larger than this many facets of the surface, the facets go on as if nothing had happened. At most this part of
+/// the border may be such.
+constexpr double kSoftBorder = 4, kAlikeArea = 4, kMaxSoft = 0.15;
 
 /// The smallest numbers of facets that are believed.
 std::size_t min_facets(SurfaceKind kind) { return kind == SurfaceKind::kTorus ? 6 : 4; }
@@ -61,17 +76,18 @@ class ClaimGrower::Gauge {
     return std::sqrt(u * u + z * z) - minor_radius_;
   }
 
-  /// Returns the cosine of the angle between a direction and the surface's normal at a place near it.
-  double facing(const Vec3& p, const Vec3& direction) const {
+  /// Returns the normal of the surface at a place near it. It is null within `tolerance` of an axis.
+  Vec3 normal(const Vec3& p, double tolerance) const {
     const Vec3 q = p - origin_;
-    if (kind_ == SurfaceKind::kSphere) return dot(q, direction) / std::sqrt(norm_squared(q));
+    if (kind_ == SurfaceKind::kSphere) return normalized(q);
     const double z = dot(q, axis_);
     const Vec3 w = q - z * axis_;
-    const double r = std::sqrt(norm_squared(w)), outwards = dot(w, direction) / r, along = dot(axis_, direction);
+    const double r = std::sqrt(norm_squared(w));
+    if (!(r > 4 * tolerance)) return {};
+    const Vec3 outwards = (1 / r) * w;
     if (kind_ == SurfaceKind::kCylinder) return outwards;
-    if (kind_ == SurfaceKind::kCone) return outwards * cosine_ - along * sine_;
-    const double u = r - radius_;
-    return (u * outwards + z * along) / std::sqrt(u * u + z * z);
+    if (kind_ == SurfaceKind::kCone) return cosine_ * outwards - sine_ * axis_;
+    return normalized((r - radius_) * outwards + z * axis_);
   }
 
  private:
@@ -105,12 +121,12 @@ bool ClaimGrower::fits(const Gauge& gauge, PatchId p, double tolerance, int side
     const Vec3& q = graph_.position(graph_.vertex(s));
     if (!(std::fabs(gauge.distance(q)) <= tolerance)) return false;
     // Two circles lie on a cylinder, but also on a sphere, to which the facets between them are no tangents.
-    if (!(side * gauge.facing(q, graph_.normal(p)) >= kMinFacing)) return false;
+    const Vec3 n = gauge.normal(q, tolerance_);
+    if (norm_squared(n) > 0 && !(side * dot(n, graph_.normal(p)) >= kMinFacing)) return false;
     sum += q;
     ++count;
   }
-  const double facing = side * gauge.facing((1.0 / count) * sum, graph_.normal(p));
-  return facing >= kMinFacing;
+  return side * dot(gauge.normal((1.0 / count) * sum, 0), graph_.normal(p)) >= kMinFacing;
 }
 
 double ClaimGrower::chord_height(const Gauge& gauge, PatchId p) const {
@@ -144,9 +160,10 @@ bool ClaimGrower::expand(const Gauge& gauge, double tolerance, int side, Taken m
   return members.size() > before;
 }
 
-bool ClaimGrower::refit(AnalyticSurface& shape, std::span<const PatchId> members) {
+bool ClaimGrower::refit(AnalyticSurface& shape, std::span<const PatchId> members, Precision precision) {
   points_.clear();
-  const std::size_t step = (members.size() + kFitFacets - 1) / kFitFacets;
+  const std::size_t max_facets = precision == Precision::kExact ? kExactFitFacets : kFitFacets;
+  const std::size_t step = (members.size() + max_facets - 1) / max_facets;
   for (std::size_t i = 0; i < members.size(); i += step)
     graph_.for_each_corner(members[i], [&](const Vec3& q) { points_.push_back(q); });
   const Gauge gauge(shape);
@@ -155,9 +172,7 @@ bool ClaimGrower::refit(AnalyticSurface& shape, std::span<const PatchId> members
     const double d = gauge.distance(p);
     sum += d * d;
   }
-  // The exact fit comes last.
-  constexpr double kGoodEnough = 0.2;
-  const double good = kGoodEnough * tolerance_;
+  const double good = precision == Precision::kExact ? 0 : kGoodEnough * tolerance_;
   if (sum <= static_cast<double>(points_.size()) * good * good) return true;
   const std::optional<AnalyticSurface> better = fit_from(shape, points_, {good, kFirstSlack * tolerance_});
   if (better) shape = *better;
@@ -175,54 +190,75 @@ void ClaimGrower::trim(const AnalyticSurface& shape, double tolerance, int side,
   members.erase(std::remove_if(members.begin(), members.end(), leaves), members.end());
 }
 
-double ClaimGrower::drop_uneven(const AnalyticSurface& shape, std::vector<PatchId>& members) const {
-  const Gauge gauge(shape);
-  std::vector<std::pair<double, PatchId>> heights;
-  heights.reserve(members.size());
-  double area = 0;
-  for (const PatchId p : members) {
-    heights.push_back({chord_height(gauge, p), p});
-    area += graph_.area(p);
-  }
-  std::sort(heights.begin(), heights.end());
-  double below = 0, median = 0;
-  for (const auto& [height, p] : heights) {
+double ClaimGrower::turn(const Gauge& gauge, PatchId p) const {
+  std::array<Vec3, 16> normals;
+  std::size_t count = 0;
+  double cosine = 1;
+  graph_.for_each_corner(p, [&](const Vec3& q) {
+    const Vec3 n = gauge.normal(q, tolerance_);
+    if (norm_squared(n) == 0 || count == normals.size()) return;  // an apex has no normal
+    for (std::size_t i = 0; i < count; ++i) cosine = std::min(cosine, dot(normals[i], n));
+    normals[count++] = n;
+  });
+  return std::acos(std::clamp(cosine, -1.0, 1.0));
+}
+
+double ClaimGrower::median_by_area(std::vector<std::pair<double, PatchId>>& values) const {
+  std::sort(values.begin(), values.end());
+  double area = 0, below = 0;
+  for (const auto& [value, p] : values) area += graph_.area(p);
+  for (const auto& [value, p] : values) {
     below += graph_.area(p);
-    median = height;
-    if (2 * below >= area) break;
+    if (2 * below >= area) return value;
   }
-  const double max = kMaxUneven * median + tolerance_;
-  if (heights.back().first <= max) return median;
-  members.clear();
-  for (const auto& [height, p] : heights)
-    if (height <= max) members.push_back(p);
-  return median;
+  return values.back().first;
+}
+
+double ClaimGrower::drop_uneven(const AnalyticSurface& shape, std::vector<PatchId>& members) {
+  const Gauge gauge(shape);
+  values_.clear();
+  for (const PatchId p : members) values_.push_back({turn(gauge, p), p});
+  const double max = kMaxUneven * median_by_area(values_);
+  if (values_.back().first > max) {
+    members.clear();
+    for (const auto& [turn, p] : values_)
+      if (turn <= max) members.push_back(p);
+  }
+  values_.clear();
+  for (const PatchId p : members) values_.push_back({chord_height(gauge, p), p});
+  return median_by_area(values_);
 }
 
 bool ClaimGrower::has_enough_rings(const AnalyticSurface& torus, double tolerance) const {
-  std::vector<double> places;
+  const Vec3 x = normalized(cross(torus.axis, std::fabs(torus.axis.x) < 0.8 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}));
+  const Vec3 y = cross(torus.axis, x);
+  std::vector<double> along_tube, around_tube;
   for (const Vec3& p : points_) {
     const Vec3 q = p - torus.origin;
     const double z = dot(q, torus.axis), r = norm(q - z * torus.axis);
-    places.push_back(torus.minor_radius * std::atan2(z, r - torus.radius));
+    around_tube.push_back(torus.minor_radius * std::atan2(z, r - torus.radius));
+    along_tube.push_back(r * std::atan2(dot(q, y), dot(q, x)));
   }
-  std::sort(places.begin(), places.end());
-  int rings = 1;
-  for (std::size_t i = 1; i < places.size() && rings < kMinRings; ++i)
-    if (places[i] - places[i - 1] > 4 * tolerance) ++rings;
-  return rings >= kMinRings;
+  const auto count = [&](std::vector<double>& places) {
+    std::sort(places.begin(), places.end());
+    int circles = 1;
+    for (std::size_t i = 1; i < places.size() && circles < kMinRings; ++i)
+      if (places[i] - places[i - 1] > 4 * tolerance) ++circles;
+    return circles;
+  };
+  return count(around_tube) >= kMinRings && count(along_tube) >= kMinRings - 1;
 }
 
 std::optional<Claim> ClaimGrower::grow(const AnalyticSurface& start, std::span<const PatchId> seed, Taken may_replace) {
   ++growth_;
-  Claim claim;
+  given_up_.clear();
   AnalyticSurface shape = start;
   double facing = 0;
   {
     const Gauge gauge(shape);
     for (const PatchId p : seed) {
       const FacetPlace at = place_of(p);
-      facing += gauge.facing(at.middle, at.normal);
+      facing += dot(gauge.normal(at.middle, 0), at.normal);
     }
   }
   const int side = facing >= 0 ? 1 : -1;
@@ -233,31 +269,64 @@ std::optional<Claim> ClaimGrower::grow(const AnalyticSurface& start, std::span<c
     members.push_back(p);
   }
   if (members.size() < 2 || 2 * members.size() < seed.size()) return std::nullopt;
-  constexpr int kMaxRounds = 60;
+  std::optional<Claim> claim;
+  if (grow_members(shape, side, may_replace, members)) claim = conclude(shape, side, members);
+  if (!claim) given_up_ = std::move(members);
+  return claim;
+}
+
+bool ClaimGrower::grow_members(AnalyticSurface& shape, int side, Taken may_replace, std::vector<PatchId>& members) {
+  constexpr int kMaxRounds = 80;
+  bool is_exact = false;
   for (int round = 0; round < kMaxRounds; ++round) {
     const std::size_t before = members.size();
-    const double tolerance = slack_of(before) * tolerance_;
-    const bool has_grown = expand(Gauge(shape), tolerance, side, may_replace, 2 * before + 2, members);
-    if (!has_grown && before < min_facets(shape.kind)) return std::nullopt;
-    if (has_grown) {
-      if (!refit(shape, members)) return std::nullopt;
+    const double slack = slack_of(before) * tolerance_;
+    if (expand(Gauge(shape), slack, side, may_replace, 2 * before + 2, members)) {
+      if (!refit(shape, members, Precision::kGoodEnough)) return false;
+      is_exact = false;
       trim(shape, slack_of(members.size()) * tolerance_, side, members);
-      if (members.size() > before) continue;
+      if (members.size() <= before) break;
+    } else {
+      // A better fit may reach further.
+      if (is_exact) break;
+      if (before < min_facets(shape.kind) || !refit(shape, members, Precision::kExact)) return false;
+      is_exact = true;
     }
-    break;
   }
   // The last rounds have no slack.
   constexpr int kMaxLastRounds = 6;
   for (int round = 0; round < kMaxLastRounds; ++round) {
-    if (!refit(shape, members)) return std::nullopt;
     const std::size_t before = members.size();
     trim(shape, tolerance_, side, members);
     const bool is_settled = members.size() == before;
-    if (members.size() < min_facets(shape.kind)) return std::nullopt;
+    if (members.size() < min_facets(shape.kind)) return false;
     if (!expand(Gauge(shape), tolerance_, side, may_replace, static_cast<std::size_t>(-1), members) && is_settled)
       break;
+    if (!refit(shape, members, Precision::kExact)) return false;
   }
-  return conclude(shape, side, std::move(members));
+  return true;
+}
+
+bool ClaimGrower::goes_on_beyond(const Gauge& gauge, const Claim& claim) {
+  // The facets of the claim are marked, and only they are.
+  ++growth_;
+  for (const PatchId p : claim.facets) mark_[p] = growth_;
+  std::size_t sides = 0, soft = 0;
+  double area = 0;
+  for (const PatchId p : claim.facets) area += graph_.area(p);
+  const double alike = kAlikeArea * area / static_cast<double>(claim.facets.size());
+  for (const PatchId p : claim.facets)
+    for (std::uint32_t s = graph_.sides_begin(p); s < graph_.sides_end(p); ++s) {
+      check_();
+      const PatchId q = graph_.beyond(s);
+      if (q.is_valid() && mark_[q] == growth_) continue;
+      ++sides;
+      if (!q.is_valid() || !graph_.may_be_curved(q)) continue;
+      double distance = 0;
+      graph_.for_each_corner(q, [&](const Vec3& c) { distance = std::max(distance, std::fabs(gauge.distance(c))); });
+      if (distance <= kSoftBorder * claim.chord_height || graph_.area(q) <= alike) ++soft;
+    }
+  return static_cast<double>(soft) > kMaxSoft * static_cast<double>(sides);
 }
 
 std::optional<Claim> ClaimGrower::conclude(AnalyticSurface shape, int side, std::vector<PatchId> members) {
@@ -285,7 +354,15 @@ std::optional<Claim> ClaimGrower::conclude(AnalyticSurface shape, int side, std:
       if (shape.kind == SurfaceKind::kTorus && !has_enough_rings(shape, tolerance_)) return std::nullopt;
       Claim claim{shape, side, std::move(members), 0, 0, chord_height};
       const Gauge gauge(shape);
-      for (const Vec3& p : points_) claim.deviation = std::max(claim.deviation, std::fabs(gauge.distance(p)));
+      std::size_t close = 0;
+      for (const Vec3& p : points_) {
+        const double d = std::fabs(gauge.distance(p));
+        claim.deviation = std::max(claim.deviation, d);
+        if (d <= kCloseFit * tolerance_) ++close;
+      }
+      const double part = static_cast<double>(close) / static_cast<double>(points_.size());
+      const bool is_clear = part >= (claim.facets.size() < kManyFacets ? kCloseOfFew : kCloseOfMany);
+      if (!is_clear && goes_on_beyond(gauge, claim)) return std::nullopt;
       for (const PatchId p : claim.facets) claim.area += graph_.area(p);
       return claim;
     }

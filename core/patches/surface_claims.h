@@ -50,6 +50,8 @@ class ClaimGrower {
   std::optional<Claim> grow(const AnalyticSurface& start, std::span<const PatchId> seed, Taken may_replace);
 
   FacetPlace place_of(PatchId p) const;
+  /// Returns the facets over which the last growth came before it was given up. It is empty if the growth succeeded.
+  std::span<const PatchId> given_up() const { return given_up_; }
 
  private:
   /// A surface whose distances can be computed fast.
@@ -59,12 +61,21 @@ class ClaimGrower {
   double chord_height(const Gauge& gauge, PatchId p) const;
   bool expand(const Gauge& gauge, double tolerance, int side, Taken may_replace, std::size_t max_size,
               std::vector<PatchId>& members);
-  bool refit(AnalyticSurface& shape, std::span<const PatchId> members);
+  enum class Precision : std::uint8_t { kGoodEnough, kExact };
+  bool refit(AnalyticSurface& shape, std::span<const PatchId> members, Precision precision);
   void trim(const AnalyticSurface& shape, double tolerance, int side, std::vector<PatchId>& members);
   /// Removes facets that are too far from the surface in their middles, and returns the median of these distances.
-  double drop_uneven(const AnalyticSurface& shape, std::vector<PatchId>& members) const;
+  double drop_uneven(const AnalyticSurface& shape, std::vector<PatchId>& members);
+  /// Returns the largest angle by which the surface turns between corners of a facet.
+  double turn(const Gauge& gauge, PatchId p) const;
+  /// Sorts values of facets, and returns the value that half of the area is below.
+  double median_by_area(std::vector<std::pair<double, PatchId>>& values) const;
+  /// Returns whether the facets around a claim leave its surface so gradually that the claim is a piece of something
+  /// larger, to which the surface is only near.
+  bool goes_on_beyond(const Gauge& gauge, const Claim& claim);
   /// Returns whether the points lie on more circles around the axis of a torus than always fit one.
   bool has_enough_rings(const AnalyticSurface& torus, double tolerance) const;
+  bool grow_members(AnalyticSurface& shape, int side, Taken may_replace, std::vector<PatchId>& members);
   std::optional<Claim> conclude(AnalyticSurface shape, int side, std::vector<PatchId> members);
 
   const FacetGraph& graph_;
@@ -75,6 +86,8 @@ class ClaimGrower {
   std::uint32_t growth_ = 0;
   std::vector<Vec3> points_;
   std::vector<VertexId> vertices_;
+  std::vector<std::pair<double, PatchId>> values_;
+  std::vector<PatchId> given_up_;
 };
 
 }  // namespace remesh

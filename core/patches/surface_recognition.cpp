@@ -19,6 +19,9 @@ namespace {
 /// A claim replaces smaller ones if its area is larger than the largest of theirs by this factor.
 constexpr double kMuchLarger = 1.3;
 
+/// Two facets over which so many surfaces were given up are no seed any more.
+constexpr std::uint8_t kMaxAttempts = 8;
+
 /// A kind with more parameters is chosen only if its area is larger by this factor.
 constexpr double kLarger = 1.02;
 
@@ -33,6 +36,7 @@ class Recogniser {
       : graph_(graph),
         grower_(graph, tolerance, control),
         owner_(graph.size(), kNone),
+        attempts_(graph.size(), 0),
         tried_(graph.size(), 0),
         control_(control) {}
 
@@ -55,8 +59,9 @@ class Recogniser {
       check();
       const std::array<PatchId, 2> pair{seed.facet, graph_.beyond(seed.side)};
       if (!is_free(pair[0]) || !is_free(pair[1])) continue;
+      if (attempts_[pair[0]] >= kMaxAttempts && attempts_[pair[1]] >= kMaxAttempts) continue;
       std::optional<Claim> best;
-      for (const AnalyticSurface& guess : guesses.of(seed)) take_larger(grower_.grow(guess, pair, Taken::kFree), best);
+      for (const AnalyticSurface& guess : guesses.of(seed)) grow(guess, pair, Taken::kFree, best);
       if (best && best->shape.kind == SurfaceKind::kSphere) ask_again(best);
       if (best) add(std::move(*best));
     }
@@ -85,11 +90,19 @@ class Recogniser {
     const auto attempt = [&](const std::optional<AnalyticSurface>& guess) {
       const auto fitted =
           guess ? fit_from(*guess, points_, {grower_.tolerance(), 20 * grower_.tolerance()}) : std::nullopt;
-      if (fitted) take_larger(grower_.grow(*fitted, seed, may_replace), best);
+      if (fitted) grow(*fitted, seed, may_replace, best);
     };
     attempt(guess_cylinder(points_, places_));
     attempt(guess_cone(points_, places_));
     attempt(guess_torus(points_, places_));
+  }
+
+  /// Grows a surface, and takes it if it is better. Facets over which it was given up are soon left alone.
+  void grow(const AnalyticSurface& guess, std::span<const PatchId> seed, Taken may_replace,
+            std::optional<Claim>& best) {
+    take_larger(grower_.grow(guess, seed, may_replace), best);
+    for (const PatchId p : grower_.given_up())
+      if (attempts_[p] < kMaxAttempts) ++attempts_[p];
   }
 
   static void take_larger(std::optional<Claim> claim, std::optional<Claim>& best) {
@@ -147,10 +160,10 @@ class Recogniser {
         collect(seed);
         const AnalyticSurface& band = claims_[c].shape;
         std::optional<Claim> best;
-        if (const auto sphere = guess_sphere(points_)) take_larger(grower_.grow(*sphere, seed, Taken::kWeakly), best);
+        if (const auto sphere = guess_sphere(points_)) grow(*sphere, seed, Taken::kWeakly, best);
         if (const auto torus = has_axis ? guess_torus(points_, band.origin, band.axis) : std::nullopt)
-          take_larger(grower_.grow(*torus, seed, Taken::kWeakly), best);
-        if (!has_axis) try_kinds(seed, Taken::kWeakly, best);
+          grow(*torus, seed, Taken::kWeakly, best);
+        if (!best) try_kinds(seed, Taken::kWeakly, best);
         if (best && replace(std::move(*best))) break;
       }
     }
@@ -222,8 +235,9 @@ class Recogniser {
 
   const FacetGraph& graph_;
   ClaimGrower grower_;
-  IdVector<PatchId, std::uint32_t> owner_;  ///< index of the claim, or kNone
-  IdVector<PatchId, std::uint8_t> tried_;   ///< whether a facet was in the seed of a scattered surface
+  IdVector<PatchId, std::uint32_t> owner_;    ///< index of the claim, or kNone
+  IdVector<PatchId, std::uint8_t> attempts_;  ///< how many surfaces were given up that had come to a facet
+  IdVector<PatchId, std::uint8_t> tried_;     ///< whether a facet was in the seed of a scattered surface
   std::vector<Claim> claims_;
   std::vector<Vec3> points_;
   std::vector<FacetPlace> places_;

@@ -43,6 +43,14 @@ std::optional<double> meeting_of(const Vec3& a, const Vec3& b, const Vec3& p, co
   return (dot(w, u) * vv - dot(w, v) * uv) / det;
 }
 
+SurfaceSeed make_seed(const FacetGraph& graph, PatchId facet, std::uint32_t side, std::uint32_t end_side) {
+  const Vec3 &a = graph.position(graph.vertex(side)), &b = graph.position(graph.vertex(end_side));
+  const Vec3 sum = a + b;
+  // Edges of a symmetric part have different sums by these factors, which have no simple ratio.
+  const double tie = 0.7548776662466927 * sum.x + 0.5698402909980532 * sum.y + 0.3247179572447460 * sum.z;
+  return {norm_squared(b - a), tie, side, end_side, facet};
+}
+
 }  // namespace
 
 std::vector<SurfaceSeed> find_seeds(const FacetGraph& graph, RunControl& control) {
@@ -52,21 +60,18 @@ std::vector<SurfaceSeed> find_seeds(const FacetGraph& graph, RunControl& control
         for (std::size_t i = begin; i < end; ++i) {
           const PatchId p(i);
           if (!graph.may_be_curved(p)) continue;
-          const std::uint32_t last = graph.sides_end(p);
-          for (std::uint32_t s = graph.sides_begin(p); s < last;) {
-            const PatchId q = graph.beyond(s);
-            std::uint32_t next = s + 1;
-            while (next < last && q.is_valid() && graph.beyond(next) == q) ++next;
-            if (q.is_valid() && p < q && graph.may_be_curved(q)) {
-              const Vec3 &a = graph.position(graph.vertex(s)),
-                         &b = graph.position(graph.vertex(next < last ? next : graph.sides_begin(p)));
-              const Vec3 middle = a + b;
-              // No two edges of a symmetric part have the same of these sums by symmetry.
-              const double tie =
-                  0.7548776662466927 * middle.x + 0.5698402909980532 * middle.y + 0.3247179572447460 * middle.z;
-              seeds.push_back({norm_squared(b - a), tie, s, next - s, p});
-            }
-            s = next;
+          // The sides that a facet shares with one neighbour are one edge. They may run over the end of the numbers.
+          const std::uint32_t begin_side = graph.sides_begin(p), count = graph.sides_end(p) - begin_side;
+          const auto side_at = [&](std::uint32_t k) { return begin_side + k % count; };
+          std::uint32_t first = 0;
+          while (first < count && graph.beyond(side_at(first)) == graph.beyond(side_at(first + count - 1))) ++first;
+          for (std::uint32_t k = first; k < first + count;) {
+            const PatchId q = graph.beyond(side_at(k));
+            std::uint32_t next = k + 1;
+            while (next < first + count && graph.beyond(side_at(next)) == q) ++next;
+            if (q.is_valid() && p < q && graph.may_be_curved(q))
+              seeds.push_back(make_seed(graph, p, side_at(k), side_at(next)));
+            k = next;
           }
         }
         return seeds;
@@ -77,9 +82,7 @@ std::vector<SurfaceSeed> find_seeds(const FacetGraph& graph, RunControl& control
   seeds.reserve(count);
   for (const auto& block : blocks) seeds.insert(seeds.end(), block.begin(), block.end());
   const auto ends_of = [&](const SurfaceSeed& seed) {
-    const std::uint32_t next = seed.side + seed.sides;
-    Vec3 a = graph.position(graph.vertex(seed.side)),
-         b = graph.position(graph.vertex(next < graph.sides_end(seed.facet) ? next : graph.sides_begin(seed.facet)));
+    const Vec3 &a = graph.position(graph.vertex(seed.side)), &b = graph.position(graph.vertex(seed.end_side));
     return a < b ? std::pair(a, b) : std::pair(b, a);
   };
   sort_stoppable(seeds.begin(), seeds.end(), control, [&](const SurfaceSeed& s, const SurfaceSeed& t) {
@@ -96,10 +99,8 @@ const std::vector<AnalyticSurface>& SeedGuesses::of(const SurfaceSeed& seed) {
   second_.clear();
   graph_.for_each_corner(seed.facet, [&](const Vec3& p) { first_.push_back(p); });
   graph_.for_each_corner(graph_.beyond(seed.side), [&](const Vec3& p) { second_.push_back(p); });
-  const std::uint32_t next = seed.side + seed.sides;
   const Vec3& a = graph_.position(graph_.vertex(seed.side));
-  const Vec3& b =
-      graph_.position(graph_.vertex(next < graph_.sides_end(seed.facet) ? next : graph_.sides_begin(seed.facet)));
+  const Vec3& b = graph_.position(graph_.vertex(seed.end_side));
   points_ = first_;
   points_.insert(points_.end(), second_.begin(), second_.end());
   if (const auto sphere = guess_sphere(points_)) guesses_.push_back(*sphere);

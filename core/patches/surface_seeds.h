@@ -14,9 +14,9 @@ namespace remesh {
 /// A smooth edge between two facets, from which surfaces may grow.
 struct SurfaceSeed {
   double length_squared;
-  double tie;           ///< tells edges of the same length apart: how far their middle lies in a fixed direction
-  std::uint32_t side;   ///< the first side of the edge, see FacetGraph
-  std::uint32_t sides;  ///< the number of sides that the two facets share there
+  double tie;              ///< tells edges of the same length apart: how far their middle lies in a fixed direction
+  std::uint32_t side;      ///< the first side of the edge, see FacetGraph
+  std::uint32_t end_side;  ///< the side that begins where the edge ends
   PatchId facet;
 };
 

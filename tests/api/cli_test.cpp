@@ -245,6 +245,11 @@ TEST_F(cli, misuse_is_told_in_one_line_and_exits_with_2) {
       {{"square.obj", "-o", "o.json", "--report", "o.json"}, "cannot both go to o.json"},
       {{"square.obj", "--batch", ".", "--report", "o.csv"}, "--batch cannot be combined with the input square.obj"},
       {{"--batch", "."}, "--batch needs --report"},
+      {{"square.obj", "--analyze", "-o", "o.obj"}, "--analyze cannot be combined with --output"},
+      {{"square.obj", "--analyze", "--server", "http://host"}, "--analyze cannot be combined with --server"},
+      {{"--batch", ".", "--report", "o.csv", "--analyze"}, "--analyze cannot be combined with --batch"},
+      {{"square.obj", "--analyze", "--report", "-"}, "with --analyze the report cannot go to standard output"},
+      {{"square.obj", "--analyze", "--format", "obj"}, "an analysis is written as json only"},
       {{"square.obj", "-o", "o.obj", "--server", "ftp://host"}, "ftp://host is no http or https URL"},
       {{"square.obj", "-o", "o.obj", "--server", "http://host", "--workers", "1"}, "--workers cannot be combined"},
       {{"square.obj", "-o", "o.xyz"}, "the ending of o.xyz does not tell the format"}};
@@ -311,6 +316,22 @@ TEST_F(cli, a_link_and_its_permissions_stay) {
 TEST_F(cli, what_is_no_ordinary_file_is_written_as_it_is) {
   EXPECT_EQ(run({"square.obj", "-o", "/dev/null"}).status, 0);
   EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
+}
+
+TEST_F(cli, an_analysis_prints_what_the_mesh_consists_of) {
+  const Outcome outcome = run({"square.obj", "--analyze", "--report", "report.json", "--max-edge-length", "0.1"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_THAT(outcome.out, StartsWith("square.obj: 2 faces, open, 1 x 1 x 0\n"
+                                      "     area    faces  surfaces\n"
+                                      "  100.0 %        2  1 plane\n"
+                                      "warning: open_boundary: 4: "));
+  const nlohmann::json report = nlohmann::json::parse(read("report.json"));
+  EXPECT_EQ(report["surfaces"].size(), 1u);
+  EXPECT_FALSE(report.contains("output"));
+  EXPECT_THAT(outcome.out, HasSubstr("makes about " + report["predicted_faces"].dump() + " faces\n"));
+  EXPECT_EQ(file_count(), 2u);
+  EXPECT_THAT(run({"-", "--analyze"}, kSquare).out, StartsWith("standard input: 2 faces"));
 }
 
 TEST_F(cli, help_lists_every_option_with_its_default) {

@@ -88,29 +88,14 @@ FaceShape shape_of(const PolygonMesh& mesh, const StepFace& face, const IdVector
   const PlainSurface& s = face.surface;
   if (s.kind == SurfaceKind::kFree) return shape;
   for (const Vec3& p : corners) shape.off = std::max(shape.off, s.distance(p));
-  if (s.kind == SurfaceKind::kSphere) {
-    Vec3 sum;
-    for (const Vec3& p : corners) sum += normalized(p - s.point);
-    double widest = 0;
-    for (const Vec3& p : corners)
-      widest = std::max(widest, std::acos(std::clamp(dot(normalized(sum), normalized(p - s.point)), -1.0, 1.0)));
-    shape.turn_deg = 2 * widest / kDegree;
-  } else if (s.kind != SurfaceKind::kPlane) {
-    shape.turn_deg = test::covered_turn_deg(s.point, s.axis, corners);
-  }
+  const test::Arcs arcs = test::arcs_of(s, corners);
+  shape.turn_deg = arcs.turn;
+  shape.tube_deg = arcs.tube;
   if (s.kind == SurfaceKind::kCone) {
     const auto [low, high] = std::minmax_element(corners.begin(), corners.end(), [&](const Vec3& a, const Vec3& b) {
       return norm(a - s.point) < norm(b - s.point);
     });
     shape.length = norm(*high - s.point) - norm(*low - s.point);
-  }
-  if (s.kind == SurfaceKind::kTorus) {
-    std::vector<double> around;
-    for (const Vec3& p : corners) {
-      const double height = dot(p - s.point, normalized(s.axis));
-      around.push_back(std::atan2(height, norm(cross(p - s.point, normalized(s.axis))) - s.radius) / kDegree);
-    }
-    shape.tube_deg = test::covered_turn_deg(std::move(around));
   }
   return shape;
 }

@@ -148,4 +148,27 @@ double covered_turn_deg(const Vec3& point, const Vec3& axis, std::span<const Vec
   return covered_turn_deg(std::move(degrees));
 }
 
+Arcs arcs_of(const PlainSurface& surface, std::span<const Vec3> points) {
+  Arcs arcs;
+  if (surface.kind == SurfaceKind::kSphere) {
+    Vec3 sum;
+    for (const Vec3& p : points) sum += normalized(p - surface.point);
+    double widest = 0;
+    for (const Vec3& p : points)
+      widest = std::max(widest, std::acos(std::clamp(dot(normalized(sum), normalized(p - surface.point)), -1.0, 1.0)));
+    arcs.turn = 2 * widest / kDegree;
+  } else if (surface.kind != SurfaceKind::kPlane && surface.kind != SurfaceKind::kFree) {
+    arcs.turn = covered_turn_deg(surface.point, surface.axis, points);
+  }
+  if (surface.kind == SurfaceKind::kTorus) {
+    std::vector<double> around;
+    for (const Vec3& p : points) {
+      const HalfPlane half(surface.point, surface.axis, p);
+      around.push_back(std::atan2(half.place.y, half.place.x - surface.radius) / kDegree);
+    }
+    arcs.tube = covered_turn_deg(std::move(around));
+  }
+  return arcs;
+}
+
 }  // namespace remesh::test

@@ -38,6 +38,13 @@ double covered_turn_deg(const Vec3& point, const Vec3& axis, std::span<const Vec
 /// Returns the angle in degrees that angles in degrees cover on a circle: a full turn less the largest gap.
 double covered_turn_deg(std::vector<double> degrees);
 
+/// How much of a surface some of its points cover, in degrees. A small arc tells little about the radius.
+struct Arcs {
+  double turn = 0;  ///< around the axis; for a sphere, the angle of the narrowest cone that holds them, about
+  double tube = 0;  ///< torus: around the tube
+};
+Arcs arcs_of(const PlainSurface& surface, std::span<const Vec3> points);
+
 /// Returns two unit vectors that make a right-handed frame with the direction `axis`.
 struct Across {
   Vec3 x;

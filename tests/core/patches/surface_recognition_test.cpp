@@ -1,0 +1,277 @@
+// Tests recognition on models whose surfaces are known: all of them must be found, and nothing else.
+
+#include "core/patches/surface_recognition.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numeric>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/remesh.h"
+#include "tests/support/claims.h"
+#include "tests/support/model_claims.h"
+#include "tests/support/primitives.h"
+#include "tests/support/random.h"
+#include "tests/support/shapes.h"
+
+namespace remesh {
+namespace {
+
+using primitives::Model;
+using test::Claims;
+
+/// Rounding has to be this much smaller than the facets are high over their surface.
+constexpr double kMinChordSteps = 10;
+
+Claims claims_of(const PolygonMesh& mesh, int workers = 1, const Options& options = {}) {
+  RunControl control;
+  return test::claims_of(mesh, control, workers, options);
+}
+
+std::size_t curved_faces(const PolygonMesh& mesh, const Claims& claims) {
+  std::size_t count = 0;
+  for (std::uint32_t f = 0; f < mesh.face_count(); ++f) count += claims.is_curved(FaceId(f)) ? 1 : 0;
+  return count;
+}
+
+std::size_t curved_surfaces(const Claims& claims) {
+  return static_cast<std::size_t>(
+      std::count_if(claims.surfaces().begin(), claims.surfaces().end(), [](const RecognisedSurface& s) {
+        return s.shape.kind != SurfaceKind::kPlane && s.shape.kind != SurfaceKind::kFree;
+      }));
+}
+
+void expect_explained(const Model& model, double step) {
+  SCOPED_TRACE(model.name);
+  const Claims claims = claims_of(model.mesh);
+  for (const std::string& fault : test::faults_of(model, claims, step)) ADD_FAILURE() << fault;
+}
+
+/// Expects that a variant of every model is explained, if its rounding leaves the facets as they are.
+void expect_all_explained(const primitives::Variant& variant) {
+  int tested = 0;
+  for (const Model& model : primitives::explained()) {
+    double step = 0;
+    const Model moved = primitives::varied(model, variant, &step);
+    if (primitives::lowest_chord_height(model) < kMinChordSteps * step) continue;
+    expect_explained(moved, step);
+    ++tested;
+  }
+  EXPECT_GT(tested, 40);
+}
+
+class surface_recognition_of_models : public testing::TestWithParam<primitives::Variant> {};
+
+TEST_P(surface_recognition_of_models, every_face_has_its_surface) { expect_all_explained(GetParam()); }
+
+INSTANTIATE_TEST_SUITE_P(variants, surface_recognition_of_models, testing::ValuesIn(primitives::variants()),
+                         [](const auto& info) {
+                           std::string name = info.param.name;
+                           std::replace_if(
+                               name.begin(), name.end(), [](char c) { return c == ' ' || c == ','; }, '_');
+                           return name;
+                         });
+
+TEST(surface_recognition, what_only_looks_curved_stays_planes) {
+  for (const Model& model : primitives::declined())
+    for (const primitives::Variant& variant : primitives::variants()) {
+      double step = 0;
+      const Model moved = primitives::varied(model, variant, &step);
+      SCOPED_TRACE(moved.name);
+      EXPECT_EQ(curved_faces(moved.mesh, claims_of(moved.mesh)), 0u);
+    }
+}
+
+TEST(surface_recognition, a_thread_has_at_most_ten_cylinders_and_cones) {
+  const Claims claims = claims_of(primitives::thread(48, 8).mesh);
+  EXPECT_GE(curved_surfaces(claims), 2u);
+  EXPECT_LE(curved_surfaces(claims), 10u);
+}
+
+TEST(surface_recognition, equal_surfaces_of_two_bodies_are_one_record) {
+  for (const Model& model : {primitives::plates_with_a_common_bore(36), primitives::pin_in_its_bore(36)}) {
+    SCOPED_TRACE(model.name);
+    const Claims claims = claims_of(model.mesh);
+    std::size_t bores = 0;
+    for (const RecognisedSurface& s : claims.surfaces())
+      if (s.shape.kind == SurfaceKind::kCylinder && std::fabs(s.shape.radius - 2) < 1e-9) ++bores;
+    EXPECT_EQ(bores, 1u);
+  }
+}
+
+TEST(surface_recognition, two_halves_with_different_labels_are_one_cylinder) {
+  Model model = primitives::cylinder(24, 8, 20);
+  model.mesh.labels.group.names = {"a", "b"};
+  for (std::uint32_t f = 0; f < model.mesh.face_count(); ++f) model.mesh.labels.group.of_face.push_back(f < 12 ? 0 : 1);
+  expect_explained(model, 1e-11);
+}
+
+TEST(surface_recognition, only_edges_below_the_feature_angle_are_smooth) {
+  Options options;
+  for (const auto& [angle, is_found] : {std::pair{0.0, false}, {14.0, false}, {16.0, true}, {60.0, true}}) {
+    options.feature_angle_deg = angle;
+    const Model model = primitives::cylinder(24, 8, 20);
+    EXPECT_EQ(curved_faces(model.mesh, claims_of(model.mesh, 1, options)), is_found ? 24u : 0u) << angle;
+  }
+  // The edges of twelve facets turn by the default angle itself, so a larger one is needed.
+  options.feature_angle_deg = 31;
+  const Model twelve = primitives::cylinder(12, 8, 20);
+  EXPECT_EQ(curved_faces(twelve.mesh, claims_of(twelve.mesh, 1, options)), 12u);
+  options.feature_angle_deg = 29;
+  EXPECT_EQ(curved_faces(twelve.mesh, claims_of(twelve.mesh, 1, options)), 0u);
+}
+
+TEST(surface_recognition, vertices_that_have_to_stay_do_not_hide_a_surface) {
+  Options options;
+  options.keep_boundary_vertices = true;
+  const Model model = primitives::subdivided(primitives::cylinder(24, 8, 20));
+  for (const std::string& fault : test::faults_of(model, claims_of(model.mesh, 1, options), 1e-11))
+    ADD_FAILURE() << fault;
+}
+
+// The same surfaces in any order of faces, for any number of workers, and at any scale.
+
+/// Returns the models for which the bits are compared: each kind, and a part with several of them.
+std::vector<Model> models_of_each_kind() {
+  std::vector<Model> models{primitives::cylinder(37, 8, 20),
+                            primitives::cone(24, 5, 9),
+                            primitives::icosphere(2, 7),
+                            primitives::torus(24, 24, 16, 8, 3),
+                            primitives::vase(40, 24),
+                            primitives::rounded_box({5, 3, 2}, 1.5, 4),
+                            primitives::countersunk_plate(24),
+                            primitives::thread(48, 4),
+                            primitives::pin_in_its_bore(36),
+                            primitives::tee(48),
+                            primitives::planks("planks", {28, 9, 9, 26, 9, 9})};
+  const std::size_t exact = models.size();
+  for (std::size_t i = 0; i < exact; ++i)
+    models.push_back(
+        primitives::varied(models[i], {"floats, rotated", primitives::Storage::kFloats, true, false}, nullptr));
+  return models;
+}
+
+/// Returns a model with its vertices and faces in another order, where faces begin at another corner. `order` gives the
+/// face that each new face was before.
+Model shuffled(const Model& model, std::uint64_t seed, std::vector<std::uint32_t>& order) {
+  Random random(seed);
+  const auto permutation = [&](std::size_t n) {
+    std::vector<std::uint32_t> p(n);
+    std::iota(p.begin(), p.end(), 0u);
+    for (std::size_t i = n; i > 1; --i)
+      std::swap(p[i - 1], p[static_cast<std::size_t>(random.below(static_cast<int>(i)))]);
+    return p;
+  };
+  const std::vector<std::uint32_t> new_vertex = permutation(model.mesh.vertex_count());
+  order = permutation(model.mesh.face_count());
+  Model result;
+  result.name = model.name + " shuffled";
+  result.surfaces = model.surfaces;
+  result.mesh.positions.resize(model.mesh.vertex_count());
+  for (std::uint32_t v = 0; v < model.mesh.vertex_count(); ++v)
+    result.mesh.positions[VertexId(new_vertex[v])] = model.mesh.positions[VertexId(v)];
+  for (const std::uint32_t f : order) {
+    const auto corners = model.mesh.face(FaceId(f));
+    const auto first = static_cast<std::size_t>(random.below(static_cast<int>(corners.size())));
+    for (std::size_t i = 0; i < corners.size(); ++i)
+      result.mesh.corners.push_back(VertexId(new_vertex[corners[(first + i) % corners.size()].value]));
+    result.mesh.face_begin.push_back(static_cast<std::uint32_t>(result.mesh.corners.size()));
+    result.surface_of.push_back(model.surface_of[FaceId(f)]);
+  }
+  return result;
+}
+
+/// Returns the bits of all parameters of a surface. Lengths are divided by `scale`, which is a power of two.
+std::vector<std::uint64_t> bits_of(const RecognisedSurface& s, double scale = 1) {
+  std::vector<double> numbers{static_cast<double>(s.shape.kind),
+                              s.shape.half_angle,
+                              s.sweep_deg,
+                              s.input_turn_deg,
+                              static_cast<double>(s.side),
+                              static_cast<double>(s.reason),
+                              static_cast<double>(s.faces)};
+  for (const double length :
+       {s.shape.origin.x, s.shape.origin.y, s.shape.origin.z, s.shape.radius, s.shape.minor_radius,
+        s.input_chord_height, s.tolerance, s.deviation, s.extent.min.x, s.extent.max.z})
+    numbers.push_back(length / scale);
+  for (int axis = 0; axis < 3; ++axis) numbers.push_back(s.shape.axis[axis]);
+  for (const Vec2 p : s.profile) {
+    numbers.push_back(p.x / scale);
+    numbers.push_back(p.y / scale);
+  }
+  std::vector<std::uint64_t> bits;
+  // Adding 0 makes both zeros one.
+  for (const double n : numbers) bits.push_back(std::bit_cast<std::uint64_t>(n + 0.0));
+  return bits;
+}
+
+/// Expects that both claims are the same to the bit. Face `f` of the second one is face `order[f]` of the first one.
+void expect_same_bits(const Claims& a, const Claims& b, const std::vector<std::uint32_t>& order, double scale = 1) {
+  ASSERT_EQ(a.surfaces().size(), b.surfaces().size());
+  for (std::uint32_t s = 0; s < a.surfaces().size(); ++s)
+    ASSERT_EQ(bits_of(a.surfaces()[SurfaceId(s)]), bits_of(b.surfaces()[SurfaceId(s)], scale))
+        << "surface " << s << ", a " << kind_name(a.surfaces()[SurfaceId(s)].shape.kind);
+  for (std::uint32_t f = 0; f < order.size(); ++f)
+    ASSERT_EQ(b.surface_of(FaceId(f)), a.surface_of(FaceId(order[f]))) << "face " << f;
+}
+
+std::vector<std::uint32_t> same_order(const Model& model) {
+  std::vector<std::uint32_t> order(model.mesh.face_count());
+  std::iota(order.begin(), order.end(), 0u);
+  return order;
+}
+
+TEST(surface_recognition, the_order_of_vertices_and_faces_changes_no_bit) {
+  for (const Model& model : models_of_each_kind()) {
+    SCOPED_TRACE(model.name);
+    const Claims claims = claims_of(model.mesh);
+    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
+      std::vector<std::uint32_t> order;
+      const Model other = shuffled(model, seed, order);
+      expect_same_bits(claims, claims_of(other.mesh), order);
+    }
+  }
+}
+
+TEST(surface_recognition, the_number_of_workers_changes_no_bit) {
+  const tbb::global_control eight(tbb::global_control::max_allowed_parallelism, 8);
+  std::vector<Model> models = models_of_each_kind();
+  models.push_back(primitives::icosphere(4, 7));
+  models.push_back(primitives::cylinder(5000, 7, 10, 3));
+  for (const Model& model : models) {
+    SCOPED_TRACE(model.name);
+    const Claims claims = claims_of(model.mesh, 1);
+    for (const int workers : {2, 8}) expect_same_bits(claims, claims_of(model.mesh, workers), same_order(model));
+  }
+}
+
+TEST(surface_recognition, a_power_of_two_scales_all_lengths_and_changes_no_other_bit) {
+  for (const Model& model : models_of_each_kind()) {
+    const Claims claims = claims_of(model.mesh);
+    for (const double scale : {0x1p-20, 0x1p-1, 0x1p30}) {
+      SCOPED_TRACE(model.name + " times " + std::to_string(scale));
+      expect_same_bits(claims, claims_of(shapes::scaled(model.mesh, scale)), same_order(model), scale);
+    }
+  }
+}
+
+TEST(surface_recognition, an_analysis_tells_the_same_surfaces_as_a_run) {
+  for (const Model& model : models_of_each_kind()) {
+    SCOPED_TRACE(model.name);
+    RunControl control;
+    const Claims claims = claims_of(model.mesh);
+    const Report report = analyze_surface(model.mesh, {}, {}, control);
+    ASSERT_EQ(claims.surfaces().size(), report.surfaces.surfaces.size());
+    for (std::uint32_t s = 0; s < claims.surfaces().size(); ++s)
+      EXPECT_EQ(bits_of(claims.surfaces()[SurfaceId(s)]), bits_of(report.surfaces.surfaces[SurfaceId(s)]));
+  }
+}
+
+}  // namespace
+}  // namespace remesh
