@@ -24,10 +24,10 @@ constexpr int kMaxDigits = 6;
 /// A surface that covers a larger part of a turn goes all around its axis.
 constexpr double kFullTurnDeg = 359.5;
 
-/// A number that describes a surface, and by how much it may be wrong.
+/// A number that describes a surface, and how far it may be from the true one.
 struct Measure {
   double value = 0;
-  double tolerance = 0;
+  double error = 0;
 };
 
 /// Rounds a number to a number of significant digits.
@@ -39,10 +39,10 @@ double rounded(double value, int digits) {
   return value;
 }
 
-/// Formats a number with as few digits as its tolerance allows.
+/// Formats a number with as few digits as its error allows.
 std::string measure_text(const Measure& measure) {
   int digits = 1;
-  while (digits < kMaxDigits && std::fabs(rounded(measure.value, digits) - measure.value) > measure.tolerance) ++digits;
+  while (digits < kMaxDigits && std::fabs(rounded(measure.value, digits) - measure.value) > measure.error) ++digits;
   return number_text(rounded(measure.value, digits));
 }
 
@@ -54,25 +54,25 @@ double arc_leverage(double sweep_deg) {
 }
 
 /// Returns the numbers that tell the size of a surface. All surfaces of a kind have equally many.
-std::vector<Measure> measures_of(const RecognisedSurface& surface) {
+/// Input: `error` is the distance of the true surface from this one over its facets.
+std::vector<Measure> measures_of(const RecognisedSurface& surface, double error) {
   const AnalyticSurface& shape = surface.shape;
-  const double tolerance = surface.tolerance;
   switch (shape.kind) {
-    case SurfaceKind::kCylinder: return {{shape.radius, tolerance * arc_leverage(surface.sweep_deg)}};
-    case SurfaceKind::kSphere: return {{shape.radius, tolerance}};
+    case SurfaceKind::kCylinder: return {{shape.radius, error * arc_leverage(surface.sweep_deg)}};
+    case SurfaceKind::kSphere: return {{shape.radius, error}};
     case SurfaceKind::kTorus:
-      return {{shape.radius, tolerance * arc_leverage(surface.sweep_deg)}, {shape.minor_radius, tolerance}};
+      return {{shape.radius, error * arc_leverage(surface.sweep_deg)}, {shape.minor_radius, error}};
     case SurfaceKind::kCone: {
       // The facets are at least as long, from the apex outwards, as their area over the largest circle around them.
       const double length = surface.area / (std::numbers::pi * surface.extent.diagonal());
-      const double angle = length > 0 ? 2 * tolerance / length : 0;
+      const double angle = length > 0 ? 2 * error / length : 0;
       constexpr double kDegrees = 180 / std::numbers::pi;
       return {{shape.half_angle * kDegrees, angle * kDegrees}};
     }
     case SurfaceKind::kRevolution: {
       double largest = 0;
       for (const Vec2& at : surface.profile) largest = std::max(largest, at.x);
-      return {{largest, tolerance * arc_leverage(surface.sweep_deg)}};
+      return {{largest, error * arc_leverage(surface.sweep_deg)}};
     }
     case SurfaceKind::kPlane:
     case SurfaceKind::kFree: break;
@@ -81,7 +81,7 @@ std::vector<Measure> measures_of(const RecognisedSurface& surface) {
 }
 
 std::string size_text(const RecognisedSurface& surface) {
-  const std::vector<Measure> measures = measures_of(surface);
+  const std::vector<Measure> measures = measures_of(surface, surface.deviation);
   switch (surface.shape.kind) {
     case SurfaceKind::kCylinder:
     case SurfaceKind::kSphere: return "of r " + measure_text(measures[0]);
@@ -127,19 +127,20 @@ double area_of(std::span<const RecognisedSurface* const> surfaces) {
 
 /// Divides surfaces of one kind and look into those of equal size, by each of their measures in turn.
 std::vector<Surfaces> divide_by_size(Surfaces surfaces) {
-  const std::size_t measures = measures_of(*surfaces.front()).size();
+  const std::size_t measures = measures_of(*surfaces.front(), 0).size();
   std::vector<Surfaces> parts{std::move(surfaces)};
   for (std::size_t m = 0; m < measures; ++m) {
     std::vector<Surfaces> finer;
     for (const Surfaces& part : parts) {
       std::vector<std::pair<Measure, const RecognisedSurface*>> sorted;
-      for (const RecognisedSurface* surface : part) sorted.emplace_back(measures_of(*surface)[m], surface);
+      for (const RecognisedSurface* surface : part)
+        sorted.emplace_back(measures_of(*surface, surface->tolerance)[m], surface);
       std::stable_sort(sorted.begin(), sorted.end(),
                        [](const auto& a, const auto& b) { return a.first.value < b.first.value; });
       Measure first;
       for (const auto& [measure, surface] : sorted) {
         const bool is_same =
-            surface != sorted.front().second && measure.value - first.value <= measure.tolerance + first.tolerance;
+            surface != sorted.front().second && measure.value - first.value <= measure.error + first.error;
         if (!is_same) {
           finer.emplace_back();
           first = measure;

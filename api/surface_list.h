@@ -22,7 +22,7 @@ struct SurfaceGroup {
 /// Groups the surfaces by kind. In the text of a group, surfaces of the same size are counted together.
 /// Output:  the kinds that occur, and within a text the sizes, each from the largest area to the smallest.
 /// Holds:   two sizes are the same only if they differ by no more than the tolerances of the two surfaces explain. A
-///          size has only the digits that its tolerance allows, and at most six.
+///          size has only the digits that the deviation of its facets allows, and at most six.
 /// Cost:    O(n log n).
 std::vector<SurfaceGroup> list_surfaces(const RecognisedSurfaces& recognised);
 

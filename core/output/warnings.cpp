@@ -1,7 +1,12 @@
 #include "core/output/warnings.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
 #include <utility>
+
+#include "core/output/surface_words.h"
 
 namespace remesh {
 namespace {
@@ -9,7 +14,62 @@ namespace {
 /// A surface with fewer faces is a polyhedron. For example, each of a dozen polygons may have a patch of its own.
 constexpr std::size_t kMinFacets = 50;
 
+constexpr std::size_t kKinds = static_cast<std::size_t>(SurfaceKind::kFree) + 1;
+
+/// Joins the counts of all kinds but planes: `14 cylinders, 28 cones and 1 free region`.
+std::string list_counts(const std::array<std::uint64_t, kKinds>& counts) {
+  std::vector<std::string> parts;
+  for (std::size_t kind = 0; kind < kKinds; ++kind) {
+    if (counts[kind] > 0 && static_cast<SurfaceKind>(kind) != SurfaceKind::kPlane)
+      parts.push_back(count_text(counts[kind], static_cast<SurfaceKind>(kind)));
+  }
+  std::string text;
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == parts.size() ? " and " : ", ") + parts[i];
+  return text;
+}
+
+/// Formats a number of faces; one that is predicted has two digits.
+std::string faces_text(double faces, RefinedFaces::Are are) {
+  if (are == RefinedFaces::Are::kCounted) return "made " + grouped_digits(static_cast<std::uint64_t>(faces));
+  const double step = faces < 100 ? 1 : std::pow(10, std::floor(std::log10(faces)) - 1);
+  return "makes about " + grouped_digits(static_cast<std::uint64_t>(std::round(faces / step) * step));
+}
+
 }  // namespace
+
+void warn_of_curved_surfaces(const Surface& surface, const PatchSet& patches, const RecognisedSurfaces& recognised,
+                             const RefinedFaces& refined, std::vector<Diagnostic>& diagnostics) {
+  const auto is_curved = [&](PatchId p) {
+    return recognised.surfaces[recognised.of_patch[p]].shape.kind != SurfaceKind::kPlane;
+  };
+  std::array<std::uint64_t, kKinds> counts{};
+  for (const RecognisedSurface& found : recognised.surfaces) ++counts[static_cast<std::size_t>(found.shape.kind)];
+  const std::uint64_t planes = counts[static_cast<std::size_t>(SurfaceKind::kPlane)];
+  const std::uint64_t free = counts[static_cast<std::size_t>(SurfaceKind::kFree)];
+  std::uint64_t facets = 0;
+  double faces = 0;
+  for (std::size_t p = 0; p < patches.count(); ++p) {
+    if (!is_curved(PatchId(p))) continue;
+    ++facets;
+    faces += refined.of_patch(PatchId(p));
+  }
+  const bool is_any_curved = planes + free < recognised.surfaces.size();
+  if (!is_any_curved && facets < kMinFacets) return;
+
+  Diagnostic warning{DiagnosticCode::kCurvedSurface, 0, {}, ""};
+  FaceId last;
+  for (std::size_t f = 0; f < surface.face_count(); ++f) {
+    const FaceId source = surface.face_source[FaceId(f)];
+    if (source == last || !is_curved(patches.of_face[FaceId(f)])) continue;
+    warning.add(source.value);
+    last = source;
+  }
+  warning.message = "found " + list_counts(counts) + ", made of " + grouped_digits(facets) +
+                    " facets; each stays flat as a patch of its own, and refinement " + faces_text(faces, refined.are) +
+                    " faces of them";
+  diagnostics.push_back(std::move(warning));
+}
 
 void warn_of_curves(const Surface& surface, const PatchSet& patches, std::vector<Diagnostic>& diagnostics) {
   Diagnostic warning{DiagnosticCode::kCurvedSurface, 0, {}, ""};

@@ -1,16 +1,33 @@
 /// Makes diagnostics on the run as a whole.
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "core/base/diagnostic.h"
 #include "core/geometry/patch_set.h"
 #include "core/mesh/surface.h"
+#include "core/patches/recognised_surfaces.h"
 
 namespace remesh {
 
-/// Warns if most facets are patches of their own. Then they stand for a curved surface, and a bound on angles or sizes
-/// makes many faces in each of them.
+/// Tells how many faces refinement makes of each patch.
+struct RefinedFaces {
+  enum class Are : std::uint8_t { kCounted, kPredicted };
+  std::function<double(PatchId)> of_patch;
+  Are are = Are::kCounted;
+};
+
+/// Tells which curved surfaces and free regions were found, and how many faces their facets become. Each facet is a
+/// patch of its own and stays flat, so that a bound on angles or sizes makes many faces there.
+/// Holds:   nothing is added if all surfaces are planes, or if there are only free regions of few facets. The elements
+///          are the input's faces of curved surfaces and free regions.
+void warn_of_curved_surfaces(const Surface& surface, const PatchSet& patches, const RecognisedSurfaces& recognised,
+                             const RefinedFaces& refined, std::vector<Diagnostic>& diagnostics);
+
+/// Warns if most facets are patches of their own. This stands in for warn_of_curved_surfaces where each facet counts as
+/// its own surface (feature_angle_deg is 0).
 void warn_of_curves(const Surface& surface, const PatchSet& patches, std::vector<Diagnostic>& diagnostics);
 
 /// Adds to the diagnostic on intersections that there are too many of them for the verdict to cover all.

@@ -35,7 +35,15 @@ bool GoalRefinement::has_goals() const {
 std::uint64_t GoalRefinement::predict_faces(const PatchedSurface& on, const TriangulatedPatches& triangulated) {
   const auto gaps = gap_search(on, triangulated);
   const SizeField& sizes = size_field(on, triangulated, gaps.get());
-  if (has_goals()) predicted_faces_ = whole(predict(triangulated, goals_, sizes, control_).expected);
+  if (!has_goals()) return predicted_faces_;
+  Prediction prediction = predict(triangulated, goals_, sizes, control_);
+  predicted_faces_ = whole(prediction.expected);
+  // The patches' own shares leave out what comes from cuts that other patches need.
+  double sum = 0;
+  for (const float share : prediction.of_patch) sum += share;
+  const double factor = sum > 0 ? prediction.expected / sum : 1;
+  for (float& share : prediction.of_patch) share = static_cast<float>(share * factor);
+  predicted_of_patch_ = std::move(prediction.of_patch);
   return predicted_faces_;
 }
 

@@ -48,6 +48,9 @@ class GoalRefinement {
 
   /// Predicts how many faces refinement will make of these triangles.
   std::uint64_t predict_faces(const PatchedSurface& on, const TriangulatedPatches& triangulated);
+  /// Returns how the faces that predict_faces predicted are shared out among the patches. Their sum is that number.
+  /// Empty without goals.
+  const std::vector<float>& predicted_of_patch() const { return predicted_of_patch_; }
 
   /// Refines the triangles of all patches, except patches that the ladder takes verbatim and frozen patches.
   /// Input:  `crossing` lists the pairs of patches that cross or touch each other in the input. The smaller id of a
@@ -110,6 +113,7 @@ class GoalRefinement {
   IdVector<PatchId, std::uint8_t> frozen_;  ///< one per patch; not 0: it is not refined
   std::optional<SizeField> sizes_;          ///< the size field of the patches as they are; empty until needed
   std::uint64_t predicted_faces_ = 0;
+  std::vector<float> predicted_of_patch_;
   std::optional<double> smallest_gap_;
 };
 

