@@ -323,3 +323,25 @@ export function partOf(png, [red, green, blue], tolerance = 12) {
 
 /** Numbers as the page writes them. */
 export const shownNumber = (value) => new Intl.NumberFormat("en", { maximumSignificantDigits: 5 }).format(value);
+
+/** Writes a part that was turned: an outline of [radius, height] around the z axis. Output: the path. */
+export function turned(folder, name, outline, steps = 24) {
+  const vertices = [];
+  const rings = outline.map(([radius, height]) => {
+    const first = vertices.length;
+    const count = radius === 0 ? 1 : steps;
+    for (let i = 0; i < count; ++i) {
+      const angle = (2 * Math.PI * i) / steps;
+      vertices.push([radius * Math.cos(angle), radius * Math.sin(angle), height]);
+    }
+    return (i) => first + (i % count);
+  });
+  const faces = [];
+  for (let k = 1; k < rings.length; ++k) {
+    for (let i = 0; i < steps; ++i) {
+      const [below, above] = [rings[k - 1], rings[k]];
+      faces.push([...new Set([below(i), below(i + 1), above(i + 1), above(i)])]);
+    }
+  }
+  return folder.write(name, JSON.stringify({ vertices, faces }));
+}

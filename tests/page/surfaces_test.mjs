@@ -1,37 +1,25 @@
 // The surfaces that a mesh was made from, as a person sees and chooses them: a real browser and the real daemon.
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
-import { difference, drawn, isDrawn, pageTests, partWhere, sharedMesh, shownNumber, stage } from "./support.mjs";
+import {
+  difference,
+  drawn,
+  isDrawn,
+  pageTests,
+  partWhere,
+  sharedMesh,
+  shownNumber,
+  stage,
+  turned,
+} from "./support.mjs";
 
 const set = stage();
 const { folder } = set;
 const onPage = pageTests(set);
 
-/** A part that was turned: an outline of [radius, height] around the z axis, in 24 steps. */
-function turned(name, outline) {
-  const steps = 24;
-  const vertices = [];
-  const rings = outline.map(([radius, height]) => {
-    const first = vertices.length;
-    const count = radius === 0 ? 1 : steps;
-    for (let i = 0; i < count; ++i) {
-      const angle = (2 * Math.PI * i) / steps;
-      vertices.push([radius * Math.cos(angle), radius * Math.sin(angle), height]);
-    }
-    return (i) => first + (i % count);
-  });
-  const faces = [];
-  for (let k = 1; k < rings.length; ++k) {
-    for (let i = 0; i < steps; ++i) {
-      const [below, above] = [rings[k - 1], rings[k]];
-      faces.push([...new Set([below(i), below(i + 1), above(i + 1), above(i)])]);
-    }
-  }
-  return folder.write(name, JSON.stringify({ vertices, faces }));
-}
 /** A shaft with a shoulder: radii 6 and 3, and a cone of 45 degrees between. */
 const shaft = () =>
-  turned("shaft.json", [
+  turned(folder, "shaft.json", [
     [0, 0],
     [6, 0],
     [6, 10],
@@ -131,7 +119,7 @@ onPage("surfaces have colours, and a click on a face chooses its surface", async
   const { kind, radius } = report.surfaces[report.patches[mesh.face_patch[face]].surface];
   assert.equal(kind, "cylinder");
   assert.ok(Math.abs(radius - 6) < 1e-6);
-  await page.click("#after-numbers .link");
+  await (await page.waitForSelector('::-p-xpath(//*[@id="after-numbers"]//button[.="Cylinder, r 6"])')).click();
   await waitForText("#after-numbers h3", /^Cylinder, r 6$/);
   // A click beside the part gives it up.
   const box = await (await page.$("#after")).boundingBox();
@@ -143,7 +131,7 @@ onPage("surfaces have colours, and a click on a face chooses its surface", async
 onPage("a free region says why no kind fits", async ({ page, open, run, tab, text }) => {
   // A turned part is a surface of revolution; one whose edges are moved by some hundredths is nothing.
   const outline = [0, 1, 2, 3, 4, 5, 6].map((i) => [4 + Math.sin(i / 2), 2 * i]);
-  const file = turned("vase.json", [[0, 0], ...outline, [0, 12]]);
+  const file = turned(folder, "vase.json", [[0, 0], ...outline, [0, 12]]);
   const { vertices, faces } = JSON.parse(readFileSync(file));
   vertices.forEach((p, i) => {
     if (p[2] > 0 && p[2] < 12) p.forEach((x, axis) => (p[axis] = x + 0.03 * Math.sin(7 * i + 3 * axis)));
