@@ -379,8 +379,8 @@ std::optional<AnalyticSurface> fit_from(const AnalyticSurface& start, std::span<
   const double good = cost_at(goal.good), hopeless = cost_at(goal.hopeless);
   Normal sums = sums_of(at, points, scale);
   double damping = 1e-9;
-  constexpr int kMaxSteps = 30, kPatience = 4;
-  for (int i = 0; i < kMaxSteps && sums.cost > good; ++i) {
+  constexpr int kPatience = 4;
+  for (int i = 0; i < goal.max_steps && sums.cost > good; ++i) {
     Matrix<kMaxParameters> matrix = sums.matrix;
     for (std::size_t k = 0; k < n; ++k) matrix[k][k] += damping * matrix[k][k] + 1e-300;
     Gradient step = sums.right;

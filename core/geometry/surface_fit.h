@@ -36,6 +36,7 @@ std::optional<AnalyticSurface> guess_torus(std::span<const Vec3> points, std::sp
 struct FitGoal {
   double good = 0;             ///< the fit is as good as it need be
   double hopeless = HUGE_VAL;  ///< a fit that remains above this is of no use
+  int max_steps = 30;
 };
 
 /// Improves a surface until the sum of the squares of the points' distances from it is a minimum.

@@ -14,6 +14,9 @@ constexpr double kFirstSlack = 20;
 /// The surface is fitted to at most this many facets while it grows, evenly chosen.
 constexpr std::size_t kFitFacets = 64, kExactFitFacets = 256;
 
+/// A fit to growing facets begins near its end.
+constexpr int kMaxFitSteps = 6;
+
 /// A fit is good enough to grow further if the root mean square of the distances is this many tolerances.
 constexpr double kGoodEnough = 0.2;
 
@@ -174,7 +177,8 @@ bool ClaimGrower::refit(AnalyticSurface& shape, std::span<const PatchId> members
   }
   const double good = precision == Precision::kExact ? 0 : kGoodEnough * tolerance_;
   if (sum <= static_cast<double>(points_.size()) * good * good) return true;
-  const std::optional<AnalyticSurface> better = fit_from(shape, points_, {good, kFirstSlack * tolerance_});
+  const std::optional<AnalyticSurface> better =
+      fit_from(shape, points_, {good, kFirstSlack * tolerance_, kMaxFitSteps});
   if (better) shape = *better;
   return better.has_value();
 }
@@ -271,7 +275,7 @@ std::optional<Claim> ClaimGrower::grow(const AnalyticSurface& start, std::span<c
   if (members.size() < 2 || 2 * members.size() < seed.size()) return std::nullopt;
   std::optional<Claim> claim;
   if (grow_members(shape, side, may_replace, members)) claim = conclude(shape, side, members);
-  if (!claim) given_up_ = std::move(members);
+  if (!claim && members.size() >= min_facets(shape.kind)) given_up_ = std::move(members);
   return claim;
 }
 
@@ -311,7 +315,7 @@ bool ClaimGrower::goes_on_beyond(const Gauge& gauge, const Claim& claim) {
   // The facets of the claim are marked, and only they are.
   ++growth_;
   for (const PatchId p : claim.facets) mark_[p] = growth_;
-  std::size_t sides = 0, soft = 0;
+  double border = 0, soft = 0;
   double area = 0;
   for (const PatchId p : claim.facets) area += graph_.area(p);
   const double alike = kAlikeArea * area / static_cast<double>(claim.facets.size());
@@ -320,13 +324,14 @@ bool ClaimGrower::goes_on_beyond(const Gauge& gauge, const Claim& claim) {
       check_();
       const PatchId q = graph_.beyond(s);
       if (q.is_valid() && mark_[q] == growth_) continue;
-      ++sides;
+      const double length = norm(graph_.position(graph_.vertex_after(p, s)) - graph_.position(graph_.vertex(s)));
+      border += length;
       if (!q.is_valid() || !graph_.may_be_curved(q)) continue;
       double distance = 0;
       graph_.for_each_corner(q, [&](const Vec3& c) { distance = std::max(distance, std::fabs(gauge.distance(c))); });
-      if (distance <= kSoftBorder * claim.chord_height || graph_.area(q) <= alike) ++soft;
+      if (distance <= kSoftBorder * claim.chord_height || graph_.area(q) <= alike) soft += length;
     }
-  return static_cast<double>(soft) > kMaxSoft * static_cast<double>(sides);
+  return soft > kMaxSoft * border;
 }
 
 std::optional<Claim> ClaimGrower::conclude(AnalyticSurface shape, int side, std::vector<PatchId> members) {

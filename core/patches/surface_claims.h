@@ -50,7 +50,8 @@ class ClaimGrower {
   std::optional<Claim> grow(const AnalyticSurface& start, std::span<const PatchId> seed, Taken may_replace);
 
   FacetPlace place_of(PatchId p) const;
-  /// Returns the facets over which the last growth came before it was given up. It is empty if the growth succeeded.
+  /// Returns the facets over which the last growth came before it was given up. It is empty if the growth succeeded, or
+  /// came over few.
   std::span<const PatchId> given_up() const { return given_up_; }
 
  private:

@@ -19,8 +19,13 @@ namespace {
 /// A claim replaces smaller ones if its area is larger than the largest of theirs by this factor.
 constexpr double kMuchLarger = 1.3;
 
-/// Two facets over which so many surfaces were given up are no seed any more.
-constexpr std::uint8_t kMaxAttempts = 8;
+/// A facet over which so many surfaces were given up is no seed any more.
+constexpr std::uint8_t kMaxAttempts = 6;
+
+/// A claim is an island if it has at most so many facets, if so much of its border is with one or more regions of many
+/// facets that nobody claims, and if it is smaller than this part of the largest of them.
+constexpr std::size_t kMaxIsland = 40, kMinSea = 40;
+constexpr double kIslandShore = 0.5, kIslandArea = 0.05;
 
 /// A kind with more parameters is chosen only if its area is larger by this factor.
 constexpr double kLarger = 1.02;
@@ -45,6 +50,7 @@ class Recogniser {
     claim_ruled(seeds);
     replace_bands();
     claim_scattered(seeds);
+    drop_islands();
     return take_claims();
   }
 
@@ -59,7 +65,7 @@ class Recogniser {
       check();
       const std::array<PatchId, 2> pair{seed.facet, graph_.beyond(seed.side)};
       if (!is_free(pair[0]) || !is_free(pair[1])) continue;
-      if (attempts_[pair[0]] >= kMaxAttempts && attempts_[pair[1]] >= kMaxAttempts) continue;
+      if (attempts_[pair[0]] >= kMaxAttempts || attempts_[pair[1]] >= kMaxAttempts) continue;
       std::optional<Claim> best;
       for (const AnalyticSurface& guess : guesses.of(seed)) grow(guess, pair, Taken::kFree, best);
       if (best && best->shape.kind == SurfaceKind::kSphere) ask_again(best);
@@ -225,6 +231,53 @@ class Recogniser {
       std::optional<Claim> best;
       try_kinds(around, Taken::kFree, best);
       if (best) add(std::move(*best));
+    }
+  }
+
+  /// Drops small claims in the middle of facets that nobody claims. They fit by chance, because a small piece of any
+  /// smooth surface is nearly a piece of a cylinder or a torus.
+  void drop_islands() {
+    StopCheck check(control_);
+    IdVector<PatchId, std::uint32_t> region_of(graph_.size(), kNone);
+    std::vector<double> region_area;
+    std::vector<PatchId> region;
+    const auto is_unclaimed = [&](PatchId p) { return is_free(p) && graph_.may_be_curved(p); };
+    for (std::size_t i = 0; i < graph_.size(); ++i) {
+      if (!is_unclaimed(PatchId(i)) || region_of[PatchId(i)] != kNone) continue;
+      const auto id = static_cast<std::uint32_t>(region_area.size());
+      region.assign({PatchId(i)});
+      region_of[PatchId(i)] = id;
+      double area = 0;
+      for (std::size_t k = 0; k < region.size(); ++k) {
+        area += graph_.area(region[k]);
+        graph_.for_each_neighbour(region[k], [&](PatchId q) {
+          check();
+          if (!is_unclaimed(q) || region_of[q] != kNone) return;
+          region_of[q] = id;
+          region.push_back(q);
+        });
+      }
+      // A few facets are planes rather than a surface of their own.
+      region_area.push_back(region.size() >= kMinSea ? area : 0);
+    }
+    for (Claim& claim : claims_) {
+      if (claim.facets.empty() || claim.facets.size() > kMaxIsland) continue;
+      double border = 0, shore = 0, sea = 0;
+      for (const PatchId p : claim.facets)
+        for (std::uint32_t s = graph_.sides_begin(p); s < graph_.sides_end(p); ++s) {
+          check();
+          const PatchId q = graph_.beyond(s);
+          if (q.is_valid() && owner_[q] == owner_[p]) continue;
+          const double length = norm(graph_.position(graph_.vertex_after(p, s)) - graph_.position(graph_.vertex(s)));
+          border += length;
+          if (!q.is_valid() || region_of[q] == kNone) continue;
+          const double area = region_area[region_of[q]];
+          if (area > 0) shore += length;
+          sea = std::max(sea, area);
+        }
+      if (shore <= kIslandShore * border || claim.area >= kIslandArea * sea) continue;
+      for (const PatchId p : claim.facets) owner_[p] = kNone;
+      claim.facets.clear();
     }
   }
 

@@ -11,12 +11,6 @@ namespace {
 constexpr double kMaxOffSteps = 6;
 constexpr std::size_t kMinFacets = 4;
 
-double surfaces_ms(const Report& report) {
-  for (const StageTime& time : report.timing_ms)
-    if (time.stage == Stage::kSurfaces) return time.ms;
-  return 0;
-}
-
 bool is_curved(SurfaceKind kind) { return kind != SurfaceKind::kPlane && kind != SurfaceKind::kFree; }
 
 /// True if all corners of a STEP face lie within some distance of a surface.
@@ -68,6 +62,12 @@ void add_to(KindAreas& sum, const FaceVerdict& verdict, const PolygonMesh& mesh,
 }
 
 }  // namespace
+
+double surfaces_ms(const Report& report) {
+  for (const StageTime& time : report.timing_ms)
+    if (time.stage == Stage::kSurfaces) return time.ms;
+  return 0;
+}
 
 JudgedFile judge(const PolygonMesh& mesh, const std::vector<StepFace>* truth, int runs) {
   JudgedFile file;

@@ -38,6 +38,9 @@ struct FaceVerdict {
   std::map<SurfaceId, Part> parts;
 };
 
+/// Returns the time of the stage that recognises surfaces, in milliseconds.
+double surfaces_ms(const Report& report);
+
 struct JudgedFile {
   double step = 0;             ///< the float step at the largest coordinate
   double micros_per_face = 0;  ///< the shortest time of the stage `surfaces`, with one thread

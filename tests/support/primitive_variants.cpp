@@ -70,6 +70,7 @@ std::vector<Model> explained() {
   add_both(models, torus(48, 48, 24, 6, 2));
   models.push_back(torus(24, 24, 16, 8, 3));
   models.push_back(torus(48, 12, 20, 7, 2));
+  models.push_back(torus_with_flat_rings(48, 24, 6, 2));
   for (const int k : {4, 6}) add_both(models, rounded_box({5, 3, 2}, 1.5, k));
   for (const int n : {24, 48}) add_both(models, countersunk_plate(n));
   models.push_back(tube(96, 8, 0.16, 20));

@@ -249,6 +249,25 @@ Model torus(int n, int count, int m, double radius, double tube) {
   return sculptor.take(label("torus", {n, count, m}));
 }
 
+Model torus_with_flat_rings(int n, int m, double radius, double tube) {
+  Sculptor sculptor;
+  const std::uint32_t surface = sculptor.surface({SurfaceKind::kTorus, {}, kUp, radius, tube, 0, {}});
+  // The profile is mirrored, so that both ends of a flat piece have the same height to the bit.
+  const auto at = [&](int k) {
+    k %= m;
+    const bool is_lower = k >= m / 2;
+    if (is_lower) k = m - 1 - k;
+    const bool is_inner = k >= m / 4;
+    if (is_inner) k = m / 2 - 1 - k;
+    const double angle = kPi * (2 * k + 1) / m;
+    return Vec2{radius + (is_inner ? -tube : tube) * std::cos(angle), (is_lower ? -tube : tube) * std::sin(angle)};
+  };
+  std::vector<Vec2> profile;
+  for (int k = 0; k <= m; ++k) profile.push_back(at(k));
+  add_revolved(sculptor, n, n, profile, std::vector<std::uint32_t>(static_cast<std::size_t>(m), surface));
+  return sculptor.take(label("torus with flat rings", {n, m}));
+}
+
 Model rounded_box(const Vec3& half, double radius, int k) {
   Sculptor sculptor;
   // A globe is cut along the three planes between its octants, and the eight pieces are moved apart.
@@ -411,7 +430,7 @@ Model tee(int n) {
   };
   for (std::size_t j = 0; j + 1 < xs.size(); ++j)
     for (int k = 0; k < steps; ++k)
-      sculptor.face({below(j, k), below(j, k + 1), below(j + 1, k + 1), below(j + 1, k)}, main_pipe);
+      sculptor.face({below(j, k), below(j + 1, k), below(j + 1, k + 1), below(j, k + 1)}, main_pipe);
   return sculptor.take(label("tee", {n}));
 }
 

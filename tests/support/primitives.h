@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,9 @@ Model globe(int longitudes, int latitudes, double radius);
 Model icosphere(int levels, double radius);
 /// Makes a torus, or its part around `count` of `n` steps, which is open.
 Model torus(int n, int count, int m, double radius, double tube);
+/// Makes a torus with a flat ring of facets where the tube is highest, and another one where it is lowest. `m` is a
+/// multiple of 4.
+Model torus_with_flat_rings(int n, int m, double radius, double tube);
 /// Makes a box with half sides `half`, plus a radius all around. Each quarter of a circle has `k` facets.
 Model rounded_box(const Vec3& half, double radius, int k);
 /// Makes a square plate with a countersunk hole in the middle. `n` is a multiple of 8.
@@ -82,6 +86,8 @@ struct Variant {
   Storage storage = Storage::kDoubles;
   bool is_rotated = false;
   bool is_moved = false;
+
+  friend std::ostream& operator<<(std::ostream& out, const Variant& variant) { return out << variant.name; }
 };
 /// The variants that recognition has to see through.
 std::vector<Variant> variants();

@@ -1,0 +1,155 @@
+// Tests recognition on surfaces that make it work as hard as a file can: it ends soon, stops soon, and claims nothing
+// that an independent check of every claimed corner refutes.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "core/base/tolerance.h"
+#include "core/remesh.h"
+#include "tests/support/claims.h"
+#include "tests/support/hostile.h"
+#include "tests/support/primitives.h"
+#include "tests/support/random.h"
+#include "tests/support/sanitizer.h"
+#include "tests/support/shapes.h"
+#include "tests/support/solids.h"
+#include "tests/support/time_limit.h"
+
+namespace remesh {
+namespace {
+
+struct Named {
+  std::string name;
+  PolygonMesh mesh;
+};
+
+/// Makes `count` small cylinders of 13 facets beside each other.
+PolygonMesh tiny_cylinders(std::size_t count) {
+  const PolygonMesh one = primitives::triangulated(primitives::cylinder(13, 0.01, 0.03)).mesh;
+  PolygonMesh all;
+  const auto side = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(count))));
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto before = static_cast<std::uint32_t>(all.vertex_count());
+    const Vec3 by{0.25 * static_cast<double>(i % side), 0.25 * static_cast<double>(i / side), 0};
+    for (const Vec3& p : one.positions) all.positions.push_back(p + by);
+    for (const VertexId v : one.corners) all.corners.push_back(VertexId(before + v.value));
+    for (std::size_t f = 1; f < one.face_begin.size(); ++f)
+      all.face_begin.push_back(static_cast<std::uint32_t>(i * one.corners.size()) + one.face_begin[f]);
+  }
+  return all;
+}
+
+/// Makes a cylinder whose vertices are moved at random by up to so much of the radius.
+PolygonMesh noisy_cylinder(int n, double noise) {
+  PolygonMesh mesh = primitives::triangulated(primitives::cylinder(n, 8, 20, 10)).mesh;
+  Random random(5);
+  for (Vec3& p : mesh.positions)
+    p += 8 * noise * Vec3{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+  return mesh;
+}
+
+/// Makes each surface with about `faces` faces.
+std::vector<Named> surfaces(std::size_t faces) {
+  const int n = static_cast<int>(faces);
+  const int side = static_cast<int>(std::sqrt(static_cast<double>(faces) / 2));
+  return {{"random heights", hostile::crumpled(static_cast<std::size_t>(side), 3)},
+          {"random triangles", hostile::soup(std::min<std::size_t>(faces, 2000), 3)},
+          {"a fan", hostile::cone(faces)},
+          {"needles", solids::needle_fan(n, 360.0 / n)},
+          {"a strip", hostile::strip(faces)},
+          {"tiny cylinders", tiny_cylinders(faces / 48)},
+          {"one cylinder", primitives::triangulated(primitives::cylinder(n / 2, 8, 20)).mesh},
+          {"one cylinder of long facets", primitives::triangulated(primitives::cylinder(500, 8, 20, n / 1000)).mesh},
+          {"one sphere", primitives::triangulated(primitives::globe(2 * side, side, 8)).mesh},
+          {"one torus", primitives::triangulated(primitives::torus(2 * side, 2 * side, side, 8, 3)).mesh},
+          {"one vase", primitives::triangulated(primitives::vase(2 * side, side)).mesh},
+          {"a long thread", primitives::thread(64, n / 512).mesh},
+          {"a cylinder with noise of 1e-3", noisy_cylinder(n / 20, 1e-3)},
+          {"a cylinder with noise of 1e-5", noisy_cylinder(n / 20, 1e-5)},
+          {"a cylinder with noise of 1e-7", noisy_cylinder(n / 20, 1e-7)}};
+}
+
+test::Seconds time_of_recognition(const PolygonMesh& mesh) {
+  RunControl control;
+  const Report report = analyze_surface(mesh, {}, {}, control);
+  for (const StageTime& time : report.timing_ms)
+    if (time.stage == Stage::kSurfaces) return test::Seconds(time.ms / 1000);
+  return test::Seconds(0);
+}
+
+TEST(hostile_recognition, it_takes_microseconds_a_face) {
+  const std::size_t faces = unless_sanitized(100'000, 10'000);
+  for (const Named& surface : surfaces(faces)) {
+    // `./dev recognition` holds the stage to 1.5 microseconds; a busy machine takes a few times that.
+    const test::Seconds bound = static_cast<double>(surface.mesh.face_count()) * test::Seconds(10e-6);
+    test::expect_best_within(
+        bound + test::Seconds(0.01), [&] { return time_of_recognition(surface.mesh); }, surface.name);
+  }
+}
+
+TEST(hostile_recognition, no_claim_is_refuted_by_a_corner_of_a_facet) {
+  for (const Named& surface : surfaces(unless_sanitized(10'000, 2'000))) {
+    SCOPED_TRACE(surface.name);
+    RunControl control;
+    const test::Claims claims = test::claims_of(surface.mesh, control);
+    const double floor = kToleranceFloor * claims.report.input.bounding_box.diagonal();
+    const double step = std::max(claims.report.rounding_step, floor);
+    for (const test::ClaimFit& fit : test::fit_of_claims(surface.mesh, claims, step)) {
+      const RecognisedSurface& s = claims.surfaces()[fit.surface];
+      EXPECT_LE(fit.deviation, s.tolerance * (1 + 1e-6)) << kind_name(s.shape.kind) << " " << fit.surface;
+      EXPECT_LE(s.tolerance, 10 * step) << kind_name(s.shape.kind) << " " << fit.surface;
+      EXPECT_LT(fit.tilt_deg, 31) << kind_name(s.shape.kind) << " " << fit.surface;
+    }
+  }
+}
+
+/// Asks a run to stop a while after the stage began, and returns how long it goes on. It is 0 if the run ended first.
+test::Seconds time_to_stop_recognition(const PolygonMesh& mesh, test::Seconds after) {
+  using Clock = std::chrono::steady_clock;
+  RunControl control;
+  std::atomic<bool> is_over = false;
+  Clock::time_point asked;
+  std::thread watcher([&] {
+    while (control.stage() < Stage::kSurfaces && !is_over) std::this_thread::sleep_for(std::chrono::microseconds(100));
+    std::this_thread::sleep_for(after);
+    asked = Clock::now();
+    control.cancel();
+  });
+  bool is_stopped = false;
+  try {
+    analyze_surface(mesh, {}, {}, control);
+  } catch (const Error& error) {
+    is_stopped = error.code == Code::kCancelled;
+  }
+  const Clock::time_point ended = Clock::now();
+  is_over = true;
+  watcher.join();
+  return is_stopped ? test::Seconds(ended - asked) : test::Seconds(0);
+}
+
+TEST(hostile_recognition, it_stops_within_a_tenth_of_a_second) {
+  for (const Named& surface : surfaces(unless_sanitized(100'000, 10'000)))
+    for (const double after : {0.0, 0.02})
+      test::expect_best_within(
+          test::Seconds(0.1), [&] { return time_to_stop_recognition(surface.mesh, test::Seconds(after)); },
+          surface.name);
+}
+
+TEST(hostile_recognition, noise_a_thousand_times_the_rounding_is_not_claimed) {
+  RunControl control;
+  const PolygonMesh mesh = noisy_cylinder(50, 1e-5);
+  const test::Claims claims = test::claims_of(mesh, control);
+  std::size_t claimed = 0;
+  for (std::uint32_t f = 0; f < mesh.face_count(); ++f) claimed += claims.is_curved(FaceId(f)) ? 1 : 0;
+  EXPECT_EQ(claimed, 0u);
+}
+
+}  // namespace
+}  // namespace remesh
