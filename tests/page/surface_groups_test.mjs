@@ -126,20 +126,20 @@ test("every surface has a colour of its own, and the hue tells the kind", () => 
   const distance = (a, b) => Math.hypot(...a.map((x, i) => x - b[i]));
   for (const a of surfaces) {
     for (const b of surfaces.slice(a.id + 1)) {
-      const between = distance(colours.get(a.id), colours.get(b.id));
+      const between = distance(page.colourOf(colours, a), page.colourOf(colours, b));
       assert.ok(between > (a.kind === b.kind ? 0 : 24), `${a.kind} ${a.id}, ${b.kind} ${b.id}: ${between}`);
     }
     // Planes are muted: they have less colour than all others.
-    const range = Math.max(...colours.get(a.id)) - Math.min(...colours.get(a.id));
-    assert.equal(range < 20, a.kind === "plane", `${a.kind}: ${colours.get(a.id)}`);
+    const range = Math.max(...page.colourOf(colours, a)) - Math.min(...page.colourOf(colours, a));
+    assert.equal(range < 20, a.kind === "plane", `${a.kind}: ${page.colourOf(colours, a)}`);
   }
 });
 
 test("patches get the colours of their surfaces, and those of chosen surfaces are marked", () => {
   const surfaces = report(cylinder(1), plane(4));
   const colours = page.coloursOf(page.groupSurfaces(surfaces));
-  const table = page.patchTable([{ surface: 1 }, { surface: 0 }, { surface: 1 }], colours, new Set([0]));
-  const [round, flat] = [colours.get(0), colours.get(1)];
+  const table = page.patchTable(Uint32Array.of(1, 0, 1), colours, new Set([0]));
+  const [round, flat] = surfaces.map((surface) => page.colourOf(colours, surface));
   assert.deepEqual([...table], [...flat, 0, ...round, 255, ...flat, 0]);
 });
 

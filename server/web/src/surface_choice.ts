@@ -1,13 +1,15 @@
 // The surfaces of the report on the screen: their colours, and which of them are chosen.
 import type { RecognisedSurface, Report, SurfaceKind } from "./service/types.ts";
-import { type Rgb, coloursOf, patchTable } from "./surfaces/colours.ts";
+import { type Rgb, type SurfaceColours, colourOf, coloursOf, patchTable } from "./surfaces/colours.ts";
 import { groupSurfaces, kKinds } from "./surfaces/groups.ts";
 import type { SurfacesPanel } from "./ui/surfaces_panel.ts";
 import type { Viewer } from "./view/viewer.ts";
 
 export class SurfaceChoice {
   private report: Report | null = null;
-  private colours: ReadonlyMap<number, Rgb> = new Map();
+  private colours: SurfaceColours = new Uint8Array();
+  /** The surface of each patch; empty where it is not known to which patch a face belongs. */
+  private surfaceOf = new Uint32Array();
   private chosen: ReadonlySet<number> = new Set();
 
   constructor(
@@ -20,6 +22,7 @@ export class SurfaceChoice {
     this.report = report;
     const groups = groupSurfaces(report?.surfaces ?? []);
     this.colours = coloursOf(groups);
+    this.surfaceOf = Uint32Array.from(this.areDrawn ? report!.patches : [], ({ surface }) => surface);
     if (report) this.panel.show({ groups, colours: this.colours, areDrawn: this.areDrawn });
     this.choose([]);
   }
@@ -36,20 +39,20 @@ export class SurfaceChoice {
   get hasChosen(): boolean {
     return this.chosen.size > 0;
   }
-  colourOf({ id }: RecognisedSurface): Rgb {
-    return this.colours.get(id)!;
+  colourOf(surface: RecognisedSurface): Rgb {
+    return colourOf(this.colours, surface);
   }
   /** Null where it is not known. */
   ofPatch(patch: number): RecognisedSurface | null {
-    const surface = this.areDrawn ? this.report!.patches[patch]?.surface : undefined;
+    const surface = this.surfaceOf[patch];
     return surface === undefined ? null : (this.report!.surfaces[surface] ?? null);
   }
 
   /** Shows the faces of these surfaces in both views, and their numbers in the panel. */
   choose(ids: readonly number[]): void {
     this.chosen = new Set(ids);
-    const patches = this.areDrawn ? this.report!.patches : [];
-    this.viewer.setPatches(patchTable(patches, this.colours, this.chosen), this.areDrawn && this.hasChosen);
+    const table = patchTable(this.surfaceOf, this.colours, this.chosen);
+    this.viewer.setPatches(table, this.areDrawn && this.hasChosen);
     this.panel.mark(this.chosen);
   }
 }
