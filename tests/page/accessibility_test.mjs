@@ -46,6 +46,14 @@ for (const scheme of ["light", "dark"]) {
         await tab(name);
         await check(`results: ${name}`);
       }
+      await tab("surfaces");
+      await check("results: surfaces");
+      await page.select("#colouring", "surface");
+      await page.click('.surface-list tr[data-kind="cylinder"] button');
+      await check("surfaces are chosen in the table");
+      await page.mouse.click(box.x + box.width * 0.5, box.y + box.height * 0.65);
+      await page.waitForSelector("#after-numbers .surface-facts");
+      await check("a surface is chosen in a view");
       await drop(set.folder.write("broken.obj", "v 0 0 0\nf 1 2 3\n"));
       await waitForText("#unreadable", /./);
       await page.click("#run");

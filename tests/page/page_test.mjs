@@ -12,7 +12,7 @@ import {
   drawn,
   eventually,
   isDrawn,
-  openPage,
+  pageTests,
   partOf,
   pause,
   shownNumber,
@@ -23,24 +23,7 @@ import {
 
 const set = stage();
 const { folder } = set;
-
-/** A test with a page of its own, whose console must stay empty. */
-function onPage(name, run, options = {}) {
-  test(name, async () => {
-    const {
-      origin = set.daemon.origin,
-      mayComplain = false,
-      ...rest
-    } = typeof options === "function" ? await options() : options;
-    const visitor = await openPage(set.browser, origin, { downloads: folder.path, ...rest });
-    try {
-      await run(visitor);
-      if (!mayComplain) assert.deepEqual(visitor.faults, []);
-    } finally {
-      await visitor.close();
-    }
-  });
-}
+const onPage = pageTests(set);
 
 /** A prism over a thin triangle: corners below any bound. */
 function wedge() {

@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import { mkdirSync, statSync } from "node:fs";
 import { join } from "node:path";
 import { test } from "node:test";
-import { openPage, pause, stage } from "./support.mjs";
+import { openPage, pause, stage, turned } from "./support.mjs";
 
 const kMostBytes = 200_000;
 
@@ -46,6 +46,23 @@ picture("angles-dark", { scheme: "dark" }, async (visitor) => {
   await page.select("#section-axis", "1");
   await run();
   await visitor.tab("report");
+});
+
+picture("surfaces", {}, async (visitor) => {
+  const { page, open, run, tab } = visitor;
+  // A knob: a base with a chamfer, a fillet, a shaft, and a ball on it.
+  const arc = (radius, height, r, from, to, steps) =>
+    Array.from({ length: steps + 1 }, (_, i) => {
+      const angle = ((from + ((to - from) * i) / steps) * Math.PI) / 180;
+      return [radius + r * Math.cos(angle), height + r * Math.sin(angle)];
+    });
+  const ball = arc(0, 34, 10, (-Math.acos(0.6) * 180) / Math.PI, 90, 14).slice(0, -1);
+  const outline = [[0, 0], [20, 0], [20, 8], [17, 11], ...arc(9, 14, 3, 270, 180, 8), ...ball, [0, 44]];
+  await open(turned(set.folder, "knob.json", outline, 36), /faces$/);
+  await run();
+  await page.select("#colouring", "surface");
+  await tab("surfaces");
+  await page.click('.surface-list tr[data-kind="torus"] button');
 });
 
 picture("finding", {}, async (visitor) => {

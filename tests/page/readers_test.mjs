@@ -1,9 +1,9 @@
 // The page's own readers and numbers, without a browser: held against what the daemon says of the same files.
 import assert from "node:assert/strict";
-import { existsSync, readFileSync, readdirSync, statSync } from "node:fs";
+import { readFileSync, readdirSync, statSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { bracket, pageModules, root, startDaemon, temporaryFolder } from "./support.mjs";
+import { bracket, pageModules, sharedMesh, startDaemon, temporaryFolder } from "./support.mjs";
 
 const kModules = [
   "mesh/read",
@@ -58,11 +58,8 @@ test("every format of the bracket is read as the daemon reads it", async () => {
 });
 
 test("every part of the corpus is read as the daemon reads it", async (t) => {
-  const corpus = process.env.REMESHD_CORPUS || join(root, "../shared/meshes");
-  if (!existsSync(corpus)) {
-    assert.notEqual(process.env.REMESHD_REQUIRE_CORPUS, "1", `there is no ${corpus}`);
-    return t.skip(`SKIPPED: there is no ${corpus}`);
-  }
+  const corpus = sharedMesh(t, "");
+  if (corpus === null) return;
   let compared = 0;
   const wrong = [];
   for (const name of readdirSync(corpus, { recursive: true }).map(String).sort()) {

@@ -1,16 +1,27 @@
 // A daemon, a browser, and what the tests ask of pictures.
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
-import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { dirname, join } from "node:path";
-import { after, before } from "node:test";
+import { after, before, test } from "node:test";
 import { fileURLToPath, pathToFileURL } from "node:url";
 import { PNG } from "pngjs";
 import puppeteer from "puppeteer-core";
 
 export const root = join(dirname(fileURLToPath(import.meta.url)), "../..");
 export const bracket = join(root, "tests/data/bracket.obj");
+/**
+ * The path of a shared mesh. Null where it is missing: the test `t` is then skipped, or fails if the shared meshes are
+ * required.
+ */
+export function sharedMesh(t, name) {
+  const path = join(process.env.REMESHD_CORPUS || join(root, "../shared/meshes"), name);
+  if (existsSync(path)) return path;
+  assert.notEqual(process.env.REMESHD_REQUIRE_CORPUS, "1", `there is no ${path}`);
+  t.skip(`SKIPPED: there is no ${path}`);
+  return null;
+}
 /** While a camera moves, the page may draw with fewer pixels, and draws anew when it has stopped. */
 const kRestMs = 260;
 /** So that both views have the same whole number of pixels. */
@@ -135,6 +146,26 @@ export function stage(options = () => []) {
   return set;
 }
 
+/** Output: a function that makes tests with a page of their own, whose console must stay empty. */
+export function pageTests(set) {
+  return (name, run, options = {}) => {
+    test(name, async (t) => {
+      const {
+        origin = set.daemon.origin,
+        mayComplain = false,
+        ...rest
+      } = typeof options === "function" ? await options() : options;
+      const visitor = await openPage(set.browser, origin, { downloads: set.folder.path, ...rest });
+      try {
+        await run(visitor, t);
+        if (!mayComplain) assert.deepEqual(visitor.faults, []);
+      } finally {
+        await visitor.close();
+      }
+    });
+  };
+}
+
 /** A tab of the page, with everything that a person does there. `faults` gathers what must not be in any console. */
 export async function openPage(browser, origin, { width = kWidth, height = 800, scheme = "light", downloads } = {}) {
   const context = await browser.createBrowserContext();
@@ -242,7 +273,7 @@ const colourAt = (png, at) => (png.data[at] << 16) | (png.data[at + 1] << 8) | p
 /** Of 255. */
 const kRounding = 4;
 
-function partWhere(png, holds) {
+export function partWhere(png, holds) {
   let count = 0;
   for (let at = 0; at < png.data.length; at += 4) if (holds(at)) ++count;
   return count / (png.data.length / 4);
@@ -292,3 +323,25 @@ export function partOf(png, [red, green, blue], tolerance = 12) {
 
 /** Numbers as the page writes them. */
 export const shownNumber = (value) => new Intl.NumberFormat("en", { maximumSignificantDigits: 5 }).format(value);
+
+/** Writes a part that was turned: an outline of [radius, height] around the z axis. Output: the path. */
+export function turned(folder, name, outline, steps = 24) {
+  const vertices = [];
+  const rings = outline.map(([radius, height]) => {
+    const first = vertices.length;
+    const count = radius === 0 ? 1 : steps;
+    for (let i = 0; i < count; ++i) {
+      const angle = (2 * Math.PI * i) / steps;
+      vertices.push([radius * Math.cos(angle), radius * Math.sin(angle), height]);
+    }
+    return (i) => first + (i % count);
+  });
+  const faces = [];
+  for (let k = 1; k < rings.length; ++k) {
+    for (let i = 0; i < steps; ++i) {
+      const [below, above] = [rings[k - 1], rings[k]];
+      faces.push([...new Set([below(i), below(i + 1), above(i + 1), above(i)])]);
+    }
+  }
+  return folder.write(name, JSON.stringify({ vertices, faces }));
+}

@@ -1,196 +1,201 @@
-// What the page makes of the surfaces in a report, without a browser and a daemon: groups, words and colours.
+// The surfaces that a mesh was made from, as a person sees and chooses them: a real browser and the real daemon.
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { pageModules, temporaryFolder } from "./support.mjs";
+import { readFileSync } from "node:fs";
+import {
+  difference,
+  drawn,
+  isDrawn,
+  pageTests,
+  partWhere,
+  sharedMesh,
+  shownNumber,
+  stage,
+  turned,
+} from "./support.mjs";
 
-const folder = temporaryFolder();
-let page;
-before(async () => (page = await pageModules(folder, ["surfaces/groups", "surfaces/colours", "surfaces/facts"])));
-after(() => folder.remove());
+const set = stage();
+const { folder } = set;
+const onPage = pageTests(set);
 
-const box = { min: [0, 0, 0], max: [100, 60, 10] };
-const curved = {
-  axis: [0, 0, 1],
-  point: [20, 30, 0],
-  side: "concave",
-  sweep_deg: 360,
-  input_chord_height: 0.01,
-  input_turn_deg: 15,
-  tolerance: 1e-5,
-  deviation: 4e-6,
-};
-
-/** Surfaces as a report has them: `parts` tells what is special of each. */
-function report(...parts) {
-  return parts.map((part, id) => ({ id, patches: 24, faces: 48, area: 100, bounding_box: box, ...part }));
-}
-const times = (n, make) => Array.from({ length: n }, (_, i) => make(i));
-const cylinder = (radius, more = {}) => ({ kind: "cylinder", radius, ...curved, ...more });
-const cone = (half_angle_deg) => ({ kind: "cone", half_angle_deg, ...curved });
-const torus = (major_radius, minor_radius) => ({ kind: "torus", major_radius, minor_radius, ...curved });
-const plane = (area) => ({ kind: "plane", normal: [0, 0, 1], offset: 0, point: [0, 0, 0], area, tolerance: 1e-5 });
-const free = (reason, area) => ({ kind: "free", reason, nearest_kind: null, nearest_deviation: null, area });
-
-/** The order of a report's list means nothing to a reader. */
-function shuffled(items) {
-  let seed = 11;
-  const random = () => (seed = (seed * 48271) % 2147483647) / 2147483647;
-  return [...items]
-    .map((item) => [random(), item])
-    .sort(([a], [b]) => a - b)
-    .map(([, item]) => item);
-}
-const plate = report(
-  ...times(6, (i) => plane(1000 * (i + 1))),
-  ...times(8, (i) => cylinder(2.5 + i * 1e-7)),
-  ...times(6, (i) => cylinder(3.175 - i * 1e-7)),
-  ...times(28, (i) => cone(45 + (i - 14) * 1e-6)),
-  torus(20, 3),
-);
-
-test("equal surfaces stand together, and a sentence tells how many there are", () => {
-  const groups = page.groupSurfaces(plate);
-  assert.equal(
-    page.summaryOf(groups),
-    "14 cylinders: 8 of r 2.5, 6 of r 3.175; 28 cones of 45°; 1 torus of r 20 and 3; 6 planes",
-  );
-  assert.deepEqual(groups.map(page.nameOfGroup), [
-    "8 cylinders of r 2.5",
-    "6 cylinders of r 3.175",
-    "28 cones of 45°",
-    "1 torus of r 20 and 3",
-    "6 planes",
+/** A shaft with a shoulder: radii 6 and 3, and a cone of 45 degrees between. */
+const shaft = () =>
+  turned(folder, "shaft.json", [
+    [0, 0],
+    [6, 0],
+    [6, 10],
+    [3, 13],
+    [3, 20],
+    [0, 20],
   ]);
+
+/** Clicks a view, at parts of its width and height from above. */
+async function clickView(page, side, x, y) {
+  const box = await (await page.$(`#${side}`)).boundingBox();
+  await page.mouse.click(box.x + box.width * x, box.y + box.height * y);
+  await page.waitForSelector(`#${side}-numbers:not([hidden])`);
+}
+/** Parts of a picture's pixels by what they show where surfaces are coloured: blue cylinders, orange cones, yellow. */
+const bluePart = (png) => partWhere(png, (at) => png.data[at + 2] - png.data[at] > 60);
+const orangePart = (png) => partWhere(png, (at) => png.data[at] - png.data[at + 1] > 72 && png.data[at + 2] < 120);
+const yellowPart = (png) =>
+  partWhere(png, (at) => png.data[at + 1] - png.data[at + 2] > 60 && png.data[at] - png.data[at + 1] < 60);
+const facts = (page, selector) =>
+  page.$$eval(`${selector} .surface-facts dl > div`, (all) =>
+    Object.fromEntries(all.map((fact) => [...fact.children].map((child) => child.textContent))),
+  );
+const row = (name) => `::-p-xpath(//*[@class="surface-list"]//button[.="${name}"])`;
+
+onPage("surfaces are a table, and a click on a row shows its faces", async ({ page, open, run, tab, view, text }) => {
+  await open(shaft(), /^120 faces$/);
+  await run();
+  await tab("surfaces");
+  assert.equal(await text(".surface-summary"), "2 cylinders: 1 of r 3, 1 of r 6; 1 cone of 45°; 2 planes.");
+  const rows = await page.$$eval(".surface-list tbody tr", (all) =>
+    all.map((one) => [...one.children].map((cell) => cell.textContent)),
+  );
   assert.deepEqual(
-    groups.at(-1).surfaces.map(({ area }) => area),
-    [6000, 5000, 4000, 3000, 2000, 1000],
-  );
-});
-
-test("the order of the report's list changes nothing, and no surface is lost", () => {
-  const groups = page.groupSurfaces(plate);
-  assert.deepEqual(page.groupSurfaces(shuffled(plate)), groups);
-  const ids = groups.flatMap(({ surfaces }) => surfaces.map(({ id }) => id));
-  assert.deepEqual(
-    ids.sort((a, b) => a - b),
-    plate.map(({ id }) => id),
-  );
-});
-
-test("radii that a file's rounding tells apart are one size, and radii that a drawing tells apart are two", () => {
-  const sizes = (...parts) => page.groupSurfaces(report(...parts)).map(({ surfaces }) => surfaces.length);
-  assert.deepEqual(sizes(cylinder(2.5), cylinder(2.5001)), [2]);
-  assert.deepEqual(sizes(cylinder(2.5), cylinder(2.51)), [1, 1]);
-  // An arc of 20 degrees leaves a radius open to 66 times the tolerance.
-  const fillet = { sweep_deg: 20, tolerance: 1e-5 };
-  assert.deepEqual(sizes(cylinder(2.5, fillet), cylinder(2.501, fillet)), [2]);
-  assert.deepEqual(sizes(cylinder(2.5), cylinder(2.501)), [1, 1]);
-  // However little an arc says, sizes that differ by a hundredth are two.
-  const sliver = { sweep_deg: 0.1, tolerance: 1e-3 };
-  assert.deepEqual(sizes(cylinder(2.5, sliver), cylinder(2.6, sliver)), [1, 1]);
-  // Equal tori need not be next to each other in the order of their major radii.
-  assert.deepEqual(sizes(torus(20, 3), torus(20 + 1e-7, 5), torus(20 + 2e-7, 3)), [2, 1]);
-  assert.deepEqual(sizes(cone(45), cone(41)), [1, 1]);
-});
-
-test("free regions are put together by their reasons, and come after what was recognised", () => {
-  const groups = page.groupSurfaces(
-    report(plane(10), free("no_kind_fits", 5), free("few_facets", 9), free("no_kind_fits", 7), cylinder(1)),
-  );
-  assert.deepEqual(groups.map(page.nameOfGroup), [
-    "1 cylinder of r 1",
-    "1 free region: too few facets",
-    "2 free regions: no kind fits",
-    "1 plane",
-  ]);
-  assert.equal(page.summaryOf(groups), "1 cylinder of r 1; 3 free regions; 1 plane");
-});
-
-test("a sentence does not list more sizes than one can read", () => {
-  const groups = page.groupSurfaces(report(...times(40, (i) => cylinder(i + 1))));
-  assert.match(page.summaryOf(groups), /^40 cylinders: 1 of r 1, .*1 of r 6, and 34 more sizes$/);
-});
-
-test("every surface has a colour of its own, and the hue tells the kind", () => {
-  const one = { kind: "sphere", radius: 1 };
-  const outline = {
-    kind: "revolution",
-    profile: [
-      [1, 0],
-      [2, 1],
+    rows.map((cells) => cells.slice(0, 4)),
+    [
+      ["1 cylinder of r 3", "convex", "full turn", "24"],
+      ["1 cylinder of r 6", "convex", "full turn", "24"],
+      ["1 cone of 45°", "convex", "full turn", "24"],
+      ["2 planes", "", "", "48"],
     ],
-  };
-  const kinds = [plane(1), cylinder(1), cone(45), one, torus(2, 1), outline, free("no_kind_fits", 1)];
-  const surfaces = report(...kinds.flatMap((part) => times(9, () => part)));
-  const colours = page.coloursOf(page.groupSurfaces(surfaces));
-  const distance = (a, b) => Math.hypot(...a.map((x, i) => x - b[i]));
-  for (const a of surfaces) {
-    for (const b of surfaces.slice(a.id + 1)) {
-      const between = distance(colours.get(a.id), colours.get(b.id));
-      assert.ok(between > (a.kind === b.kind ? 0 : 24), `${a.kind} ${a.id}, ${b.kind} ${b.id}: ${between}`);
-    }
-    // Planes are muted: they have less colour than all others.
-    const range = Math.max(...colours.get(a.id)) - Math.min(...colours.get(a.id));
-    assert.equal(range < 20, a.kind === "plane", `${a.kind}: ${colours.get(a.id)}`);
-  }
-});
-
-test("patches get the colours of their surfaces, and those of chosen surfaces are marked", () => {
-  const surfaces = report(cylinder(1), plane(4));
-  const colours = page.coloursOf(page.groupSurfaces(surfaces));
-  const table = page.patchTable([{ surface: 1 }, { surface: 0 }, { surface: 1 }], colours, new Set([0]));
-  const [round, flat] = [colours.get(0), colours.get(1)];
-  assert.deepEqual([...table], [...flat, 0, ...round, 255, ...flat, 0]);
-});
-
-test("the numbers of a surface are those of the report, and rounding is not shown as a number", () => {
-  const [hole, tip, ball, tube, vase] = report(
-    cylinder(2.5, { axis: [1e-17, -0, 1], point: [20, 3e-9, 0], sweep_deg: 90 }),
-    { kind: "cone", half_angle_deg: 41, ...curved },
-    { kind: "sphere", radius: 3, ...curved, side: "convex" },
-    torus(20, 3),
-    {
-      kind: "revolution",
-      profile: [
-        [1, 0],
-        [4, 2],
-        [2, 5],
-      ],
-      ...curved,
-      side: "both",
-    },
-  ).map((surface) => Object.fromEntries(page.factsOf(surface)));
-  assert.deepEqual(hole, {
-    Radius: "2.5",
-    Diameter: "5",
-    Axis: "0, 0, 1",
-    Through: "20, 0, 0",
-    Sweep: "90.0°",
-    Side: "concave (hole, fillet)",
-    "Chord height": "0.01",
-    "Turn of an edge": "15.0°",
-    Faces: "48",
-    Patches: "24",
-    Area: "100",
-    Extent: "100 × 60 × 10",
-    Deviation: "4e-6",
-    Tolerance: "1e-5",
-  });
-  assert.equal(tip["Half angle"], "41° (82° across)");
-  assert.equal(tip["Apex"], "20, 30, 0");
-  assert.deepEqual([ball["Centre"], ball["Side"], ball["Sweep"]], ["20, 30, 0", "convex (ball)", "full turn"]);
-  assert.deepEqual([tube["Radius of the ring"], tube["Radius of the tube"]], ["20", "3"]);
-  assert.deepEqual([vase["Profile"], vase["Side"]], ["3 points, radius 1 to 4, height 0 to 5", "both sides"]);
-});
-
-test("a free region says why it is of no kind", () => {
-  const why = (reason, nearest_kind, nearest_deviation = null) =>
-    page.whyFree({ ...report(free(reason, 1))[0], nearest_kind, nearest_deviation });
-  assert.equal(
-    why("no_kind_fits", "torus", 0.012),
-    "No kind of surface passes through all vertices. The nearest one is a torus, which it misses by 0.012.",
   );
-  assert.equal(why("no_kind_fits", null), "No kind of surface passes through all vertices.");
-  assert.equal(why("few_facets", "cylinder"), "A cylinder fits, but so few facets prove nothing.");
-  assert.match(why("uneven_facets", "cylinder"), /^A cylinder fits, but .* meant to be flat\.$/);
+  // The side of a prism of 24 edges around which the circle of radius 3 goes.
+  const chord = 2 * 3 * Math.sin(Math.PI / 24);
+  assert.equal(rows[0][4], shownNumber(24 * chord * 7));
+  await page.select("#colouring", "surface");
+  for (const side of ["before", "after"]) await view(side, (png) => assert.ok(yellowPart(png) < 0.002));
+  await (await page.waitForSelector(row("1 cone of 45°"))).click();
+  for (const side of ["before", "after"]) {
+    await view(side, (png) => assert.ok(yellowPart(png) > 0.03, `yellow in ${side}: ${yellowPart(png)}`));
+  }
+  const cone = await facts(page, ".surface-details");
+  assert.equal(cone["Half angle"], "45° (90° across)");
+  assert.deepEqual([cone["Axis"], cone["Apex"], cone["Faces"]], ["0, 0, -1", "0, 0, 16", "24"]);
+  // A second click gives it up.
+  await (await page.waitForSelector(row("1 cone of 45°"))).click();
+  await view("after", (png) => assert.ok(yellowPart(png) < 0.002));
+  // One of two planes is chosen among them.
+  await (await page.waitForSelector(row("2 planes"))).click();
+  const both = await view("after", (png) => assert.ok(yellowPart(png) > 0.006));
+  const lid = await page.waitForSelector(`::-p-xpath(//*[@class="surface-details"]//button[.="0, 0, 0"])`);
+  await lid.click();
+  assert.equal((await facts(page, ".surface-details"))["Offset"], "0");
+  await view("after", (png) => assert.ok(yellowPart(png) < yellowPart(both)));
+});
+
+onPage("surfaces have colours, and a click on a face chooses its surface", async (visitor) => {
+  const { page, open, run, tab, view, text, waitForText } = visitor;
+  const file = shaft();
+  await open(file, /^120 faces$/);
+  await run();
+  await page.select("#colouring", "plain");
+  await view("after", (png) => assert.ok(Math.max(bluePart(png), orangePart(png)) < 0.01));
+  await page.select("#colouring", "surface");
+  for (const side of ["before", "after"]) {
+    await view(side, (png) => {
+      assert.ok(bluePart(png) > 0.08, `cylinders in ${side}: ${bluePart(png)}`);
+      assert.ok(orangePart(png) > 0.02, `the cone in ${side}: ${orangePart(png)}`);
+    });
+  }
+  assert.match(await text("#legend"), /cylinder.*cone.*plane/);
+  await clickView(page, "after", 0.5, 0.75);
+  await waitForText("#after-numbers h3", /^Cylinder, r 6$/);
+  const shown = await facts(page, "#after-numbers");
+  assert.deepEqual(
+    [shown["Radius"], shown["Axis"].replace("-", ""), shown["Sweep"], shown["Turn of an edge"], shown["Faces"]],
+    ["6", "0, 0, 1", "full turn", "15.0°", "24"],
+  );
+  assert.equal(shown["Chord height"], shownNumber(6 * (1 - Math.cos(Math.PI / 24))));
+  for (const side of ["before", "after"]) await view(side, (png) => assert.ok(yellowPart(png) > 0.06));
+  await tab("surfaces");
+  assert.equal(await text(".surface-list .chosen button"), "1 cylinder of r 6");
+  // The face that was clicked belongs to that surface, as the answer tells.
+  await page.click("#after-numbers .link");
+  const face = Number((await text("#after-numbers h3")).replace(/\D/g, ""));
+  const { mesh, report } = JSON.parse(await set.daemon.remesh(file, { format: "json" }));
+  const { kind, radius } = report.surfaces[report.patches[mesh.face_patch[face]].surface];
+  assert.equal(kind, "cylinder");
+  assert.ok(Math.abs(radius - 6) < 1e-6);
+  await (await page.waitForSelector('::-p-xpath(//*[@id="after-numbers"]//button[.="Cylinder, r 6"])')).click();
+  await waitForText("#after-numbers h3", /^Cylinder, r 6$/);
+  // A click beside the part gives it up.
+  const box = await (await page.$("#after")).boundingBox();
+  await page.mouse.click(box.x + box.width * 0.97, box.y + box.height * 0.5);
+  await view("after", (png) => assert.ok(yellowPart(png) < 0.002));
+  assert.equal(await page.$(".surface-list .chosen"), null);
+});
+
+onPage("a free region says why no kind fits", async ({ page, open, run, tab, text }) => {
+  // A turned part is a surface of revolution; one whose edges are moved by some hundredths is nothing.
+  const outline = [0, 1, 2, 3, 4, 5, 6].map((i) => [4 + Math.sin(i / 2), 2 * i]);
+  const file = turned(folder, "vase.json", [[0, 0], ...outline, [0, 12]]);
+  const { vertices, faces } = JSON.parse(readFileSync(file));
+  vertices.forEach((p, i) => {
+    if (p[2] > 0 && p[2] < 12) p.forEach((x, axis) => (p[axis] = x + 0.03 * Math.sin(7 * i + 3 * axis)));
+  });
+  const triangles = faces.flatMap(([a, b, c, d]) => (d === undefined ? [[a, b, c]] : [[a, b, c], [a, c, d]])); // prettier-ignore
+  await open(folder.write("dented.json", JSON.stringify({ vertices, faces: triangles })), /faces$/);
+  await run();
+  await tab("surfaces");
+  assert.match(await text(".surface-summary"), /free region/);
+  await page.click('.surface-list tr[data-kind="free"] button');
+  assert.match(await text(".surface-details"), /No kind of surface passes through all vertices\./);
+});
+
+onPage("an analysis tells the surfaces, and draws none", async ({ page, open, tab, waitForText, view, text }) => {
+  await open(shaft(), /^120 faces$/);
+  await page.click("#analyze");
+  await waitForText("#status", /^Analyzed in/);
+  await tab("surfaces");
+  assert.match(await text(".surface-details"), /Remesh the mesh to see its surfaces in the views/);
+  await page.select("#colouring", "surface");
+  const before = await view("before", isDrawn());
+  await (await page.waitForSelector(row("1 cylinder of r 3"))).click();
+  assert.equal((await facts(page, ".surface-details"))["Diameter"], "6");
+  assert.equal(difference(before, await view("before")), 0);
+});
+
+onPage("with a feature angle of 0 each facet is a surface of its own", async ({ page, open, type, run, tab, text }) => {
+  await open(shaft(), /^120 faces$/);
+  await page.click(".more summary");
+  assert.match(await text("#option-feature_angle_deg-note"), /features.*curved surface.*\(0 to 180\)/);
+  await type("#option-feature_angle_deg", "0");
+  await run();
+  await tab("surfaces");
+  assert.equal(await text(".surface-summary"), "74 planes.");
+});
+
+onPage("the surfaces of a plate with holes are those of its drawing", async (visitor, t) => {
+  const { page, open, run, tab, view, text, waitForText } = visitor;
+  const plate = sharedMesh(t, "planar-cad/plate_holes.STL");
+  if (plate === null) return;
+  await open(plate, /^1,252 faces$/);
+  await run();
+  await tab("surfaces");
+  await page.select("#colouring", "surface");
+  // Holes of 0.266 and 7/16 inches, and corners of 2 and of 1/2 inches, in millimetres.
+  assert.match(
+    await text(".surface-summary"),
+    /^14 cylinders: 5 of r 3\.3782, 1 of r 5\.5563, 4 of r 6\.35, 4 of r 25\.4; /,
+  );
+  const { report } = JSON.parse(await set.daemon.remesh(plate, { format: "json" }));
+  for (const kind of new Set(report.surfaces.map((surface) => surface.kind))) {
+    const named = await page.$$eval(`.surface-list tr[data-kind="${kind}"] button`, (all) =>
+      all.reduce((sum, button) => sum + Number.parseInt(button.textContent), 0),
+    );
+    assert.equal(named, report.surfaces.filter((surface) => surface.kind === kind).length, kind);
+  }
+  // The hole in the middle, seen from above.
+  const far = await view("after", (png) => assert.ok(yellowPart(png) < 0.0002, `yellow: ${yellowPart(png)}`));
+  await clickView(page, "after", 0.505, 0.484);
+  await waitForText("#after-numbers h3", /^Cylinder, r 5\.5563$/);
+  assert.equal(await text(".surface-list .chosen button"), "1 cylinder of r 5.5563");
+  assert.equal((await facts(page, "#after-numbers"))["Side"], "concave (hole, fillet)");
+  await page.keyboard.press("Escape");
+  await (await page.waitForSelector(row("4 cylinders of r 25.4"))).click();
+  await view("after", (png) => assert.ok(yellowPart(png) > 0.001, `yellow: ${yellowPart(png)}`));
+  assert.ok(drawn(far).colours > 50);
 });

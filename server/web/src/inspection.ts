@@ -56,7 +56,7 @@ export class Inspection {
 
   private surfaceOf(side: Side, triangle: number): RecognisedSurface | null {
     const drawable = this.viewer.drawable(side);
-    return drawable && this.told?.report.output ? this.surfaces.ofPatch(patchOf(drawable, triangle)) : null;
+    return drawable && this.surfaces.ofPatch(patchOf(drawable, triangle));
   }
 
   private showSurface(side: Side, triangle: number, surface: RecognisedSurface): void {
@@ -83,9 +83,11 @@ export class Inspection {
 
   private showCard(side: Side, card: HTMLElement, height: number): void {
     const panel = byId(`${side}-numbers`);
+    const hadFocus = panel.contains(document.activeElement);
     panel.replaceChildren(card);
     panel.classList.toggle("above", height < kLow);
     panel.hidden = false;
+    if (hadFocus) card.querySelector<HTMLElement>(".link, button")?.focus();
   }
 
   /** Shows a triangle's numbers, where they do not cover it; drops those of another one. */

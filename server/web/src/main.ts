@@ -60,7 +60,7 @@ class Page {
       (finding, index) => this.inspection.goTo(finding, index),
     );
     this.downloads = new DownloadPanel(byId("download"), this.service);
-    new Tabs(document.querySelector("[role=tablist]")!);
+    new Tabs(document.querySelector("[role=tablist]")!, (panel) => (this.viewer.showsFindings = panel === "findings"));
     this.takeFiles();
     for (const side of kSides) {
       listen(byId(side), side, this.viewer, {

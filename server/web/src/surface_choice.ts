@@ -1,13 +1,15 @@
 // The surfaces of the report on the screen: their colours, and which of them are chosen.
 import type { RecognisedSurface, Report, SurfaceKind } from "./service/types.ts";
-import { type Rgb, coloursOf, patchTable } from "./surfaces/colours.ts";
+import { type Rgb, type SurfaceColours, colourOf, coloursOf, patchTable } from "./surfaces/colours.ts";
 import { groupSurfaces, kKinds } from "./surfaces/groups.ts";
 import type { SurfacesPanel } from "./ui/surfaces_panel.ts";
 import type { Viewer } from "./view/viewer.ts";
 
 export class SurfaceChoice {
   private report: Report | null = null;
-  private colours: ReadonlyMap<number, Rgb> = new Map();
+  private colours: SurfaceColours = new Uint8Array();
+  /** The surface of each patch; empty where it is not known to which patch a face belongs. */
+  private surfaceOf = new Uint32Array();
   private chosen: ReadonlySet<number> = new Set();
 
   constructor(
@@ -20,32 +22,37 @@ export class SurfaceChoice {
     this.report = report;
     const groups = groupSurfaces(report?.surfaces ?? []);
     this.colours = coloursOf(groups);
-    if (report) this.panel.show({ groups, colours: this.colours, areDrawn: report.output !== undefined });
+    this.surfaceOf = Uint32Array.from(this.areDrawn ? report!.patches : [], ({ surface }) => surface);
+    if (report) this.panel.show({ groups, colours: this.colours, areDrawn: this.areDrawn });
     this.choose([]);
   }
 
+  /** An analysis does not tell the patches of faces. */
+  private get areDrawn(): boolean {
+    return this.report?.output !== undefined;
+  }
+  /** The kinds that are seen in the views. */
   get kinds(): SurfaceKind[] {
-    const present = new Set(this.report?.surfaces.map(({ kind }) => kind));
+    const present = new Set(this.areDrawn ? this.report!.surfaces.map(({ kind }) => kind) : []);
     return kKinds.filter((kind) => present.has(kind));
   }
   get hasChosen(): boolean {
     return this.chosen.size > 0;
   }
-  colourOf({ id }: RecognisedSurface): Rgb {
-    return this.colours.get(id)!;
+  colourOf(surface: RecognisedSurface): Rgb {
+    return colourOf(this.colours, surface);
   }
   /** Null where it is not known. */
   ofPatch(patch: number): RecognisedSurface | null {
-    const surface = this.report?.patches[patch]?.surface;
+    const surface = this.surfaceOf[patch];
     return surface === undefined ? null : (this.report!.surfaces[surface] ?? null);
   }
 
   /** Shows the faces of these surfaces in both views, and their numbers in the panel. */
   choose(ids: readonly number[]): void {
     this.chosen = new Set(ids);
-    // An analysis does not tell the patches of faces.
-    const patches = this.report?.output ? this.report.patches : [];
-    this.viewer.setPatches(patchTable(patches, this.colours, this.chosen), this.hasChosen && patches.length > 0);
+    const table = patchTable(this.surfaceOf, this.colours, this.chosen);
+    this.viewer.setPatches(table, this.areDrawn && this.hasChosen);
     this.panel.mark(this.chosen);
   }
 }

@@ -1,5 +1,5 @@
 // A colour for each surface: the hue tells the kind, and each surface of the kind has a tone of its own.
-import type { RecognisedSurface, Report, SurfaceKind } from "../service/types.ts";
+import type { RecognisedSurface, SurfaceKind } from "../service/types.ts";
 import { type SurfaceGroup, kKinds } from "./groups.ts";
 
 /** Red, green, blue, from 0 to 255. */
@@ -50,35 +50,45 @@ function rgbOf(hue: number, saturation: number, lightness: number): Rgb {
   return [channel(0), channel(8), channel(4)];
 }
 
-/** Output: the colour of each surface, by its id. Equal surfaces have one hue. */
-export function coloursOf(groups: readonly SurfaceGroup[]): Map<number, Rgb> {
-  const colours = new Map<number, Rgb>();
+/** Three bytes for each surface, by its id. There may be a million of them, so that they are one array. */
+export type SurfaceColours = Uint8Array;
+
+/** Output: the colours of all surfaces in the groups. Equal surfaces have one hue. */
+export function coloursOf(groups: readonly SurfaceGroup[]): SurfaceColours {
+  const count = groups.reduce((sum, { surfaces }) => sum + surfaces.length, 0);
+  const colours = new Uint8Array(3 * count);
   for (const kind of kKinds) {
     let n = 0;
     groups
       .filter((group) => group.kind === kind)
       .forEach(({ surfaces }, i) => {
-        for (const { id } of surfaces) colours.set(id, toneOf(kind, golden(i + 0.8), golden(++n)));
+        for (const { id } of surfaces) colours.set(toneOf(kind, golden(i + 0.8), golden(++n)), 3 * id);
       });
   }
   return colours;
+}
+export function colourOf(colours: SurfaceColours, { id }: RecognisedSurface): Rgb {
+  return [colours[3 * id]!, colours[3 * id + 1]!, colours[3 * id + 2]!];
 }
 
 export function cssOf([red, green, blue]: Rgb): string {
   return `rgb(${red} ${green} ${blue})`;
 }
 
-/** What the views need to know of each patch: four bytes, the colour of its surface and whether that one is chosen. */
+/**
+ * What the views need to know of each patch: four bytes, the colour of its surface and whether that one is chosen.
+ * `surfaceOf`: the id of the surface of each patch.
+ */
 export function patchTable(
-  patches: Report["patches"],
-  colours: ReadonlyMap<RecognisedSurface["id"], Rgb>,
+  surfaceOf: Uint32Array,
+  colours: SurfaceColours,
   chosen: ReadonlySet<RecognisedSurface["id"]>,
 ): Uint8Array {
-  const table = new Uint8Array(4 * patches.length);
-  patches.forEach(({ surface }, patch) => {
-    const colour = colours.get(surface);
-    if (colour) table.set(colour, 4 * patch);
+  const table = new Uint8Array(4 * surfaceOf.length);
+  for (let patch = 0; patch < surfaceOf.length; ++patch) {
+    const surface = surfaceOf[patch]!;
+    for (let k = 0; k < 3; ++k) table[4 * patch + k] = colours[3 * surface + k]!;
     table[4 * patch + 3] = chosen.has(surface) ? 255 : 0;
-  });
+  }
   return table;
 }

@@ -10,12 +10,16 @@ const kNoDirection = 1e-6;
 const kFullTurn = 359.99;
 
 /** What is smaller than `step` is written as 0. */
+function rounded(x: number, step: number): string {
+  return real(Math.abs(x) < step ? 0 : x);
+}
 function vector(p: Point, step: number): string {
-  return p.map((x) => real(Math.abs(x) < step ? 0 : x)).join(", ");
+  return p.map((x) => rounded(x, step)).join(", ");
 }
 
-export function sweepOf({ sweep_deg }: RecognisedSurface): string {
-  if (sweep_deg === undefined) return "";
+/** Spheres have none, because they have no axis. */
+export function sweepOf({ kind, sweep_deg }: RecognisedSurface): string {
+  if (sweep_deg === undefined || kind === "sphere") return "";
   return sweep_deg >= kFullTurn ? "full turn" : degrees(sweep_deg);
 }
 
@@ -85,7 +89,7 @@ export function factsOf(surface: RecognisedSurface): [name: string, value: strin
   }
   fact("Axis", axis && vector(axis, kNoDirection));
   fact("Normal", surface.normal && vector(surface.normal, kNoDirection));
-  fact("Offset", surface.offset);
+  fact("Offset", surface.offset === undefined ? null : rounded(surface.offset, step));
   const isCentred = kind === "sphere" || kind === "torus";
   fact(isCentred ? "Centre" : kind === "cone" ? "Apex" : "Through", point && vector(point, step));
   fact("Sweep", sweepOf(surface));

@@ -92,6 +92,7 @@ function uncertainty(surface: RecognisedSurface): number {
     const extent = Math.hypot(...extentOf(surface));
     return extent > 0 ? (tolerance / extent) * (180 / Math.PI) : 0;
   }
+  if (kind === "sphere") return tolerance;
   const half = (Math.min(sweep_deg, 180) / 2) * (Math.PI / 180);
   return half > 0 ? tolerance / (1 - Math.cos(half)) : Infinity;
 }

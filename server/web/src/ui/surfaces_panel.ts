@@ -1,11 +1,11 @@
 // The surfaces of a mesh as a table: equal ones in one row, and beside it what is known of the chosen one.
 import type { RecognisedSurface } from "../service/types.ts";
-import type { Rgb } from "../surfaces/colours.ts";
+import { type SurfaceColours, colourOf } from "../surfaces/colours.ts";
 import { sideOf, sweepOf } from "../surfaces/facts.ts";
 import { type SurfaceGroup, extentOf, kindName, nameOfGroup, summaryOf } from "../surfaces/groups.ts";
 import { type Child, h } from "./dom.ts";
 import { nameOfSurface, surfaceFacts } from "./surface_card.ts";
-import { swatch } from "./swatch.ts";
+import { kMaxStripes, swatch } from "./swatch.ts";
 import { count, real, sentence, whole } from "./words.ts";
 
 /** More rows or buttons than these are of no use to a reader. */
@@ -14,7 +14,7 @@ const kMaxMembers = 100;
 
 export interface ShownSurfaces {
   groups: SurfaceGroup[];
-  colours: ReadonlyMap<number, Rgb>;
+  colours: SurfaceColours;
   /** Whether it is known which faces belong to which surface. */
   areDrawn: boolean;
 }
@@ -94,7 +94,7 @@ export class SurfacesPanel {
     const button = h(
       "button",
       { type: "button", class: "surface-name", "aria-pressed": "false" },
-      swatch(surfaces.map(({ id }) => this.shown!.colours.get(id)!)),
+      this.swatchOf(surfaces),
       nameOfGroup(group),
     );
     const row = h(
@@ -109,6 +109,10 @@ export class SurfacesPanel {
     return { group, row, button };
   }
 
+  private swatchOf(surfaces: RecognisedSurface[]): SVGElement {
+    return swatch(surfaces.slice(0, kMaxStripes).map((surface) => colourOf(this.shown!.colours, surface)));
+  }
+
   private toggle({ surfaces }: SurfaceGroup): void {
     const areAll = surfaces.every(({ id }) => this.chosen.has(id));
     this.onChoose(areAll ? [] : surfaces.map(({ id }) => id));
@@ -118,7 +122,7 @@ export class SurfacesPanel {
     const only = chosen.length === 1 ? chosen[0]! : null;
     const title = only ? nameOfSurface(only) : sentence(nameOfGroup(group));
     return [
-      h("h3", {}, swatch(chosen.map(({ id }) => this.shown!.colours.get(id)!)), title),
+      h("h3", {}, this.swatchOf(chosen), title),
       group.surfaces.length > 1 && this.members(group, only),
       only && surfaceFacts(only),
     ];

@@ -2,7 +2,11 @@
 export class Tabs {
   private readonly tabs: HTMLElement[];
 
-  constructor(list: HTMLElement) {
+  /** `onOpen` is told the id of the panel that is shown. */
+  constructor(
+    list: HTMLElement,
+    private readonly onOpen: (panel: string) => void,
+  ) {
     this.tabs = [...list.querySelectorAll<HTMLElement>("[role=tab]")];
     for (const tab of this.tabs) tab.addEventListener("click", () => this.open(tab));
     list.addEventListener("keydown", (event) => {
@@ -17,6 +21,7 @@ export class Tabs {
   }
 
   open(tab: HTMLElement): void {
+    this.onOpen(tab.getAttribute("aria-controls")!);
     for (const other of this.tabs) {
       const isOpen = other === tab;
       other.setAttribute("aria-selected", String(isOpen));

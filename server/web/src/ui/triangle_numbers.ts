@@ -44,13 +44,13 @@ export function triangleNumbers(shown: Shown): HTMLElement {
       fact("Radius-edge ratio", real(numbers.radiusEdgeRatio)),
       fact("Area", real(numbers.area)),
       patch !== kNoPatch && fact("Patch", `${whole(patch)}${status}`),
-      surface &&
-        fact("Surface", h("button", { type: "button", class: "link", click: onSurface }, nameOfSurface(surface))),
       source !== null &&
         fact(
           "Over input face",
           h("button", { type: "button", class: "link", click: () => onSource(source) }, whole(source)),
         ),
+      surface &&
+        fact("Surface", h("button", { type: "button", class: "link", click: onSurface }, nameOfSurface(surface))),
     ),
     h(
       "table",

@@ -86,6 +86,7 @@ export class SurfaceModel {
       glslVersion: GLSL3,
       vertexShader: kGhostVertex,
       fragmentShader: kGhostFragment,
+      side: DoubleSide,
       transparent: true,
       depthTest: false,
       depthWrite: false,

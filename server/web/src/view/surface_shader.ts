@@ -153,7 +153,7 @@ export const kGhostFragment = /* glsl */ `
   out vec4 colour;
   void main() {
     if (cut > 0.0 || surfaceOf(int(numbersOf(triangle).z)).a < 0.5) discard;
-    colour = vec4(selectedColour, 0.3);
+    colour = vec4(selectedColour, 0.2);
   }
 `;
 

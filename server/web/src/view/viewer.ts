@@ -70,6 +70,7 @@ export class Viewer {
   private colouring: Colouring = "plain";
   private patches: PatchTexture = patchTextureOf(new Uint8Array(), false);
   private hasLines = true;
+  private isOnFindings = false;
   areLinked = true;
 
   constructor(
@@ -153,6 +154,12 @@ export class Viewer {
   select(side: Side, triangle: number): void {
     const { model } = this.panes[side];
     if (model) model.selected = triangle;
+    this.invalidate();
+  }
+  /** Marks would cover the colours of surfaces, so that there they are drawn only while findings are looked at. */
+  set showsFindings(isOnFindings: boolean) {
+    this.isOnFindings = isOnFindings;
+    this.paint();
     this.invalidate();
   }
   mark(side: Side, marked: Marked): void {
@@ -308,6 +315,7 @@ export class Viewer {
     for (const side of kSides) {
       const { model, marks, outline } = this.panes[side];
       marks.paint(this.palette, ratio);
+      marks.group.visible = this.isOnFindings || !(this.colouring === "surface" || this.patches.hasChosen);
       outline.material.color.setStyle(this.palette.section);
       if (!model) continue;
       model.paint(this.palette);
