@@ -197,6 +197,22 @@ Parameters parameters_of(const AnalyticSurface& s, const Vec3& middle, double sc
   return at;
 }
 
+/// Rounds parameters to multiples of a number that common sizes are no multiples of.
+Parameters rounded(Parameters at, const Vec3& middle) {
+  constexpr double kStep = 1.0 / 19683;
+  const auto round = [](double x) { return std::nearbyint(x / kStep) * kStep; };
+  const auto round_all = [&](const Vec3& v) { return Vec3{round(v.x), round(v.y), round(v.z)}; };
+  at.origin = middle + round_all(at.origin - middle);
+  for (double& p : at.profile) p = round(p);
+  if (at.kind != SurfaceKind::kSphere) {
+    at.axis = normalized(round_all(at.axis));
+    at.x = across(at.axis);
+    at.y = cross(at.axis, at.x);
+  }
+  at.set_angle();
+  return at;
+}
+
 std::optional<AnalyticSurface> surface_of(const Parameters& at, double scale) {
   AnalyticSurface s;
   s.kind = at.kind;
@@ -371,7 +387,8 @@ std::optional<AnalyticSurface> fit_from(const AnalyticSurface& start, std::span<
   for (const Vec3& p : points) size = std::max(size, norm_squared(p - middle));
   if (!(size > 0)) return std::nullopt;
   const double scale = std::ldexp(1.0, -std::ilogb(std::sqrt(size)));
-  Parameters at = parameters_of(start, middle, scale);
+  Parameters at = goal.is_canonical ? rounded(parameters_of(start, middle, scale), scale * middle)
+                                    : parameters_of(start, middle, scale);
   const std::size_t n = at.count();
   const auto cost_at = [&](double distance) {
     return static_cast<double>(points.size()) * scale * distance * scale * distance;

@@ -16,7 +16,7 @@ constexpr std::uint32_t kMaxCorners = 12;
 FacetGraph::FacetGraph(const Facets& facets, double feature_angle_deg, RunControl& control)
     : facets_(facets),
       beyond_(facets.loops.half_edges.size()),
-      may_be_curved_(FilledIdVector<PatchId, std::uint8_t>::of_size(facets.patches.count())),
+      corner_count_(FilledIdVector<PatchId, std::uint8_t>::of_size(facets.patches.count())),
       inverse_unit_(1 / facets.surface.unit) {
   const double cosine = std::cos(feature_angle_deg * std::numbers::pi / 180);
   const auto beyond_of = [&](PatchId p, std::uint32_t half_edge) {
@@ -39,7 +39,11 @@ FacetGraph::FacetGraph(const Facets& facets, double feature_angle_deg, RunContro
         if (is_corner(s)) ++corners;
       }
       const bool has_one_loop = facets.loops.patch_begin[i + 1] - facets.loops.patch_begin[i] == 1;
-      may_be_curved_[p] = has_one_loop && corners >= 3 && corners <= kMaxCorners && smooth_here > 0 ? 1 : 0;
+      corner_count_[p] = 0;
+      if (has_one_loop && corners >= 3 && corners <= kMaxCorners && smooth_here > 0)
+        corner_count_[p] = static_cast<std::uint8_t>(corners);
+      else if (smooth_here > 0 && smooth_here == sides_end(p) - sides_begin(p))
+        corner_count_[p] = kManyCorners;
       smooth += smooth_here;
     }
     return smooth;

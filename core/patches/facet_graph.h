@@ -41,8 +41,13 @@ class FacetGraph {
   /// Returns the facet beyond a side, if the edge between them is smooth. Otherwise the result is invalid.
   PatchId beyond(std::uint32_t side) const { return beyond_[side]; }
 
-  /// Returns whether a facet may be a piece of a curved surface: it has one loop, few corners and a smooth edge.
-  bool may_be_curved(PatchId p) const { return may_be_curved_[p] != 0; }
+  /// Returns whether a facet may be a piece of a curved surface: it has one loop, few corners and a smooth side, or all
+  /// of its sides are smooth, like those of a flat ring around a torus.
+  bool may_be_curved(PatchId p) const { return corner_count_[p] != 0; }
+  /// Returns whether a surface may begin to grow at a facet that may be curved. It has one loop and few corners.
+  bool may_be_seed(PatchId p) const { return corner_count_[p] != 0 && corner_count_[p] != kManyCorners; }
+  /// Returns the number of corners of a facet that may be a seed.
+  std::size_t corner_count(PatchId p) const { return corner_count_[p]; }
 
   /// Calls take(position) for each corner of a facet, in the order of its loops.
   template <class Take>
@@ -60,7 +65,9 @@ class FacetGraph {
  private:
   const Facets& facets_;
   std::vector<PatchId, DefaultInit<PatchId>> beyond_;
-  FilledIdVector<PatchId, std::uint8_t> may_be_curved_;
+  static constexpr std::uint8_t kManyCorners = 255;
+
+  FilledIdVector<PatchId, std::uint8_t> corner_count_;  ///< 0 if the facet cannot be curved
   std::size_t smooth_edges_ = 0;
   double inverse_unit_;
 };

@@ -11,6 +11,10 @@ namespace {
 /// A few facets determine a surface badly, so far corners may be off by this many tolerances until more are found.
 constexpr double kFirstSlack = 20;
 
+/// Where facets are so small that they are hardly off their surface, everything smooth would fit with much slack.
+/// So corners may be off by this part of the facets' distance from the surface, and at least by some tolerances.
+constexpr double kSlackOfHeight = 0.15, kMinFirstSlack = 2;
+
 /// The surface is fitted to at most this many facets while it grows, evenly chosen.
 constexpr std::size_t kFitFacets = 64, kExactFitFacets = 256;
 
@@ -27,6 +31,9 @@ constexpr double kMinFacing = 0.8;
 /// A facet over which the surface turns by more than this many medians was cut on purpose: it is the flat on a shaft.
 /// Programs make pieces of boundaries half as large as facets inside.
 constexpr double kMaxUneven = 2.6;
+
+/// If facets with more than this part of the area were cut on purpose, all were.
+constexpr double kMaxDropped = 0.6;
 
 /// A torus through three circles about one axis proves nothing, because there always is one.
 constexpr int kMinRings = 4;
@@ -50,8 +57,6 @@ std::size_t min_corners(SurfaceKind kind) {
   const auto parameters = static_cast<std::size_t>(parameter_count(kind));
   return kind == SurfaceKind::kTorus ? 2 * parameters : parameters + 4;
 }
-
-double slack_of(std::size_t members) { return members < 8 ? kFirstSlack : members < 32 ? 6 : members < 128 ? 2 : 1; }
 
 }  // namespace
 
@@ -149,6 +154,10 @@ double ClaimGrower::chord_height(const Gauge& gauge, PatchId p) const {
   return std::max(height, std::fabs(gauge.distance((1.0 / count) * sum)));
 }
 
+double ClaimGrower::slack(std::size_t members) const {
+  return std::min(first_slack_, members < 8 ? kFirstSlack : members < 32 ? 6 : members < 128 ? 2 : 1);
+}
+
 bool ClaimGrower::expand(const Gauge& gauge, double tolerance, int side, Taken may_replace, std::size_t max_size,
                          std::vector<PatchId>& members) {
   const std::size_t before = members.size();
@@ -222,9 +231,19 @@ double ClaimGrower::drop_uneven(const AnalyticSurface& shape, std::vector<PatchI
   const Gauge gauge(shape);
   values_.clear();
   for (const PatchId p : members) values_.push_back({turn(gauge, p), p});
-  const double max = kMaxUneven * median_by_area(values_);
+  double median = median_by_area(values_);
+  // Strips over the whole length of a surface are of one size. They may be compared by number.
+  const auto strips =
+      std::count_if(members.begin(), members.end(), [&](PatchId p) { return graph_.corner_count(p) == 4; });
+  if (10 * static_cast<std::size_t>(strips) >= 9 * members.size())
+    median = std::min(median, values_[values_.size() / 2].first);
+  const double max = kMaxUneven * median;
   if (values_.back().first > max) {
+    double area = 0, dropped = 0;
+    for (const auto& [turn, p] : values_) (turn <= max ? area : dropped) += graph_.area(p);
     members.clear();
+    // If so much is cut unevenly, then all of it was meant to be flat.
+    if (dropped > kMaxDropped * area) return 0;
     for (const auto& [turn, p] : values_)
       if (turn <= max) members.push_back(p);
   }
@@ -273,6 +292,10 @@ std::optional<Claim> ClaimGrower::grow(const AnalyticSurface& start, std::span<c
     members.push_back(p);
   }
   if (members.size() < 2 || 2 * members.size() < seed.size()) return std::nullopt;
+  const Gauge gauge(shape);
+  double height = 0;
+  for (const PatchId p : members) height = std::max(height, chord_height(gauge, p));
+  first_slack_ = std::clamp(kSlackOfHeight * height / tolerance_, kMinFirstSlack, kFirstSlack);
   std::optional<Claim> claim;
   if (grow_members(shape, side, may_replace, members)) claim = conclude(shape, side, members);
   if (!claim && members.size() >= min_facets(shape.kind)) given_up_ = std::move(members);
@@ -284,11 +307,11 @@ bool ClaimGrower::grow_members(AnalyticSurface& shape, int side, Taken may_repla
   bool is_exact = false;
   for (int round = 0; round < kMaxRounds; ++round) {
     const std::size_t before = members.size();
-    const double slack = slack_of(before) * tolerance_;
-    if (expand(Gauge(shape), slack, side, may_replace, 2 * before + 2, members)) {
+    const double allowed = slack(before) * tolerance_;
+    if (expand(Gauge(shape), allowed, side, may_replace, 2 * before + 2, members)) {
       if (!refit(shape, members, Precision::kGoodEnough)) return false;
       is_exact = false;
-      trim(shape, slack_of(members.size()) * tolerance_, side, members);
+      trim(shape, slack(members.size()) * tolerance_, side, members);
       if (members.size() <= before) break;
     } else {
       // A better fit may reach further.
@@ -350,7 +373,7 @@ std::optional<Claim> ClaimGrower::conclude(AnalyticSurface shape, int side, std:
     for (const VertexId v : vertices_) points_.push_back(graph_.position(v));
     // The sums of the fit come in an order that depends on the points alone.
     std::sort(points_.begin(), points_.end());
-    const std::optional<AnalyticSurface> best = fit_from(shape, points_);
+    const std::optional<AnalyticSurface> best = fit_from(shape, points_, {.is_canonical = true});
     if (!best) return std::nullopt;
     shape = *best;
     const std::size_t before = members.size();

@@ -60,6 +60,8 @@ class ClaimGrower {
 
   bool fits(const Gauge& gauge, PatchId p, double tolerance, int side) const;
   double chord_height(const Gauge& gauge, PatchId p) const;
+  /// Returns how many tolerances corners may be off while a growth has this many facets.
+  double slack(std::size_t members) const;
   bool expand(const Gauge& gauge, double tolerance, int side, Taken may_replace, std::size_t max_size,
               std::vector<PatchId>& members);
   enum class Precision : std::uint8_t { kGoodEnough, kExact };
@@ -81,6 +83,7 @@ class ClaimGrower {
 
   const FacetGraph& graph_;
   double tolerance_;
+  double first_slack_ = 1;  ///< of the growth, see slack()
   StopCheck check_;
   IdVector<PatchId, Taken> taken_;
   IdVector<PatchId, std::uint32_t> mark_;  ///< the last growth that took the facet

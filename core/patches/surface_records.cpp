@@ -165,7 +165,7 @@ class Records {
     all.insert(all.end(), of_b.begin(), of_b.end());
     std::sort(all.begin(), all.end());
     all.erase(std::unique(all.begin(), all.end()), all.end());
-    const auto fitted = fit_from(a.shape, all);
+    const auto fitted = fit_from(a.shape, all, {.is_canonical = true});
     if (!fitted) return false;
     double deviation = 0;
     for (const Vec3& p : all) deviation = std::max(deviation, std::fabs(fitted->distance(p)));

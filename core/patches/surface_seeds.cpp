@@ -59,7 +59,7 @@ std::vector<SurfaceSeed> find_seeds(const FacetGraph& graph, RunControl& control
         std::vector<SurfaceSeed> seeds;
         for (std::size_t i = begin; i < end; ++i) {
           const PatchId p(i);
-          if (!graph.may_be_curved(p)) continue;
+          if (!graph.may_be_seed(p)) continue;
           // The sides that a facet shares with one neighbour are one edge. They may run over the end of the numbers.
           const std::uint32_t begin_side = graph.sides_begin(p), count = graph.sides_end(p) - begin_side;
           const auto side_at = [&](std::uint32_t k) { return begin_side + k % count; };
@@ -69,7 +69,7 @@ std::vector<SurfaceSeed> find_seeds(const FacetGraph& graph, RunControl& control
             const PatchId q = graph.beyond(side_at(k));
             std::uint32_t next = k + 1;
             while (next < first + count && graph.beyond(side_at(next)) == q) ++next;
-            if (q.is_valid() && p < q && graph.may_be_curved(q))
+            if (q.is_valid() && p < q && graph.may_be_seed(q))
               seeds.push_back(make_seed(graph, p, side_at(k), side_at(next)));
             k = next;
           }
