@@ -169,13 +169,6 @@ class Run {
       recognise();
   }
 
-  /// Returns the largest distance of a facet's corner from its surface that rounding explains, in model units.
-  double recognition_tolerance() const {
-    const double steps = std::min(kRecognitionSteps * report_.rounding_step,
-                                  kMaxRecognitionTolerance * report_.input.bounding_box.diagonal());
-    return std::max(kRecognitionTolerance * rounding_tolerance_, steps);
-  }
-
   /// Finds what the facets were made from. The patches are those of the input, before the ladder has split any.
   void recognise() {
     std::optional<EssentialVertices> unforced;
@@ -183,9 +176,10 @@ class Run {
       unforced = essential_vertices(surface(), adjacency(), partition_.loops,
                                     IdVector<VertexId, std::uint8_t>(surface().vertex_count(), 0),
                                     prepared_.pinched(control_), report_.plane_tolerance / surface().unit, control_);
-    report_.surfaces = recognise_surfaces({surface(), adjacency(), partition_.patches, partition_.loops,
-                                           unforced ? *unforced : partition_.essential, partition_.summaries.patches},
-                                          {options_.feature_angle_deg, recognition_tolerance()}, control_);
+    report_.surfaces =
+        recognise_surfaces({surface(), adjacency(), partition_.patches, partition_.loops,
+                            unforced ? *unforced : partition_.essential, partition_.summaries.patches},
+                           {options_.feature_angle_deg, kRecognitionTolerance * rounding_tolerance_}, control_);
     are_surfaces_known_ = true;
   }
 

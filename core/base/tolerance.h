@@ -20,10 +20,10 @@ inline constexpr double kToleranceSteps = 2.6;
 /// Corners of facets may be this many automatic plane tolerances away from the surface from which they were made. That
 /// is about ten rounding steps: programs compute points of curves between two surfaces less exactly than they round.
 inline constexpr double kRecognitionTolerance = 3.8;
-inline constexpr double kRecognitionSteps = 10;
 
-/// Coarser rounding does not widen that tolerance any more. It is relative to the diagonal.
-inline constexpr double kMaxRecognitionTolerance = 1e-5;
+/// Largest plane tolerance, relative to the diagonal, that digits explain without proof when surfaces are recognised.
+/// Six digits explain as much.
+inline constexpr double kPossibleRounding = 2.6e-6;
 
 /// Largest automatic plane tolerance, relative to the diagonal. If a model was rounded more coarsely, its details are
 /// as small as the rounding, and only its owner can tell them apart. The diagnostic `rounding_capped` says so.

@@ -199,7 +199,7 @@ Parameters parameters_of(const AnalyticSurface& s, const Vec3& middle, double sc
 
 /// Rounds parameters to multiples of a number that common sizes are no multiples of.
 Parameters rounded(Parameters at, const Vec3& middle) {
-  constexpr double kStep = 1.0 / 19683;
+  constexpr double kStep = 1.0 / 387420489;
   const auto round = [](double x) { return std::nearbyint(x / kStep) * kStep; };
   const auto round_all = [&](const Vec3& v) { return Vec3{round(v.x), round(v.y), round(v.z)}; };
   at.origin = middle + round_all(at.origin - middle);

@@ -70,7 +70,10 @@ class Preparation {
     const double automatic = automatic_tolerance_of(rounding);
     summary_.plane_tolerance = options_.plane_tolerance.value_or(automatic);
     rounding_ = automatic;
-    summary_.rounding_tolerance = automatic;
+    // Facets of a curved surface need not bend to be rounded, and a few numbers do not prove that they are.
+    const double possible = kToleranceSteps * std::max(rounding.step(), rounding.possible_step());
+    summary_.rounding_tolerance =
+        std::max(automatic, std::min(possible, kPossibleRounding * summary_.statistics.bounding_box.diagonal()));
     spike_rounding_ = std::min(kToleranceSteps * rounding.possible_step(),
                                kToleranceCeiling * summary_.statistics.bounding_box.diagonal());
     // A caller who asks for more than the digits explain wants larger bends to be flattened, too.

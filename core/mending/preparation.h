@@ -63,7 +63,8 @@ struct InputSummary {
   double plane_tolerance = 0;  ///< the tolerance that is used, in model units
   bool plane_tolerance_is_automatic = true;
   double rounding_step = 0;             ///< see Report
-  /// The automatic plane tolerance, even if the caller has asked for another one, in model units.
+  /// The distance from their surface that the rounding of the coordinates explains for corners of facets, in model
+  /// units: the automatic plane tolerance, or what the digits allow without proof. It does not depend on the options.
   double rounding_tolerance = 0;
   std::vector<Diagnostic> diagnostics;  ///< those of the reader come first
 };

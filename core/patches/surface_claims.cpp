@@ -134,6 +134,8 @@ bool ClaimGrower::fits(const Gauge& gauge, PatchId p, double tolerance, int side
     sum += q;
     ++count;
   }
+  // The middle of a ring is not on it.
+  if (!graph_.may_be_seed(p)) return true;
   return side * dot(gauge.normal((1.0 / count) * sum, 0), graph_.normal(p)) >= kMinFacing;
 }
 
@@ -152,6 +154,13 @@ double ClaimGrower::chord_height(const Gauge& gauge, PatchId p) const {
   });
   height = std::max(height, std::fabs(gauge.distance(0.5 * (last + first))));
   return std::max(height, std::fabs(gauge.distance((1.0 / count) * sum)));
+}
+
+double ClaimGrower::chord_height(const AnalyticSurface& shape, std::span<const PatchId> facets) const {
+  const Gauge gauge(shape);
+  double sum = 0;
+  for (const PatchId p : facets) sum += chord_height(gauge, p);
+  return sum;
 }
 
 double ClaimGrower::slack(std::size_t members) const {
@@ -373,7 +382,8 @@ std::optional<Claim> ClaimGrower::conclude(AnalyticSurface shape, int side, std:
     for (const VertexId v : vertices_) points_.push_back(graph_.position(v));
     // The sums of the fit come in an order that depends on the points alone.
     std::sort(points_.begin(), points_.end());
-    const std::optional<AnalyticSurface> best = fit_from(shape, points_, {.is_canonical = true});
+    const std::optional<AnalyticSurface> near = fit_from(shape, points_);
+    const auto best = near ? fit_from(*near, points_, {.is_canonical = true}) : std::nullopt;
     if (!best) return std::nullopt;
     shape = *best;
     const std::size_t before = members.size();

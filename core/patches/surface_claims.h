@@ -50,6 +50,8 @@ class ClaimGrower {
   std::optional<Claim> grow(const AnalyticSurface& start, std::span<const PatchId> seed, Taken may_replace);
 
   FacetPlace place_of(PatchId p) const;
+  /// Returns the sum of the facets' largest distances from a surface in their middles and the middles of their sides.
+  double chord_height(const AnalyticSurface& shape, std::span<const PatchId> facets) const;
   /// Returns the facets over which the last growth came before it was given up. It is empty if the growth succeeded, or
   /// came over few.
   std::span<const PatchId> given_up() const { return given_up_; }

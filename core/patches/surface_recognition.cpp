@@ -25,7 +25,7 @@ constexpr std::uint8_t kMaxAttempts = 6;
 /// A claim is an island if it has at most so many facets, if so much of its border is with one or more regions of many
 /// facets that nobody claims, and if it is smaller than this part of the largest of them.
 constexpr std::size_t kMaxIsland = 40, kMinSea = 40;
-constexpr double kIslandShore = 0.5, kIslandArea = 0.05;
+constexpr double kIslandShore = 0.6, kIslandArea = 0.05;
 
 /// A kind with more parameters is chosen only if its area is larger by this factor.
 constexpr double kLarger = 1.02;
@@ -78,7 +78,15 @@ class Recogniser {
     std::vector<PatchId> seed;
     sample(best->facets, seed);
     collect(seed);
-    try_kinds(seed, Taken::kFree, best);
+    const double height = grower_.chord_height(best->shape, seed);
+    const auto attempt = [&](const std::optional<AnalyticSurface>& guess) {
+      const auto fitted =
+          guess ? fit_from(*guess, points_, {grower_.tolerance(), 20 * grower_.tolerance()}) : std::nullopt;
+      if (fitted && grower_.chord_height(*fitted, seed) < kNearer * height) grow(*fitted, seed, Taken::kFree, best);
+    };
+    attempt(guess_cylinder(points_, places_));
+    attempt(guess_cone(points_, places_));
+    attempt(guess_torus(points_, places_));
   }
 
   /// Stores the corners and middles of facets.

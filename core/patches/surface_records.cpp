@@ -165,7 +165,8 @@ class Records {
     all.insert(all.end(), of_b.begin(), of_b.end());
     std::sort(all.begin(), all.end());
     all.erase(std::unique(all.begin(), all.end()), all.end());
-    const auto fitted = fit_from(a.shape, all, {.is_canonical = true});
+    const auto near = fit_from(a.shape, all);
+    const auto fitted = near ? fit_from(*near, all, {.is_canonical = true}) : std::nullopt;
     if (!fitted) return false;
     double deviation = 0;
     for (const Vec3& p : all) deviation = std::max(deviation, std::fabs(fitted->distance(p)));
@@ -382,7 +383,9 @@ class Records {
     sort_stoppable(order.begin(), order.end(), control_, [&](std::uint32_t i, std::uint32_t j) {
       const RecognisedSurface &a = result_.surfaces[SurfaceId(i)], &b = result_.surfaces[SurfaceId(j)];
       if (a.shape.kind != b.shape.kind) return a.shape.kind < b.shape.kind;
-      if (a.area != b.area) return a.area > b.area;
+      // Sums of areas differ in their last bits with the order of faces.
+      const auto area_of = [](const RecognisedSurface& s) { return static_cast<float>(s.area); };
+      if (area_of(a) != area_of(b)) return area_of(a) > area_of(b);
       if (a.extent.min != b.extent.min) return a.extent.min < b.extent.min;
       return i < j;
     });
