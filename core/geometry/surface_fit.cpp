@@ -164,17 +164,40 @@ struct Normal {
   double cost = 0;
 };
 
+/// Returns whether a point is so near to the apex of a cone that it was made from it.
+bool is_at_apex(const Parameters& at, const Vec3& p) {
+  constexpr double kNear = 1e-4;
+  const Vec3 q = p - at.origin;
+  const double z = dot(q, at.axis);
+  return norm_squared(q - z * at.axis) < kNear * kNear;
+}
+
 Normal sums_of(const Parameters& at, std::span<const Vec3> points, double scale) {
   Normal sums;
   Gradient d{};
   const std::size_t n = at.count();
-  for (const Vec3& p : points) {
-    const double r = residual_of(at, scale * p, d);
+  const auto add = [&](double r) {
     sums.cost += r * r;
     for (std::size_t i = 0; i < n; ++i) {
       sums.right[i] -= r * d[i];
       for (std::size_t j = 0; j <= i; ++j) sums.matrix[i][j] += d[i] * d[j];
     }
+  };
+  for (const Vec3& p : points) {
+    const Vec3 q = scale * p;
+    if (at.kind != SurfaceKind::kCone || !is_at_apex(at, q)) {
+      add(residual_of(at, q, d));
+      continue;
+    }
+    // A cone has no derivatives in its apex. There, the distances along the three axes count.
+    const Vec3 w = q - at.origin;
+    const double z = dot(w, at.axis);
+    d = {-at.cosine, 0, -at.cosine * z, 0, 0, 0, 0};
+    add(at.cosine * dot(w, at.x));
+    d = {0, -at.cosine, 0, -at.cosine * z, 0, 0, 0};
+    add(at.cosine * dot(w, at.y));
+    d = {0, 0, 0, 0, -1, -z * at.cosine, 0};
+    add(-z * at.sine - at.profile[0]);
   }
   return sums;
 }
@@ -197,9 +220,9 @@ Parameters parameters_of(const AnalyticSurface& s, const Vec3& middle, double sc
   return at;
 }
 
-/// Rounds parameters to multiples of a number that common sizes are no multiples of.
+/// Rounds parameters to multiples of a number. Sizes with few digits are no odd multiples of its half.
 Parameters rounded(Parameters at, const Vec3& middle) {
-  constexpr double kStep = 1.0 / 387420489;
+  constexpr double kStep = 0x1p-24 / 25;
   const auto round = [](double x) { return std::nearbyint(x / kStep) * kStep; };
   const auto round_all = [&](const Vec3& v) { return Vec3{round(v.x), round(v.y), round(v.z)}; };
   at.origin = middle + round_all(at.origin - middle);

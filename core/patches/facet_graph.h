@@ -55,6 +55,13 @@ class FacetGraph {
     for (std::uint32_t s = sides_begin(p); s < sides_end(p); ++s)
       if (is_corner(s)) take(position(vertex(s)));
   }
+  /// Calls take(from, to, is_corner) for each side of a facet. The last argument tells whether the side begins at a
+  /// corner.
+  template <class Take>
+  void for_each_side(PatchId p, const Take& take) const {
+    for (std::uint32_t s = sides_begin(p); s < sides_end(p); ++s)
+      take(position(vertex(s)), position(facets_.adjacency.to(facets_.loops.half_edges[s])), is_corner(s));
+  }
   /// Calls take(neighbour) for each smooth side.
   template <class Take>
   void for_each_neighbour(PatchId p, const Take& take) const {

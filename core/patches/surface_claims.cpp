@@ -143,6 +143,12 @@ double ClaimGrower::chord_height(const Gauge& gauge, PatchId p) const {
   Vec3 sum, first, last;
   int count = 0;
   double height = 0;
+  if (!graph_.may_be_seed(p)) {
+    graph_.for_each_side(p, [&](const Vec3& a, const Vec3& b, bool) {
+      height = std::max(height, std::fabs(gauge.distance(0.5 * (a + b))));
+    });
+    return height;
+  }
   graph_.for_each_corner(p, [&](const Vec3& q) {
     if (count == 0)
       first = q;
@@ -390,7 +396,7 @@ std::optional<Claim> ClaimGrower::conclude(AnalyticSurface shape, int side, std:
     trim(shape, tolerance_, side, members);
     if (members.size() == before) {
       if (shape.kind == SurfaceKind::kTorus && !has_enough_rings(shape, tolerance_)) return std::nullopt;
-      Claim claim{shape, side, std::move(members), 0, 0, chord_height};
+      Claim claim{shape, side, std::move(members), {}, 0, 0, chord_height};
       const Gauge gauge(shape);
       std::size_t close = 0;
       for (const Vec3& p : points_) {

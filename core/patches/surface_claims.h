@@ -23,9 +23,10 @@ struct Claim {
   AnalyticSurface shape;
   int side = 1;  ///< 1 if the facets' normals point to the positive side of the surface, otherwise -1
   std::vector<PatchId> facets;
-  double area = 0;          ///< sum of the facets' areas
-  double deviation = 0;     ///< largest distance of a corner from the surface
-  double chord_height = 0;  ///< the facets' distance from the surface: the median of their largest ones, by area
+  std::vector<Vec2> profile;  ///< of a surface of revolution, see RecognisedSurface
+  double area = 0;            ///< sum of the facets' areas
+  double deviation = 0;       ///< largest distance of a corner from the surface
+  double chord_height = 0;    ///< the facets' distance from the surface: the median of their largest ones, by area
 };
 
 /// The state of a facet while claims are made.

@@ -1,12 +1,16 @@
 #include "core/patches/surface_recognition.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
 #include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "core/base/stoppable.h"
+#include "core/base/union_find.h"
 #include "core/geometry/surface_fit.h"
 #include "core/patches/facet_graph.h"
 #include "core/patches/surface_claims.h"
@@ -21,6 +25,9 @@ constexpr double kMuchLarger = 1.3;
 
 /// A facet over which so many surfaces were given up is no seed any more.
 constexpr std::uint8_t kMaxAttempts = 6;
+
+/// So many bands about one axis are a surface of revolution.
+constexpr std::size_t kMinBands = 4;
 
 /// A claim is an island if it has at most so many facets, if so much of its border is with one or more regions of many
 /// facets that nobody claims, and if it is smaller than this part of the largest of them.
@@ -50,6 +57,7 @@ class Recogniser {
     claim_ruled(seeds);
     replace_bands();
     claim_scattered(seeds);
+    join_bands();
     drop_islands();
     return take_claims();
   }
@@ -240,6 +248,109 @@ class Recogniser {
       try_kinds(around, Taken::kFree, best);
       if (best) add(std::move(*best));
     }
+  }
+
+  /// Joins bands of cones and cylinders about one axis, which meet smoothly, to surfaces of revolution. They have no
+  /// sphere or torus in common, or these would have replaced them.
+  void join_bands() {
+    StopCheck check(control_);
+    std::vector<std::optional<Band>> bands;
+    for (const Claim& claim : claims_) bands.push_back(band_of(claim));
+    UnionFind groups(claims_.size());
+    for (std::uint32_t c = 0; c < claims_.size(); ++c) {
+      if (!bands[c]) continue;
+      std::vector<std::uint32_t> beside;
+      for (const PatchId p : claims_[c].facets)
+        graph_.for_each_neighbour(p, [&](PatchId q) {
+          check();
+          if (owner_[q] != kNone && owner_[q] != c && bands[owner_[q]]) beside.push_back(owner_[q]);
+        });
+      std::sort(beside.begin(), beside.end());
+      beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
+      for (const std::uint32_t d : beside)
+        if (are_about_one_axis(*bands[c], *bands[d])) groups.join(c, d);
+    }
+    std::map<std::uint32_t, std::vector<std::uint32_t>> members;
+    for (std::uint32_t c = 0; c < claims_.size(); ++c)
+      if (bands[c]) members[groups.find(c)].push_back(c);
+    for (const auto& [root, group] : members)
+      if (group.size() >= kMinBands) join(group, bands);
+  }
+
+  /// A band of facets between two circles about an axis.
+  struct Band {
+    AnalyticSurface shape;
+    std::array<Vec2, 2> rims;  ///< distance from the axis and height above the shape's origin, of both circles
+  };
+
+  std::optional<Band> band_of(const Claim& claim) const {
+    const SurfaceKind kind = claim.shape.kind;
+    if (claim.facets.empty() || (kind != SurfaceKind::kCone && kind != SurfaceKind::kCylinder)) return std::nullopt;
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    const auto height_of = [&](const Vec3& p) { return dot(p - claim.shape.origin, claim.shape.axis); };
+    for (const PatchId p : claim.facets)
+      graph_.for_each_corner(p, [&](const Vec3& q) {
+        low = std::min(low, height_of(q));
+        high = std::max(high, height_of(q));
+      });
+    const double slack = 2 * grower_.tolerance();
+    for (const PatchId p : claim.facets) {
+      bool is_between = false;
+      graph_.for_each_corner(p, [&](const Vec3& q) {
+        const double z = height_of(q);
+        if (z > low + slack && z < high - slack) is_between = true;
+      });
+      if (is_between) return std::nullopt;
+    }
+    const auto rim = [&](double z) {
+      return Vec2{kind == SurfaceKind::kCylinder ? claim.shape.radius : z * std::tan(claim.shape.half_angle), z};
+    };
+    return Band{claim.shape, {rim(low), rim(high)}};
+  }
+
+  /// Returns whether two bands have one axis and share a rim.
+  bool are_about_one_axis(const Band& a, const Band& b) const {
+    const double slack = 2 * grower_.tolerance();
+    const auto centre = [](const Band& band, int i) { return band.shape.origin + band.rims[i].y * band.shape.axis; };
+    for (int i = 0; i < 2; ++i)
+      for (int j = 0; j < 2; ++j)
+        if (norm(centre(a, i) - centre(b, j)) <= slack && std::fabs(a.rims[i].x - b.rims[j].x) <= slack &&
+            std::fabs(dot(a.shape.axis, b.shape.axis)) * std::min(a.rims[i].x, 1.0) >=
+                std::min(a.rims[i].x, 1.0) - slack)
+          return true;
+    return false;
+  }
+
+  /// Makes one surface of revolution of some bands.
+  void join(std::span<const std::uint32_t> group, std::span<const std::optional<Band>> bands) {
+    // The axis is that of the largest band.
+    std::uint32_t largest = group.front();
+    for (const std::uint32_t c : group)
+      if (claims_[c].area > claims_[largest].area) largest = c;
+    Claim joined;
+    joined.shape = bands[largest]->shape;
+    joined.shape.kind = SurfaceKind::kRevolution;
+    joined.shape.origin += bands[largest]->rims[0].y * joined.shape.axis;
+    joined.shape.radius = joined.shape.half_angle = 0;
+    joined.side = claims_[largest].side;
+    for (const std::uint32_t c : group) {
+      for (const Vec2& rim : bands[c]->rims) {
+        const Vec3 centre = bands[c]->shape.origin + rim.y * bands[c]->shape.axis;
+        joined.profile.push_back({rim.x, dot(centre - joined.shape.origin, joined.shape.axis)});
+      }
+      Claim& band = claims_[c];
+      if (band.side != joined.side) joined.side = 0;
+      joined.facets.insert(joined.facets.end(), band.facets.begin(), band.facets.end());
+      joined.area += band.area;
+      joined.deviation = std::max(joined.deviation, band.deviation);
+      band.facets.clear();
+    }
+    // Neighbouring bands share a rim.
+    std::sort(joined.profile.begin(), joined.profile.end(), [](Vec2 a, Vec2 b) { return a.y < b.y; });
+    const double slack = 2 * grower_.tolerance();
+    const auto is_same = [&](Vec2 a, Vec2 b) { return norm(a - b) <= slack; };
+    joined.profile.erase(std::unique(joined.profile.begin(), joined.profile.end(), is_same), joined.profile.end());
+    add(std::move(joined));
   }
 
   /// Drops small claims in the middle of facets that nobody claims. They fit by chance, because a small piece of any

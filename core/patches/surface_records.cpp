@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <optional>
 #include <span>
 #include <utility>
@@ -11,11 +10,10 @@
 #include "core/base/stoppable.h"
 #include "core/base/union_find.h"
 #include "core/geometry/surface_fit.h"
+#include "core/patches/surface_measures.h"
 
 namespace remesh {
 namespace {
-
-constexpr double kDegrees = 180 / std::numbers::pi;
 
 /// A free region has at least so many facets. Fewer that meet smoothly are taken for planks.
 constexpr std::size_t kMinFreeFacets = 12;
@@ -25,27 +23,6 @@ constexpr double kFlatArea = 20;
 
 /// The best kind is looked for in so many free regions at most, and by so many corners.
 constexpr std::size_t kMaxExplained = 64, kMaxSamples = 256;
-
-/// Returns the angle that intervals cover together. They are in [0, 2 pi) and may pass 2 pi.
-double covered_angle(std::vector<std::pair<double, double>>& intervals) {
-  constexpr double kTurn = 2 * std::numbers::pi;
-  std::vector<std::pair<double, double>> parts;
-  for (const auto& [from, to] : intervals) {
-    if (to <= kTurn) {
-      parts.push_back({from, to});
-    } else {
-      parts.push_back({from, kTurn});
-      parts.push_back({0, to - kTurn});
-    }
-  }
-  std::sort(parts.begin(), parts.end());
-  double covered = 0, end = 0;
-  for (const auto& [from, to] : parts) {
-    covered += std::max(0.0, to - std::max(from, end));
-    end = std::max(end, to);
-  }
-  return std::min(covered, kTurn);
-}
 
 /// Returns an axis in the direction in which its largest component is positive. If components are about as large, the
 /// first of them counts.
@@ -154,6 +131,7 @@ class Records {
   }
 
   bool try_join(Claim& a, Claim& b) {
+    if (a.shape.kind == SurfaceKind::kRevolution) return false;
     const std::vector<Vec3> of_a = corners_of(a.facets), of_b = corners_of(b.facets);
     constexpr double kNear = 20;  // The surface of few facets may be off by more outside of them.
     const auto is_near = [&](const AnalyticSurface& s, std::span<const Vec3> points) {
@@ -200,7 +178,9 @@ class Records {
 
   void add_claim(const Claim& claim) {
     AnalyticSurface shape = claim.shape;
-    if (shape.kind != SurfaceKind::kCone) shape.axis = canonical_direction(shape.axis);
+    // A cone points away from its apex, and the heights of a profile go along the axis.
+    if (shape.kind != SurfaceKind::kCone && shape.kind != SurfaceKind::kRevolution)
+      shape.axis = canonical_direction(shape.axis);
     const std::vector<Vec3> corners = corners_of(claim.facets);
     if (shape.kind == SurfaceKind::kCylinder) {
       // The point of the axis lies in the middle of the facets.
@@ -213,7 +193,11 @@ class Records {
       shape.origin += 0.5 * (low + high) * shape.axis;
     }
     RecognisedSurface record;
-    measure_facets(claim, shape, record);
+    const FacetMeasures measures = measure_facets(graph_, claim, shape, tolerance(), control_);
+    record.input_chord_height = measures.chord_height * unit();
+    record.input_turn_deg = measures.turn_deg;
+    record.sweep_deg = measures.sweep_deg;
+    for (const Vec2& p : claim.profile) record.profile.push_back(unit() * p);
     record.shape = {shape.kind,
                     in_model(shape.origin),
                     shape.kind == SurfaceKind::kSphere ? Vec3{} : shape.axis,
@@ -221,64 +205,11 @@ class Records {
                     unit() * shape.minor_radius,
                     shape.half_angle};
     record.tolerance = rules_.tolerance;
+    if (shape.kind == SurfaceKind::kRevolution) record.deviation = claim.deviation;
     for (const Vec3& p : corners) record.deviation = std::max(record.deviation, std::fabs(shape.distance(p)));
     record.deviation *= unit();
     record.side = claim.side > 0 ? SurfaceSide::kConvex : claim.side < 0 ? SurfaceSide::kConcave : SurfaceSide::kBoth;
     add_facets(claim.facets, result_.surfaces.push_back(std::move(record)));
-  }
-
-  /// Measures the chord height, turn and sweep of a claim.
-  void measure_facets(const Claim& claim, const AnalyticSurface& shape, RecognisedSurface& record) {
-    const bool is_sphere = shape.kind == SurfaceKind::kSphere;
-    Vec3 x, y;
-    if (!is_sphere) {
-      const Vec3 a = shape.axis;
-      const double ax = std::fabs(a.x), ay = std::fabs(a.y), az = std::fabs(a.z);
-      x = normalized(cross(a, ax <= ay && ax <= az ? Vec3{1, 0, 0} : ay <= az ? Vec3{0, 1, 0} : Vec3{0, 0, 1}));
-      y = cross(a, x);
-    }
-    std::vector<std::pair<double, double>> intervals;
-    std::vector<Vec3> corners;
-    double height = 0, min_cosine = 1;
-    for (const PatchId p : claim.facets) {
-      check_();
-      corners.clear();
-      graph_.for_each_corner(p, [&](const Vec3& q) { corners.push_back(q); });
-      Vec3 sum;
-      for (std::size_t i = 0; i < corners.size(); ++i) {
-        const Vec3 &q = corners[i], &next = corners[(i + 1) % corners.size()];
-        sum += q;
-        height = std::max(height, std::fabs(shape.distance(0.5 * (q + next))));
-        const Vec3 n = shape.normal(q), m = shape.normal(next);
-        if (norm_squared(n) > 0 && norm_squared(m) > 0) min_cosine = std::min(min_cosine, dot(n, m));
-      }
-      const Vec3 middle = (1.0 / static_cast<double>(corners.size())) * sum;
-      height = std::max(height, std::fabs(shape.distance(middle)));
-      if (is_sphere) continue;
-      // The angles of the corners, relative to the middle's.
-      const auto angle_of = [&](const Vec3& q) {
-        return std::atan2(dot(q - shape.origin, y), dot(q - shape.origin, x));
-      };
-      const double at = angle_of(middle);
-      double from = 0, to = 0;
-      for (const Vec3& q : corners) {
-        const Vec3 w = q - shape.origin;
-        if (norm_squared(w - dot(w, shape.axis) * shape.axis) <= tolerance() * tolerance()) continue;  // on the axis
-        const double turn = std::remainder(angle_of(q) - at, 2 * std::numbers::pi);
-        from = std::min(from, turn);
-        to = std::max(to, turn);
-      }
-      double begin = at + from;
-      begin -= 2 * std::numbers::pi * std::floor(begin / (2 * std::numbers::pi));
-      intervals.push_back({begin, begin + (to - from)});
-    }
-    record.input_chord_height = height * unit();
-    record.input_turn_deg = kDegrees * std::acos(std::clamp(min_cosine, -1.0, 1.0));
-    if (!is_sphere) {
-      const double sweep = kDegrees * covered_angle(intervals);
-      // Neighbouring facets meet up to rounding.
-      record.sweep_deg = sweep > 360 - 1e-3 ? 360 : sweep;
-    }
   }
 
   /// Finds the free regions among the facets that nobody claims.
@@ -387,6 +318,7 @@ class Records {
       const auto area_of = [](const RecognisedSurface& s) { return static_cast<float>(s.area); };
       if (area_of(a) != area_of(b)) return area_of(a) > area_of(b);
       if (a.extent.min != b.extent.min) return a.extent.min < b.extent.min;
+      if (a.extent.max != b.extent.max) return a.extent.max < b.extent.max;
       return i < j;
     });
     std::vector<SurfaceId> now(order.size());
