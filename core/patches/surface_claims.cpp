@@ -84,6 +84,31 @@ class ClaimGrower::Gauge {
     return std::sqrt(u * u + z * z) - minor_radius_;
   }
 
+  struct Measures {
+    double distance;
+    double facing;
+  };
+  /// Returns the distance of a point, and the cosine of the angle between a direction and the surface's normal there.
+  /// Within `tolerance` of an axis, where there is no normal, the cosine is 1.
+  Measures measure(const Vec3& p, const Vec3& direction, double tolerance) const {
+    const Vec3 q = p - origin_;
+    if (kind_ == SurfaceKind::kSphere) {
+      const double r = std::sqrt(norm_squared(q));
+      return {r - radius_, dot(q, direction) / r};
+    }
+    const double z = dot(q, axis_);
+    const Vec3 w = q - z * axis_;
+    const double r = std::sqrt(norm_squared(w));
+    const bool is_on_axis = !(r > 4 * tolerance);
+    const double outwards = dot(w, direction) / r;
+    if (kind_ == SurfaceKind::kCylinder) return {r - radius_, is_on_axis ? 1 : outwards};
+    const double along = dot(axis_, direction);
+    if (kind_ == SurfaceKind::kCone)
+      return {r * cosine_ - z * sine_, is_on_axis ? 1 : outwards * cosine_ - along * sine_};
+    const double u = r - radius_, g = std::sqrt(u * u + z * z);
+    return {g - minor_radius_, is_on_axis ? 1 : (u * outwards + z * along) / g};
+  }
+
   /// Returns the normal of the surface at a place near it. It is null within `tolerance` of an axis.
   Vec3 normal(const Vec3& p, double tolerance) const {
     const Vec3 q = p - origin_;
@@ -122,21 +147,14 @@ FacetPlace ClaimGrower::place_of(PatchId p) const {
 }
 
 bool ClaimGrower::fits(const Gauge& gauge, PatchId p, double tolerance, int side) const {
-  Vec3 sum;
-  int count = 0;
+  const Vec3 outside = side * graph_.normal(p);
   for (std::uint32_t s = graph_.sides_begin(p); s < graph_.sides_end(p); ++s) {
     if (!graph_.is_corner(s)) continue;
-    const Vec3& q = graph_.position(graph_.vertex(s));
-    if (!(std::fabs(gauge.distance(q)) <= tolerance)) return false;
     // Two circles lie on a cylinder, but also on a sphere, to which the facets between them are no tangents.
-    const Vec3 n = gauge.normal(q, tolerance_);
-    if (norm_squared(n) > 0 && !(side * dot(n, graph_.normal(p)) >= kMinFacing)) return false;
-    sum += q;
-    ++count;
+    const auto [distance, facing] = gauge.measure(graph_.position(graph_.vertex(s)), outside, tolerance_);
+    if (!(std::fabs(distance) <= tolerance) || !(facing >= kMinFacing)) return false;
   }
-  // The middle of a ring is not on it.
-  if (!graph_.may_be_seed(p)) return true;
-  return side * dot(gauge.normal((1.0 / count) * sum, 0), graph_.normal(p)) >= kMinFacing;
+  return true;
 }
 
 double ClaimGrower::chord_height(const Gauge& gauge, PatchId p) const {

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <utility>
 #include <vector>
@@ -24,7 +25,7 @@ namespace {
 constexpr double kMuchLarger = 1.3;
 
 /// A facet over which so many surfaces were given up is no seed any more.
-constexpr std::uint8_t kMaxAttempts = 6;
+constexpr std::uint8_t kMaxAttempts = 4;
 
 /// So many bands about one axis are a surface of revolution.
 constexpr std::size_t kMinBands = 4;
@@ -50,6 +51,7 @@ class Recogniser {
         owner_(graph.size(), kNone),
         attempts_(graph.size(), 0),
         tried_(graph.size(), 0),
+        check_(control),
         control_(control) {}
 
   std::vector<Claim> run() {
@@ -77,7 +79,9 @@ class Recogniser {
       std::optional<Claim> best;
       for (const AnalyticSurface& guess : guesses.of(seed)) grow(guess, pair, Taken::kFree, best);
       if (best && best->shape.kind == SurfaceKind::kSphere) ask_again(best);
-      if (best) add(std::move(*best));
+      if (!best) continue;
+      add(std::move(*best));
+      replace_band(static_cast<std::uint32_t>(claims_.size() - 1));
     }
   }
 
@@ -157,38 +161,39 @@ class Recogniser {
 
   /// Each band of facets around a torus or sphere is also a piece of a cone. Claims the larger surface instead.
   void replace_bands() {
-    StopCheck check(control_);
-    std::vector<PatchId> seed;
-    for (std::uint32_t c = 0; c < claims_.size(); ++c) {
-      const SurfaceKind kind = claims_[c].shape.kind;
-      const bool has_axis = kind == SurfaceKind::kCone || kind == SurfaceKind::kCylinder;
-      std::vector<std::pair<std::uint32_t, PatchId>> beside;  // owner and facet
-      for (const PatchId p : claims_[c].facets)
-        graph_.for_each_neighbour(p, [&](PatchId q) {
-          check();
-          if (owner_[q] != c && graph_.may_be_curved(q)) beside.push_back({owner_[q], q});
-        });
-      std::sort(beside.begin(), beside.end());
-      beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
-      for (std::size_t begin = 0, end = 0; begin < beside.size(); begin = end) {
-        while (end < beside.size() && beside[end].first == beside[begin].first) ++end;
-        seed.clear();
-        sample(claims_[c].facets, seed);
-        const std::size_t of_claim = seed.size();
-        std::vector<PatchId> others;
-        for (std::size_t i = begin; i < end; ++i) others.push_back(beside[i].second);
-        sample(others, seed);
-        if (seed.size() == of_claim) continue;
-        collect(seed);
-        const AnalyticSurface& band = claims_[c].shape;
-        std::optional<Claim> best;
-        if (const auto sphere = guess_sphere(points_)) grow(*sphere, seed, Taken::kWeakly, best);
-        if (const auto torus = has_axis ? guess_torus(points_, band.origin, band.axis) : std::nullopt)
-          grow(*torus, seed, Taken::kWeakly, best);
-        if (!best) try_kinds(seed, Taken::kWeakly, best);
-        if (best && replace(std::move(*best))) break;
-      }
+    for (std::uint32_t c = 0; c < claims_.size(); ++c) replace_band(c);
+  }
+
+  void replace_band(std::uint32_t c) {
+    std::vector<std::pair<std::uint32_t, PatchId>> beside;  // owner and facet
+    for (const PatchId p : claims_[c].facets)
+      graph_.for_each_neighbour(p, [&](PatchId q) {
+        check_();
+        if (owner_[q] != c && graph_.may_be_seed(q)) beside.push_back({owner_[q], q});
+      });
+    std::sort(beside.begin(), beside.end());
+    beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
+    for (std::size_t begin = 0, end = 0; begin < beside.size(); begin = end) {
+      others_.clear();
+      while (end < beside.size() && beside[end].first == beside[begin].first) others_.push_back(beside[end++].second);
+      if (!are_compared_.insert(std::minmax(c, beside[begin].first)).second) continue;
+      if (replace_with(c, others_)) return;
     }
+  }
+
+  /// Claims a surface of a band and of facets beside it, if it is larger.
+  bool replace_with(std::uint32_t c, std::span<const PatchId> others) {
+    const AnalyticSurface band = claims_[c].shape;
+    seed_.clear();
+    sample(claims_[c].facets, seed_);
+    sample(others, seed_);
+    collect(seed_);
+    std::optional<Claim> best;
+    if (const auto sphere = guess_sphere(points_)) grow(*sphere, seed_, Taken::kWeakly, best);
+    if (band.kind == SurfaceKind::kCone || band.kind == SurfaceKind::kCylinder)
+      if (const auto torus = guess_torus(points_, band.origin, band.axis)) grow(*torus, seed_, Taken::kWeakly, best);
+    if (!best) try_kinds(seed_, Taken::kWeakly, best);
+    return best && replace(std::move(*best));
   }
 
   /// Takes some facets of a list, evenly chosen.
@@ -413,6 +418,9 @@ class Recogniser {
   std::vector<Claim> claims_;
   std::vector<Vec3> points_;
   std::vector<FacetPlace> places_;
+  std::vector<PatchId> seed_, others_;
+  std::set<std::pair<std::uint32_t, std::uint32_t>> are_compared_;  ///< claims that have no larger surface in common
+  StopCheck check_;
   RunControl& control_;
 };
 
