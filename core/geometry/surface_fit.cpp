@@ -419,7 +419,7 @@ std::optional<AnalyticSurface> fit_from(const AnalyticSurface& start, std::span<
   const double good = cost_at(goal.good), hopeless = cost_at(goal.hopeless);
   Normal sums = sums_of(at, points, scale);
   double damping = 1e-9;
-  constexpr int kPatience = 4;
+  constexpr int kPatience = 2;
   for (int i = 0; i < goal.max_steps && sums.cost > good; ++i) {
     Matrix<kMaxParameters> matrix = sums.matrix;
     for (std::size_t k = 0; k < n; ++k) matrix[k][k] += damping * matrix[k][k] + 1e-300;
@@ -431,7 +431,7 @@ std::optional<AnalyticSurface> fit_from(const AnalyticSurface& start, std::span<
     }
     const Parameters next = moved(at, step);
     const Normal after = sums_of(next, points, scale);
-    const bool is_settled = std::fabs(sums.cost - after.cost) <= 1e-6 * sums.cost || after.cost <= 1e-31;
+    const bool is_settled = std::fabs(sums.cost - after.cost) <= goal.settled * sums.cost || after.cost <= 1e-31;
     // A fit that will succeed converges fast near its end.
     if (i >= kPatience && after.cost > hopeless && after.cost > 0.1 * sums.cost) return std::nullopt;
     if (after.cost < sums.cost) {

@@ -37,6 +37,7 @@ struct FitGoal {
   double good = 0;             ///< the fit is as good as it need be
   double hopeless = HUGE_VAL;  ///< a fit that remains above this is of no use
   int max_steps = 30;
+  double settled = 1e-6;  ///< the fit ends where a step changes the sum of the squares by this part or less
   /// Begin near `start`, at rounded parameters. Then starts that differ by rounding have the same result, bit for bit.
   bool is_canonical = false;
 };

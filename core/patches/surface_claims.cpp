@@ -20,6 +20,8 @@ constexpr std::size_t kFitFacets = 64, kExactFitFacets = 256;
 
 /// A fit to growing facets begins near its end.
 constexpr int kMaxFitSteps = 6;
+constexpr double kSettledFit = 0.01;
+constexpr std::size_t kFewFacets = 32;
 
 /// A fit is good enough to grow further if the root mean square of the distances is this many tolerances.
 constexpr double kGoodEnough = 0.2;
@@ -219,8 +221,10 @@ bool ClaimGrower::refit(AnalyticSurface& shape, std::span<const PatchId> members
   }
   const double good = precision == Precision::kExact ? 0 : kGoodEnough * tolerance_;
   if (sum <= static_cast<double>(points_.size()) * good * good) return true;
+  // Where few facets do not fit after all, more will not.
+  const double hopeless = members.size() < kFewFacets ? tolerance_ : kFirstSlack * tolerance_;
   const std::optional<AnalyticSurface> better =
-      fit_from(shape, points_, {good, kFirstSlack * tolerance_, kMaxFitSteps});
+      fit_from(shape, points_, {.good = good, .hopeless = hopeless, .max_steps = kMaxFitSteps, .settled = kSettledFit});
   if (better) shape = *better;
   return better.has_value();
 }

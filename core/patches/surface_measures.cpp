@@ -14,6 +14,13 @@ namespace {
 constexpr double kTurn = 2 * std::numbers::pi;
 constexpr double kDegrees = 180 / std::numbers::pi;
 
+/// A place around an axis.
+struct Place {
+  Vec2 across;       ///< relative to the axis
+  double order = 0;  ///< ascends with the angle, from 0 to 4
+  bool is_on_axis = false;
+};
+
 /// Angles around an axis that facets cover.
 class Sweep {
  public:
@@ -24,36 +31,53 @@ class Sweep {
     y_ = cross(a, x_);
   }
 
-  /// Adds the angles between the ends of a side. A side that ends on the axis covers none.
-  void add(const Vec3& a, const Vec3& b) {
-    if (is_on_axis(a) || is_on_axis(b)) return;
-    const double turn = std::remainder(angle(b) - angle(a), kTurn);
-    double begin = turn >= 0 ? angle(a) : angle(b);
-    begin -= kTurn * std::floor(begin / kTurn);
-    const double end = begin + std::fabs(turn);
-    covered_.push_back({begin, std::min(end, kTurn)});
-    if (end > kTurn) covered_.push_back({0, end - kTurn});
+  Place place_of(const Vec3& p) const {
+    const Vec3 q = p - shape_.origin;
+    const Vec2 at{dot(q, x_), dot(q, y_)};
+    const double size = std::fabs(at.x) + std::fabs(at.y);
+    if (!(size > tolerance_)) return {at, 0, true};
+    const double part = at.x / size;
+    return {at, at.y >= 0 ? 1 - part : 3 + part, false};
+  }
+
+  /// Adds the angles between the ends of a side. A side that ends on the axis, or that runs along it, covers none.
+  void add(const Place& a, const Place& b) {
+    if (a.is_on_axis || b.is_on_axis) return;
+    const double turn = cross(a.across, b.across);
+    if (std::fabs(turn) <= 1e-12 * (dot(a.across, a.across) + dot(b.across, b.across))) return;
+    const Place &from = turn > 0 ? a : b, &to = turn > 0 ? b : a;
+    covered_.push_back({from.order, to.order});
+    if (from.order > to.order) {
+      covered_.back().second = kFull;
+      covered_.push_back({0, to.order});
+    }
   }
 
   /// Returns the angle that is covered, in degrees.
   double degrees(RunControl& control) {
     sort_stoppable(covered_.begin(), covered_.end(), control);
-    double sum = 0, end = 0;
+    double gaps = 0, end = 0;
+    const auto add_gap = [&](double to) {
+      // Neighbouring sides meet up to rounding.
+      if (to > end + 1e-9) gaps += angle_at(to) - angle_at(end);
+    };
     for (const auto& [from, to] : covered_) {
-      sum += std::max(0.0, to - std::max(from, end));
+      add_gap(from);
       end = std::max(end, to);
     }
-    // Neighbouring sides meet up to rounding.
-    constexpr double kAlmost = 360 - 1e-3;
-    return kDegrees * sum > kAlmost ? 360 : kDegrees * sum;
+    add_gap(kFull);
+    return std::clamp(kDegrees * (kTurn - gaps), 0.0, 360.0);
   }
 
  private:
-  bool is_on_axis(const Vec3& p) const {
-    const Vec3 q = p - shape_.origin;
-    return norm_squared(q - dot(q, shape_.axis) * shape_.axis) <= tolerance_ * tolerance_;
+  static constexpr double kFull = 4;  ///< the order at the end of a full turn
+
+  static double angle_at(double order) {
+    if (order >= kFull) return kTurn;
+    const double part = order <= 2 ? 1 - order : order - 3;
+    const double angle = std::atan2(1 - std::fabs(part), part);
+    return order <= 2 ? angle : kTurn - angle;
   }
-  double angle(const Vec3& p) const { return std::atan2(dot(p - shape_.origin, y_), dot(p - shape_.origin, x_)); }
 
   const AnalyticSurface& shape_;
   double tolerance_;
@@ -89,17 +113,26 @@ FacetMeasures measure_facets(const FacetGraph& graph, const Claim& claim, const 
   double min_cosine = 1;
   for (const PatchId p : claim.facets) {
     check();
-    Vec3 sum;
+    Vec3 sum, last, last_normal;
+    Place last_place;
     int count = 0;
     graph.for_each_side(p, [&](const Vec3& a, const Vec3& b, bool is_corner) {
-      const Vec3 middle = 0.5 * (a + b);
-      const double height = is_revolution ? ring_height(shape, a, b, tolerance) : std::fabs(shape.distance(middle));
+      const double height =
+          is_revolution ? ring_height(shape, a, b, tolerance) : std::fabs(shape.distance(0.5 * (a + b)));
       result.chord_height = std::max(result.chord_height, height);
       if (!is_corner && !is_revolution)
         result.chord_height = std::max(result.chord_height, std::fabs(shape.distance(a)));
-      if (shape.kind != SurfaceKind::kSphere) sweep.add(a, b);
-      const Vec3 n = normal_at(shape, a), m = normal_at(shape, b);
+      // Most sides begin where the one before them ends.
+      const bool is_next = count > 0 && a == last;
+      const Vec3 n = is_next ? last_normal : normal_at(shape, a), m = normal_at(shape, b);
       if (norm_squared(n) > 0 && norm_squared(m) > 0) min_cosine = std::min(min_cosine, dot(n, m));
+      if (shape.kind != SurfaceKind::kSphere) {
+        const Place end = sweep.place_of(b);
+        sweep.add(is_next ? last_place : sweep.place_of(a), end);
+        last_place = end;
+      }
+      last_normal = m;
+      last = b;
       sum += a;
       ++count;
     });

@@ -25,7 +25,7 @@ namespace {
 constexpr double kMuchLarger = 1.3;
 
 /// A facet over which so many surfaces were given up is no seed any more.
-constexpr std::uint8_t kMaxAttempts = 4;
+constexpr std::uint8_t kMaxAttempts = 3;
 
 /// So many bands about one axis are a surface of revolution.
 constexpr std::size_t kMinBands = 4;
