@@ -58,6 +58,13 @@ Vec3 AnalyticSurface::normal(const Vec3& p) const {
   return {};
 }
 
+Vec3 canonical_direction(const Vec3& axis) {
+  const double largest = std::max({std::fabs(axis.x), std::fabs(axis.y), std::fabs(axis.z)});
+  for (int i = 0; i < 3; ++i)
+    if (std::fabs(axis[i]) > 0.999 * largest) return axis[i] < 0 ? -axis : axis;
+  return axis;
+}
+
 std::string_view kind_name(SurfaceKind kind) {
   switch (kind) {
     case SurfaceKind::kPlane: return "plane";

@@ -35,4 +35,8 @@ struct AnalyticSurface {
   Vec3 normal(const Vec3& p) const;
 };
 
+/// Returns one of the two directions of an axis that has none of its own: the one in which its largest component is
+/// positive. If components are about as large, the first of them counts.
+Vec3 canonical_direction(const Vec3& axis);
+
 }  // namespace remesh

@@ -410,8 +410,11 @@ std::optional<AnalyticSurface> fit_from(const AnalyticSurface& start, std::span<
   for (const Vec3& p : points) size = std::max(size, norm_squared(p - middle));
   if (!(size > 0)) return std::nullopt;
   const double scale = std::ldexp(1.0, -std::ilogb(std::sqrt(size)));
-  Parameters at = goal.is_canonical ? rounded(parameters_of(start, middle, scale), scale * middle)
-                                    : parameters_of(start, middle, scale);
+  AnalyticSurface from = start;
+  // A cone's axis points into it.
+  if (goal.is_canonical && start.kind != SurfaceKind::kCone) from.axis = canonical_direction(start.axis);
+  Parameters at = parameters_of(from, middle, scale);
+  if (goal.is_canonical) at = rounded(at, scale * middle);
   const std::size_t n = at.count();
   const auto cost_at = [&](double distance) {
     return static_cast<double>(points.size()) * scale * distance * scale * distance;

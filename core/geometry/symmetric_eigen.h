@@ -30,7 +30,7 @@ Eigen<N> symmetric_eigen(Matrix<N> a) {
       size += a[i][i] * a[i][i];
       for (std::size_t j = i + 1; j < N; ++j) off += a[i][j] * a[i][j];
     }
-    if (!(off > 1e-32 * size)) break;
+    if (!(off > 1e-26 * size)) break;
     for (std::size_t p = 0; p < N; ++p)
       for (std::size_t q = p + 1; q < N; ++q) {
         if (a[p][q] == 0) continue;

@@ -32,7 +32,8 @@ constexpr double kMinFacing = 0.8;
 
 /// A facet over which the surface turns by more than this many medians was cut on purpose: it is the flat on a shaft.
 /// Programs make pieces of boundaries half as large as facets inside.
-constexpr double kMaxUneven = 2.6;
+/// That is a factor of 2.6, here for 1 - cos of small angles.
+constexpr double kMaxUneven = 2.6 * 2.6;
 
 /// If facets with more than this part of the area were cut on purpose, all were.
 constexpr double kMaxDropped = 0.6;
@@ -250,7 +251,7 @@ double ClaimGrower::turn(const Gauge& gauge, PatchId p) const {
     for (std::size_t i = 0; i < count; ++i) cosine = std::min(cosine, dot(normals[i], n));
     normals[count++] = n;
   });
-  return std::acos(std::clamp(cosine, -1.0, 1.0));
+  return 1 - cosine;
 }
 
 double ClaimGrower::median_by_area(std::vector<std::pair<double, PatchId>>& values) const {
@@ -284,9 +285,13 @@ double ClaimGrower::drop_uneven(const AnalyticSurface& shape, std::vector<PatchI
     for (const auto& [turn, p] : values_)
       if (turn <= max) members.push_back(p);
   }
-  values_.clear();
-  for (const PatchId p : members) values_.push_back({chord_height(gauge, p), p});
-  return median_by_area(values_);
+  double height = 0, area = 0;
+  for (const PatchId p : members) {
+    check_();
+    height += graph_.area(p) * chord_height(gauge, p);
+    area += graph_.area(p);
+  }
+  return area > 0 ? height / area : 0;
 }
 
 bool ClaimGrower::has_enough_rings(const AnalyticSurface& torus, double tolerance) const {
@@ -329,9 +334,7 @@ std::optional<Claim> ClaimGrower::grow(const AnalyticSurface& start, std::span<c
     members.push_back(p);
   }
   if (members.size() < 2 || 2 * members.size() < seed.size()) return std::nullopt;
-  const Gauge gauge(shape);
-  double height = 0;
-  for (const PatchId p : members) height = std::max(height, chord_height(gauge, p));
+  const double height = chord_height(Gauge(shape), members.front());
   first_slack_ = std::clamp(kSlackOfHeight * height / tolerance_, kMinFirstSlack, kFirstSlack);
   std::optional<Claim> claim;
   if (grow_members(shape, side, may_replace, members)) claim = conclude(shape, side, members);
@@ -410,6 +413,7 @@ std::optional<Claim> ClaimGrower::conclude(AnalyticSurface shape, int side, std:
     for (const VertexId v : vertices_) points_.push_back(graph_.position(v));
     // The sums of the fit come in an order that depends on the points alone.
     std::sort(points_.begin(), points_.end());
+    if (shape.kind == SurfaceKind::kTorus && !has_enough_rings(shape, tolerance_)) return std::nullopt;
     const std::optional<AnalyticSurface> near = fit_from(shape, points_);
     const auto best = near ? fit_from(*near, points_, {.is_canonical = true}) : std::nullopt;
     if (!best) return std::nullopt;
@@ -417,7 +421,6 @@ std::optional<Claim> ClaimGrower::conclude(AnalyticSurface shape, int side, std:
     const std::size_t before = members.size();
     trim(shape, tolerance_, side, members);
     if (members.size() == before) {
-      if (shape.kind == SurfaceKind::kTorus && !has_enough_rings(shape, tolerance_)) return std::nullopt;
       Claim claim{shape, side, std::move(members), {}, 0, 0, chord_height};
       const Gauge gauge(shape);
       std::size_t close = 0;

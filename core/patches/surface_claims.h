@@ -26,7 +26,7 @@ struct Claim {
   std::vector<Vec2> profile;  ///< of a surface of revolution, see RecognisedSurface
   double area = 0;            ///< sum of the facets' areas
   double deviation = 0;       ///< largest distance of a corner from the surface
-  double chord_height = 0;    ///< the facets' distance from the surface: the median of their largest ones, by area
+  double chord_height = 0;    ///< the facets' distance from the surface: the mean of their largest ones, by area
 };
 
 /// The state of a facet while claims are made.
@@ -70,9 +70,9 @@ class ClaimGrower {
   enum class Precision : std::uint8_t { kGoodEnough, kExact };
   bool refit(AnalyticSurface& shape, std::span<const PatchId> members, Precision precision);
   void trim(const AnalyticSurface& shape, double tolerance, int side, std::vector<PatchId>& members);
-  /// Removes facets that are too far from the surface in their middles, and returns the median of these distances.
+  /// Removes facets over which the surface turns too much, and returns the mean of the chord heights of the others.
   double drop_uneven(const AnalyticSurface& shape, std::vector<PatchId>& members);
-  /// Returns the largest angle by which the surface turns between corners of a facet.
+  /// Returns 1 minus the cosine of the largest angle by which the surface turns between corners of a facet.
   double turn(const Gauge& gauge, PatchId p) const;
   /// Sorts values of facets, and returns the value that half of the area is below.
   double median_by_area(std::vector<std::pair<double, PatchId>>& values) const;

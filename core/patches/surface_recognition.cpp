@@ -27,6 +27,9 @@ constexpr double kMuchLarger = 1.3;
 /// A facet over which so many surfaces were given up is no seed any more.
 constexpr std::uint8_t kMaxAttempts = 3;
 
+/// A band is compared with its neighbours if all of its corners are this close to it, in tolerances.
+constexpr double kCloseFit = 0.4;
+
 /// So many bands about one axis are a surface of revolution.
 constexpr std::size_t kMinBands = 4;
 
@@ -78,7 +81,7 @@ class Recogniser {
       if (attempts_[pair[0]] >= kMaxAttempts || attempts_[pair[1]] >= kMaxAttempts) continue;
       std::optional<Claim> best;
       for (const AnalyticSurface& guess : guesses.of(seed)) grow(guess, pair, Taken::kFree, best);
-      if (best && best->shape.kind == SurfaceKind::kSphere) ask_again(best);
+      if (best && best->shape.kind == SurfaceKind::kSphere && is_close(*best)) ask_again(best);
       if (!best) continue;
       add(std::move(*best));
       replace_band(static_cast<std::uint32_t>(claims_.size() - 1));
@@ -164,7 +167,11 @@ class Recogniser {
     for (std::uint32_t c = 0; c < claims_.size(); ++c) replace_band(c);
   }
 
+  /// Returns whether a claim fits so well that it may be a piece of something larger that fits as well.
+  bool is_close(const Claim& claim) const { return claim.deviation <= kCloseFit * grower_.tolerance(); }
+
   void replace_band(std::uint32_t c) {
+    if (!is_close(claims_[c])) return;
     std::vector<std::pair<std::uint32_t, PatchId>> beside;  // owner and facet
     for (const PatchId p : claims_[c].facets)
       graph_.for_each_neighbour(p, [&](PatchId q) {
@@ -315,7 +322,7 @@ class Recogniser {
 
   /// Returns whether two bands have one axis and share a rim.
   bool are_about_one_axis(const Band& a, const Band& b) const {
-    const double slack = 2 * grower_.tolerance();
+    const double slack = 6 * grower_.tolerance();
     const auto centre = [](const Band& band, int i) { return band.shape.origin + band.rims[i].y * band.shape.axis; };
     for (int i = 0; i < 2; ++i)
       for (int j = 0; j < 2; ++j)
@@ -328,14 +335,23 @@ class Recogniser {
 
   /// Makes one surface of revolution of some bands.
   void join(std::span<const std::uint32_t> group, std::span<const std::optional<Band>> bands) {
-    // The axis is that of the largest band.
+    // The axis points as that of the largest band.
     std::uint32_t largest = group.front();
     for (const std::uint32_t c : group)
       if (claims_[c].area > claims_[largest].area) largest = c;
     Claim joined;
     joined.shape = bands[largest]->shape;
     joined.shape.kind = SurfaceKind::kRevolution;
-    joined.shape.origin += bands[largest]->rims[0].y * joined.shape.axis;
+    // Errors of the bands' axes are independent.
+    Vec3 axes, centres;
+    for (const std::uint32_t c : group) {
+      const AnalyticSurface& band = bands[c]->shape;
+      const double sign = dot(band.axis, joined.shape.axis) < 0 ? -1 : 1;
+      axes += sign * claims_[c].area * band.axis;
+      for (const Vec2& rim : bands[c]->rims) centres += band.origin + rim.y * band.axis;
+    }
+    joined.shape.axis = normalized(axes);
+    joined.shape.origin = (0.5 / static_cast<double>(group.size())) * centres;
     joined.shape.radius = joined.shape.half_angle = 0;
     joined.side = claims_[largest].side;
     for (const std::uint32_t c : group) {

@@ -24,15 +24,6 @@ constexpr double kFlatArea = 20;
 /// The best kind is looked for in so many free regions at most, and by so many corners.
 constexpr std::size_t kMaxExplained = 64, kMaxSamples = 256;
 
-/// Returns an axis in the direction in which its largest component is positive. If components are about as large, the
-/// first of them counts.
-Vec3 canonical_direction(const Vec3& axis) {
-  const double largest = std::max({std::fabs(axis.x), std::fabs(axis.y), std::fabs(axis.z)});
-  for (int i = 0; i < 3; ++i)
-    if (std::fabs(axis[i]) > 0.999 * largest) return axis[i] < 0 ? -axis : axis;
-  return axis;
-}
-
 /// Makes the records.
 class Records {
  public:

@@ -61,6 +61,9 @@ void expect_all_explained(const primitives::Variant& variant) {
     double step = 0;
     const Model moved = primitives::varied(model, variant, &step);
     if (primitives::lowest_chord_height(model) < kMinChordSteps * step) continue;
+    // Noise above the plane tolerance bends subdivided facets, so vertices in their middles become corners of facets.
+    if (variant.storage == primitives::Storage::kNoisyDoubles && model.name.find("subdivided") != std::string::npos)
+      continue;
     expect_explained(moved, step);
     ++tested;
   }
