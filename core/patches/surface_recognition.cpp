@@ -22,7 +22,7 @@ namespace remesh {
 namespace {
 
 /// A claim replaces smaller ones if its area is larger than the largest of theirs by this factor.
-constexpr double kMuchLarger = 1.3;
+constexpr double kMuchLarger = 1.3, kMuchLargerIfDoubtful = 6;
 
 /// A facet over which so many surfaces were given up is no seed any more.
 constexpr std::uint8_t kMaxAttempts = 3;
@@ -61,6 +61,8 @@ class Recogniser {
     const std::vector<SurfaceSeed> seeds = find_seeds(graph_, control_);
     claim_ruled(seeds);
     replace_bands();
+    // Facets of claims that were replaced in part are free again.
+    claim_ruled(seeds);
     claim_scattered(seeds);
     join_bands();
     drop_islands();
@@ -220,6 +222,8 @@ class Recogniser {
     owners.erase(std::unique(owners.begin(), owners.end()), owners.end());
     for (const std::uint32_t o : owners) largest = std::max(largest, claims_[o].area);
     if (!(claim.area > kMuchLarger * largest)) return false;
+    // Three or four bands of any surface of revolution are nearly a torus.
+    if (!is_close(claim) && !(claim.area > kMuchLargerIfDoubtful * largest)) return false;
     add(std::move(claim));
     for (const std::uint32_t o : owners) {
       Claim& old = claims_[o];
@@ -227,7 +231,8 @@ class Recogniser {
       old.area = 0;
       for (const PatchId p : old.facets) old.area += graph_.area(p);
       constexpr std::size_t kMinFacets = 4;
-      if (old.facets.size() >= kMinFacets) continue;
+      const bool has_axis = old.shape.kind == SurfaceKind::kCone || old.shape.kind == SurfaceKind::kCylinder;
+      if (has_axis && old.facets.size() >= kMinFacets) continue;
       for (const PatchId p : old.facets) {
         owner_[p] = kNone;
         grower_.set_taken(p, Taken::kFree);
@@ -335,25 +340,19 @@ class Recogniser {
 
   /// Makes one surface of revolution of some bands.
   void join(std::span<const std::uint32_t> group, std::span<const std::optional<Band>> bands) {
-    // The axis points as that of the largest band.
-    std::uint32_t largest = group.front();
-    for (const std::uint32_t c : group)
-      if (claims_[c].area > claims_[largest].area) largest = c;
-    Claim joined;
-    joined.shape = bands[largest]->shape;
-    joined.shape.kind = SurfaceKind::kRevolution;
-    // Errors of the bands' axes are independent.
+    // The errors of the bands' axes are independent.
+    const Vec3 direction = canonical_direction(bands[group.front()]->shape.axis);
     Vec3 axes, centres;
     for (const std::uint32_t c : group) {
       const AnalyticSurface& band = bands[c]->shape;
-      const double sign = dot(band.axis, joined.shape.axis) < 0 ? -1 : 1;
-      axes += sign * claims_[c].area * band.axis;
+      axes += (dot(band.axis, direction) < 0 ? -1.0 : 1.0) * band.axis;
       for (const Vec2& rim : bands[c]->rims) centres += band.origin + rim.y * band.axis;
     }
+    Claim joined;
+    joined.shape.kind = SurfaceKind::kRevolution;
     joined.shape.axis = normalized(axes);
     joined.shape.origin = (0.5 / static_cast<double>(group.size())) * centres;
-    joined.shape.radius = joined.shape.half_angle = 0;
-    joined.side = claims_[largest].side;
+    joined.side = claims_[group.front()].side;
     for (const std::uint32_t c : group) {
       for (const Vec2& rim : bands[c]->rims) {
         const Vec3 centre = bands[c]->shape.origin + rim.y * bands[c]->shape.axis;
