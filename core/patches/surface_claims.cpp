@@ -18,6 +18,9 @@ constexpr double kSlackOfHeight = 0.15, kMinFirstSlack = 2;
 /// The surface is fitted to at most this many facets while it grows, evenly chosen.
 constexpr std::size_t kFitFacets = 64, kExactFitFacets = 256;
 
+/// The work of testing a facet, and of a fit for each of its points. A unit is about the time of one distance.
+constexpr std::uint64_t kWorkOfTest = 4, kWorkOfFit = 6;
+
 /// A fit to growing facets begins near its end.
 constexpr int kMaxFitSteps = 6;
 constexpr double kSettledFit = 0.01;
@@ -149,7 +152,8 @@ FacetPlace ClaimGrower::place_of(PatchId p) const {
   return {(1.0 / std::max(1, count)) * sum, graph_.normal(p)};
 }
 
-bool ClaimGrower::fits(const Gauge& gauge, PatchId p, double tolerance, int side) const {
+bool ClaimGrower::fits(const Gauge& gauge, PatchId p, double tolerance, int side) {
+  work_ += kWorkOfTest;
   const Vec3 outside = side * graph_.normal(p);
   for (std::uint32_t s = graph_.sides_begin(p); s < graph_.sides_end(p); ++s) {
     if (!graph_.is_corner(s)) continue;
@@ -224,6 +228,7 @@ bool ClaimGrower::refit(AnalyticSurface& shape, std::span<const PatchId> members
   if (sum <= static_cast<double>(points_.size()) * good * good) return true;
   // Where few facets do not fit after all, more will not.
   const double hopeless = members.size() < kFewFacets ? tolerance_ : kFirstSlack * tolerance_;
+  work_ += kWorkOfFit * points_.size();
   const std::optional<AnalyticSurface> better =
       fit_from(shape, points_, {.good = good, .hopeless = hopeless, .max_steps = kMaxFitSteps, .settled = kSettledFit});
   if (better) shape = *better;
@@ -414,6 +419,7 @@ std::optional<Claim> ClaimGrower::conclude(AnalyticSurface shape, int side, std:
     // The sums of the fit come in an order that depends on the points alone.
     std::sort(points_.begin(), points_.end());
     if (shape.kind == SurfaceKind::kTorus && !has_enough_rings(shape, tolerance_)) return std::nullopt;
+    work_ += 2 * kWorkOfFit * points_.size();
     const std::optional<AnalyticSurface> near = fit_from(shape, points_);
     const auto best = near ? fit_from(*near, points_, {.is_canonical = true}) : std::nullopt;
     if (!best) return std::nullopt;

@@ -65,6 +65,9 @@ class ClaimGrower {
   /// Output: nothing if no surface of this kind has enough facets to be believed.
   std::optional<Claim> grow(const AnalyticSurface& start, std::span<const PatchId> seed, Taken may_replace);
 
+  /// Returns how much work was done so far. It is counted in steps, so that it is the same on every machine.
+  std::uint64_t work() const { return work_; }
+
   FacetPlace place_of(PatchId p) const;
   /// Returns the sum of the facets' largest distances from a surface in their middles and the middles of their sides.
   double chord_height(const AnalyticSurface& shape, std::span<const PatchId> facets) const;
@@ -76,7 +79,7 @@ class ClaimGrower {
   /// A surface whose distances can be computed fast.
   class Gauge;
 
-  bool fits(const Gauge& gauge, PatchId p, double tolerance, int side) const;
+  bool fits(const Gauge& gauge, PatchId p, double tolerance, int side);
   double chord_height(const Gauge& gauge, PatchId p) const;
   /// Returns how many tolerances corners may be off while a growth has this many facets.
   double slack(std::size_t members) const;
@@ -106,6 +109,7 @@ class ClaimGrower {
   IdVector<PatchId, Taken> taken_;
   IdVector<PatchId, std::uint32_t> mark_;  ///< the last growth that took the facet
   std::uint32_t growth_ = 0;
+  std::uint64_t work_ = 0;
   std::vector<Vec3> points_;
   std::vector<VertexId> vertices_;
   std::vector<std::pair<double, PatchId>> values_;

@@ -30,6 +30,13 @@ constexpr std::uint8_t kMaxAttempts = 3;
 /// A band is compared with its neighbours if all of its corners are this close to it, in tolerances.
 constexpr double kCloseFit = 0.4;
 
+/// Growths that come to nothing may cost so much work a facet. Scans and other smooth surfaces of no kind would take
+/// much longer, and large surfaces have been found by then.
+constexpr std::uint64_t kMaxWaste = 100;
+
+/// Any mesh may take so much in vain, which is some tenths of a second.
+constexpr std::uint64_t kFreeWaste = 25'000'000;
+
 /// A kind with more parameters is chosen only if its area is larger by this factor.
 constexpr double kLarger = 1.02;
 
@@ -70,6 +77,7 @@ class Recogniser {
     StopCheck check(control_);
     for (const SurfaceSeed& seed : seeds) {
       check();
+      if (is_exhausted()) return;
       const std::array<PatchId, 2> pair{seed.facet, graph_.beyond(seed.side)};
       if (!is_free(pair[0]) || !is_free(pair[1])) continue;
       if (attempts_[pair[0]] >= kMaxAttempts || attempts_[pair[1]] >= kMaxAttempts) continue;
@@ -110,6 +118,8 @@ class Recogniser {
 
   /// Grows those kinds of surfaces that normals help to guess from facets that were collected.
   void try_kinds(std::span<const PatchId> seed, Taken may_replace, std::optional<Claim>& best) {
+    constexpr std::uint64_t kWorkOfGuess = 40;
+    wasted_ += kWorkOfGuess * points_.size();
     const auto attempt = [&](const std::optional<AnalyticSurface>& guess) {
       const auto fitted =
           guess ? fit_from(*guess, points_, {grower_.tolerance(), 20 * grower_.tolerance()}) : std::nullopt;
@@ -123,10 +133,17 @@ class Recogniser {
   /// Grows a surface, and takes it if it is better. Facets over which it was given up are soon left alone.
   void grow(const AnalyticSurface& guess, std::span<const PatchId> seed, Taken may_replace,
             std::optional<Claim>& best) {
-    take_larger(grower_.grow(guess, seed, may_replace), best);
+    if (is_exhausted()) return;
+    const std::uint64_t before = grower_.work();
+    std::optional<Claim> claim = grower_.grow(guess, seed, may_replace);
+    if (!claim) wasted_ += grower_.work() - before;
+    take_larger(std::move(claim), best);
     for (const PatchId p : grower_.given_up())
       if (attempts_[p] < kMaxAttempts) ++attempts_[p];
   }
+
+  /// Returns whether so much work was in vain that the rest of the facets is left free.
+  bool is_exhausted() const { return wasted_ > kFreeWaste + kMaxWaste * graph_.size(); }
 
   static void take_larger(std::optional<Claim> claim, std::optional<Claim>& best) {
     if (!claim) return;
@@ -161,6 +178,7 @@ class Recogniser {
   bool is_close(const Claim& claim) const { return claim.deviation <= kCloseFit * grower_.tolerance(); }
 
   void replace_band(std::uint32_t c) {
+    if (is_exhausted()) return;
     if (!is_close(table_.claims[c])) return;
     std::vector<std::pair<std::uint32_t, PatchId>> beside;  // owner and facet
     for (const PatchId p : table_.claims[c].facets)
@@ -236,6 +254,7 @@ class Recogniser {
     StopCheck check(control_);
     for (const SurfaceSeed& seed : seeds) {
       check();
+      if (is_exhausted()) return;
       const PatchId f = seed.facet, g = graph_.beyond(seed.side);
       if (!is_free(f) || !is_free(g) || tried_[f] != 0 || tried_[g] != 0) continue;
       around.assign({f, g});
@@ -267,6 +286,7 @@ class Recogniser {
   IdVector<PatchId, std::uint8_t> tried_;     ///< whether a facet was in the seed of a scattered surface
   std::vector<Vec3> points_;
   std::vector<FacetPlace> places_;
+  std::uint64_t wasted_ = 0;  ///< work of growths that came to nothing
   std::vector<PatchId> seed_, others_;
   std::set<std::pair<std::uint32_t, std::uint32_t>> are_compared_;  ///< claims that have no larger surface in common
   StopCheck check_;
