@@ -103,9 +103,11 @@ test::Seconds time_of_recognition(const PolygonMesh& mesh) {
 TEST(hostile_recognition, it_takes_microseconds_a_face) {
   const std::size_t faces = unless_sanitized(30'000, 5'000);
   for (const Named& surface : surfaces(faces)) {
+    // Any mesh may take some tenths of a second in vain.
     // `./dev recognition` holds the stage to 1.5 microseconds; a busy machine takes a few times that. The best of few
     // attempts counts, so that a surface that takes far too long does not hold up the other tests.
-    const test::Seconds bound = static_cast<double>(surface.mesh.face_count()) * test::Seconds(10e-6);
+    const test::Seconds bound =
+        test::Seconds(1) + static_cast<double>(surface.mesh.face_count()) * test::Seconds(10e-6);
     SCOPED_TRACE(surface.name);
     test::Seconds best = time_of_recognition(surface.mesh);
     for (int more = 2; more > 0 && best > test::kSlowdown * bound && best < 10 * test::kSlowdown * bound; --more)
