@@ -147,7 +147,6 @@ class Run {
     report_.plane_tolerance = summary.plane_tolerance;
     report_.plane_tolerance_is_automatic = summary.plane_tolerance_is_automatic;
     report_.rounding_step = summary.rounding_step;
-    rounding_tolerance_ = summary.rounding_tolerance;
     report_.diagnostics = std::move(summary.diagnostics);
     const double diagonal = report_.input.bounding_box.diagonal();
     check_options(options_, diagonal);
@@ -156,14 +155,14 @@ class Run {
     ladder_.emplace(surface(), prepared_.without_area);
     if (options_.keep_boundary_vertices) ladder_->forced().assign(surface().vertex_count(), 1);
     are_input_intersections_known_ = false;
-    are_surfaces_known_ = false;
+    report_.surfaces = {};
   }
 
   void find_patches() {
     const PatchSet before = std::move(partition_.patches);
     partition_ = make_partition(prepared_, report_.plane_tolerance, options_, *ladder_, regions_, watch_, control_);
     watch_.enter(Stage::kSurfaces);
-    if (are_surfaces_known_)
+    if (!report_.surfaces.of_patch.empty())
       report_.surfaces.follow(before, partition_.patches);
     else
       recognise();
@@ -176,11 +175,10 @@ class Run {
       unforced = essential_vertices(surface(), adjacency(), partition_.loops,
                                     IdVector<VertexId, std::uint8_t>(surface().vertex_count(), 0),
                                     prepared_.pinched(control_), report_.plane_tolerance / surface().unit, control_);
-    report_.surfaces =
-        recognise_surfaces({surface(), adjacency(), partition_.patches, partition_.loops,
-                            unforced ? *unforced : partition_.essential, partition_.summaries.patches},
-                           {options_.feature_angle_deg, kRecognitionTolerance * rounding_tolerance_}, control_);
-    are_surfaces_known_ = true;
+    report_.surfaces = recognise_surfaces(
+        {surface(), adjacency(), partition_.patches, partition_.loops, unforced ? *unforced : partition_.essential,
+         partition_.summaries.patches},
+        {options_.feature_angle_deg, kRecognitionTolerance * prepared_.rounding_tolerance}, control_);
   }
 
   void triangulate() {
@@ -426,8 +424,6 @@ class Run {
   std::optional<GoalRefinement> refiner_;   ///< belongs to the prepared surface
   FoundIntersections input_intersections_;  ///< belongs to the prepared surface
   bool are_input_intersections_known_ = false;
-  bool are_surfaces_known_ = false;
-  double rounding_tolerance_ = 0;  ///< see InputSummary
   Regions regions_;
   Partition partition_;
   Candidate candidate_;

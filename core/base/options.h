@@ -54,8 +54,8 @@ struct Options {
   bool keep_boundary_vertices = false;
   std::optional<double> plane_tolerance;  ///< empty: computed from the input's rounding noise
   double normal_tolerance = 1e-6;         ///< per component of the unit normal
-  /// Edges between facets that turn by more than this are features. Facets that meet at a smaller angle may be pieces of
-  /// one curved surface. 0: each facet is its own surface.
+  /// Edges between facets that turn by more than this are features. Facets that meet at a smaller angle may be pieces
+  /// of one curved surface. 0: each facet is its own surface.
   double feature_angle_deg = 30;
   double weld_tolerance = 0;  ///< 0: only equal coordinates are one vertex
   Repair repair;

@@ -72,7 +72,7 @@ class Preparation {
     rounding_ = automatic;
     // Facets of a curved surface need not bend to be rounded, and a few numbers do not prove that they are.
     const double possible = kToleranceSteps * std::max(rounding.step(), rounding.possible_step());
-    summary_.rounding_tolerance =
+    prepared_.rounding_tolerance =
         std::max(automatic, std::min(possible, kPossibleRounding * summary_.statistics.bounding_box.diagonal()));
     spike_rounding_ = std::min(kToleranceSteps * rounding.possible_step(),
                                kToleranceCeiling * summary_.statistics.bounding_box.diagonal());

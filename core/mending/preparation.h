@@ -27,6 +27,9 @@ class Prepared {
   std::vector<FaceId> without_area;  ///< faces without area that were not dropped
   /// The steps of decimals that explain the tolerance, per axis and in model units; 0 if none do.
   Vec3 printed_steps = {};
+  /// The distance from their surface that the rounding of the coordinates explains for corners of facets, in model
+  /// units: the automatic plane tolerance, or what the digits allow without proof. It does not depend on the options.
+  double rounding_tolerance = 0;
 
   /// Data about the surface. It is computed when it is asked for the first time.
   const Adjacency& adjacency(RunControl& control);
@@ -63,9 +66,6 @@ struct InputSummary {
   double plane_tolerance = 0;  ///< the tolerance that is used, in model units
   bool plane_tolerance_is_automatic = true;
   double rounding_step = 0;             ///< see Report
-  /// The distance from their surface that the rounding of the coordinates explains for corners of facets, in model
-  /// units: the automatic plane tolerance, or what the digits allow without proof. It does not depend on the options.
-  double rounding_tolerance = 0;
   std::vector<Diagnostic> diagnostics;  ///< those of the reader come first
 };
 

@@ -13,8 +13,8 @@
 
 namespace remesh {
 
-/// The graph of facets over smooth edges. A facet is a planar patch, and its corners are its essential vertices. An edge
-/// is smooth if it has two facets that turn by at most the feature angle, with no barrier between them.
+/// The graph of facets over smooth edges. A facet is a planar patch, and its corners are its essential vertices. An
+/// edge is smooth if it has two facets that turn by at most the feature angle, with no barrier between them.
 class FacetGraph {
  public:
   /// Holds:  the facets outlive the graph.

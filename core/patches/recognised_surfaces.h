@@ -17,7 +17,8 @@ enum class FreeReason : std::uint8_t {
   kNone,
   kNoKindFits,  ///< no kind comes within the tolerance of all vertices
   kFewFacets,   ///< a kind fits, but so few facets prove nothing
-  kUnevenFacets  ///< a kind fits all vertices, but the facets are cut so unevenly that they are probably meant to be flat
+  /// A kind fits all vertices, but the facets are cut so unevenly that they are probably meant to be flat.
+  kUnevenFacets
 };
 
 /// The side of a surface on which the facets' outside is.

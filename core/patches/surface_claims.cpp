@@ -48,8 +48,8 @@ constexpr double kCloseOfFew = 0.9, kCloseOfMany = 0.5;
 constexpr std::size_t kManyFacets = 40;
 
 /// Any other surface must end where it ends. If the next facet leaves it by no more than this many chord heights, or
-/// is not larger than this many facets of the surface, the facets go on as if nothing had happened. At most this part of
-/// the border may be such.
+/// is not larger than this many facets of the surface, the facets go on as if nothing had happened. At most this part
+/// of the border may be such.
 constexpr double kSoftBorder = 4, kAlikeArea = 4, kMaxSoft = 0.15;
 
 /// The smallest numbers of facets that are believed.

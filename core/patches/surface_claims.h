@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/base/ids.h"
@@ -27,6 +28,20 @@ struct Claim {
   double area = 0;            ///< sum of the facets' areas
   double deviation = 0;       ///< largest distance of a corner from the surface
   double chord_height = 0;    ///< the facets' distance from the surface: the mean of their largest ones, by area
+};
+
+/// The claims, and which facets belong to which.
+struct ClaimTable {
+  explicit ClaimTable(std::size_t facets) : owner(facets, kNone) {}
+
+  /// Adds a claim. Its facets belong to it from now on, even if they belonged to another one.
+  void add(Claim claim) {
+    for (const PatchId p : claim.facets) owner[p] = static_cast<std::uint32_t>(claims.size());
+    claims.push_back(std::move(claim));
+  }
+
+  IdVector<PatchId, std::uint32_t> owner;  ///< index in `claims`, or kNone
+  std::vector<Claim> claims;               ///< some may have lost all of their facets
 };
 
 /// The state of a facet while claims are made.

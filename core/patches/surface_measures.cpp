@@ -110,10 +110,12 @@ FacetMeasures measure_facets(const FacetGraph& graph, const Claim& claim, const 
   FacetMeasures result;
   Sweep sweep(shape, tolerance);
   StopCheck check(control);
+  std::vector<Vec3> corners;
   double min_cosine = 1;
   for (const PatchId p : claim.facets) {
     check();
-    Vec3 sum, last, last_normal;
+    Vec3 last, last_normal;
+    corners.clear();
     Place last_place;
     int count = 0;
     graph.for_each_side(p, [&](const Vec3& a, const Vec3& b, bool is_corner) {
@@ -133,12 +135,17 @@ FacetMeasures measure_facets(const FacetGraph& graph, const Claim& claim, const 
       }
       last_normal = m;
       last = b;
-      sum += a;
+      if (is_corner) corners.push_back(a);
       ++count;
     });
     // The middle of a ring is not on it.
-    if (graph.may_be_seed(p) && !is_revolution)
-      result.chord_height = std::max(result.chord_height, std::fabs(shape.distance((1.0 / count) * sum)));
+    if (!graph.may_be_seed(p) || is_revolution) continue;
+    // The sum comes in an order that depends on the corners alone.
+    std::sort(corners.begin(), corners.end());
+    Vec3 sum;
+    for (const Vec3& corner : corners) sum += corner;
+    const Vec3 middle = (1.0 / static_cast<double>(corners.size())) * sum;
+    result.chord_height = std::max(result.chord_height, std::fabs(shape.distance(middle)));
   }
   result.turn_deg = kDegrees * std::acos(std::clamp(min_cosine, -1.0, 1.0));
   if (shape.kind != SurfaceKind::kSphere) result.sweep_deg = sweep.degrees(control);

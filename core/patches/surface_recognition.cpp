@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <optional>
 #include <set>
 #include <span>
@@ -11,10 +10,11 @@
 #include <vector>
 
 #include "core/base/stoppable.h"
-#include "core/base/union_find.h"
 #include "core/geometry/surface_fit.h"
 #include "core/patches/facet_graph.h"
+#include "core/patches/surface_bands.h"
 #include "core/patches/surface_claims.h"
+#include "core/patches/surface_islands.h"
 #include "core/patches/surface_records.h"
 #include "core/patches/surface_seeds.h"
 
@@ -22,7 +22,7 @@ namespace remesh {
 namespace {
 
 /// A claim replaces smaller ones if its area is larger than the largest of theirs by this factor.
-constexpr double kMuchLarger = 1.3;
+constexpr double kMuchLarger = 1.3, kMuchLargerIfDoubtful = 6;
 
 /// A facet over which so many surfaces were given up is no seed any more.
 constexpr std::uint8_t kMaxAttempts = 3;
@@ -30,19 +30,11 @@ constexpr std::uint8_t kMaxAttempts = 3;
 /// A band is compared with its neighbours if all of its corners are this close to it, in tolerances.
 constexpr double kCloseFit = 0.4;
 
-/// So many bands about one axis are a surface of revolution.
-constexpr std::size_t kMinBands = 4;
-
-/// A claim is an island if it has at most so many facets, if so much of its border is with one or more regions of many
-/// facets that nobody claims, and if it is smaller than this part of the largest of them.
-constexpr std::size_t kMaxIsland = 40, kMinSea = 40;
-constexpr double kIslandShore = 0.6, kIslandArea = 0.05;
-
 /// A kind with more parameters is chosen only if its area is larger by this factor.
 constexpr double kLarger = 1.02;
 
-/// The facets of a band around an axis have their corners on a cone, on a sphere and on tori. They deviate less from the
-/// cone than from the others.
+/// The facets of a band around an axis have their corners on a cone, on a sphere and on tori. They deviate less from
+/// the cone than from the others.
 constexpr double kNearer = 0.9;
 
 /// Makes the claims of all facets.
@@ -51,7 +43,7 @@ class Recogniser {
   Recogniser(const FacetGraph& graph, double tolerance, RunControl& control)
       : graph_(graph),
         grower_(graph, tolerance, control),
-        owner_(graph.size(), kNone),
+        table_(graph.size()),
         attempts_(graph.size(), 0),
         tried_(graph.size(), 0),
         check_(control),
@@ -61,14 +53,16 @@ class Recogniser {
     const std::vector<SurfaceSeed> seeds = find_seeds(graph_, control_);
     claim_ruled(seeds);
     replace_bands();
+    // Facets of claims that were replaced in part are free again.
+    claim_ruled(seeds);
     claim_scattered(seeds);
-    join_bands();
-    drop_islands();
+    join_bands(graph_, grower_.tolerance(), table_, control_);
+    drop_islands(graph_, table_, control_);
     return take_claims();
   }
 
  private:
-  bool is_free(PatchId p) const { return owner_[p] == kNone; }
+  bool is_free(PatchId p) const { return table_.owner[p] == kNone; }
 
   /// Claims surfaces that two facets determine.
   void claim_ruled(std::span<const SurfaceSeed> seeds) {
@@ -84,7 +78,7 @@ class Recogniser {
       if (best && best->shape.kind == SurfaceKind::kSphere && is_close(*best)) ask_again(best);
       if (!best) continue;
       add(std::move(*best));
-      replace_band(static_cast<std::uint32_t>(claims_.size() - 1));
+      replace_band(static_cast<std::uint32_t>(table_.claims.size() - 1));
     }
   }
 
@@ -154,29 +148,25 @@ class Recogniser {
   }
 
   void add(Claim claim) {
-    const auto id = static_cast<std::uint32_t>(claims_.size());
-    for (const PatchId p : claim.facets) {
-      owner_[p] = id;
-      grower_.set_taken(p, Taken::kWeakly);
-    }
-    claims_.push_back(std::move(claim));
+    for (const PatchId p : claim.facets) grower_.set_taken(p, Taken::kWeakly);
+    table_.add(std::move(claim));
   }
 
   /// Each band of facets around a torus or sphere is also a piece of a cone. Claims the larger surface instead.
   void replace_bands() {
-    for (std::uint32_t c = 0; c < claims_.size(); ++c) replace_band(c);
+    for (std::uint32_t c = 0; c < table_.claims.size(); ++c) replace_band(c);
   }
 
   /// Returns whether a claim fits so well that it may be a piece of something larger that fits as well.
   bool is_close(const Claim& claim) const { return claim.deviation <= kCloseFit * grower_.tolerance(); }
 
   void replace_band(std::uint32_t c) {
-    if (!is_close(claims_[c])) return;
+    if (!is_close(table_.claims[c])) return;
     std::vector<std::pair<std::uint32_t, PatchId>> beside;  // owner and facet
-    for (const PatchId p : claims_[c].facets)
+    for (const PatchId p : table_.claims[c].facets)
       graph_.for_each_neighbour(p, [&](PatchId q) {
         check_();
-        if (owner_[q] != c && graph_.may_be_seed(q)) beside.push_back({owner_[q], q});
+        if (table_.owner[q] != c && graph_.may_be_seed(q)) beside.push_back({table_.owner[q], q});
       });
     std::sort(beside.begin(), beside.end());
     beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
@@ -190,9 +180,9 @@ class Recogniser {
 
   /// Claims a surface of a band and of facets beside it, if it is larger.
   bool replace_with(std::uint32_t c, std::span<const PatchId> others) {
-    const AnalyticSurface band = claims_[c].shape;
+    const AnalyticSurface band = table_.claims[c].shape;
     seed_.clear();
-    sample(claims_[c].facets, seed_);
+    sample(table_.claims[c].facets, seed_);
     sample(others, seed_);
     collect(seed_);
     std::optional<Claim> best;
@@ -215,21 +205,24 @@ class Recogniser {
     std::vector<std::uint32_t> owners;
     double largest = 0;
     for (const PatchId p : claim.facets)
-      if (owner_[p] != kNone) owners.push_back(owner_[p]);
+      if (table_.owner[p] != kNone) owners.push_back(table_.owner[p]);
     std::sort(owners.begin(), owners.end());
     owners.erase(std::unique(owners.begin(), owners.end()), owners.end());
-    for (const std::uint32_t o : owners) largest = std::max(largest, claims_[o].area);
+    for (const std::uint32_t o : owners) largest = std::max(largest, table_.claims[o].area);
     if (!(claim.area > kMuchLarger * largest)) return false;
+    // Three or four bands of any surface of revolution are nearly a torus.
+    if (!is_close(claim) && !(claim.area > kMuchLargerIfDoubtful * largest)) return false;
     add(std::move(claim));
     for (const std::uint32_t o : owners) {
-      Claim& old = claims_[o];
-      std::erase_if(old.facets, [&](PatchId p) { return owner_[p] != o; });
+      Claim& old = table_.claims[o];
+      std::erase_if(old.facets, [&](PatchId p) { return table_.owner[p] != o; });
       old.area = 0;
       for (const PatchId p : old.facets) old.area += graph_.area(p);
       constexpr std::size_t kMinFacets = 4;
-      if (old.facets.size() >= kMinFacets) continue;
+      const bool has_axis = old.shape.kind == SurfaceKind::kCone || old.shape.kind == SurfaceKind::kCylinder;
+      if (has_axis && old.facets.size() >= kMinFacets) continue;
       for (const PatchId p : old.facets) {
-        owner_[p] = kNone;
+        table_.owner[p] = kNone;
         grower_.set_taken(p, Taken::kFree);
       }
       old.facets.clear();
@@ -262,176 +255,16 @@ class Recogniser {
     }
   }
 
-  /// Joins bands of cones and cylinders about one axis, which meet smoothly, to surfaces of revolution. They have no
-  /// sphere or torus in common, or these would have replaced them.
-  void join_bands() {
-    StopCheck check(control_);
-    std::vector<std::optional<Band>> bands;
-    for (const Claim& claim : claims_) bands.push_back(band_of(claim));
-    UnionFind groups(claims_.size());
-    for (std::uint32_t c = 0; c < claims_.size(); ++c) {
-      if (!bands[c]) continue;
-      std::vector<std::uint32_t> beside;
-      for (const PatchId p : claims_[c].facets)
-        graph_.for_each_neighbour(p, [&](PatchId q) {
-          check();
-          if (owner_[q] != kNone && owner_[q] != c && bands[owner_[q]]) beside.push_back(owner_[q]);
-        });
-      std::sort(beside.begin(), beside.end());
-      beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
-      for (const std::uint32_t d : beside)
-        if (are_about_one_axis(*bands[c], *bands[d])) groups.join(c, d);
-    }
-    std::map<std::uint32_t, std::vector<std::uint32_t>> members;
-    for (std::uint32_t c = 0; c < claims_.size(); ++c)
-      if (bands[c]) members[groups.find(c)].push_back(c);
-    for (const auto& [root, group] : members)
-      if (group.size() >= kMinBands) join(group, bands);
-  }
-
-  /// A band of facets between two circles about an axis.
-  struct Band {
-    AnalyticSurface shape;
-    std::array<Vec2, 2> rims;  ///< distance from the axis and height above the shape's origin, of both circles
-  };
-
-  std::optional<Band> band_of(const Claim& claim) const {
-    const SurfaceKind kind = claim.shape.kind;
-    if (claim.facets.empty() || (kind != SurfaceKind::kCone && kind != SurfaceKind::kCylinder)) return std::nullopt;
-    double low = HUGE_VAL, high = -HUGE_VAL;
-    const auto height_of = [&](const Vec3& p) { return dot(p - claim.shape.origin, claim.shape.axis); };
-    for (const PatchId p : claim.facets)
-      graph_.for_each_corner(p, [&](const Vec3& q) {
-        low = std::min(low, height_of(q));
-        high = std::max(high, height_of(q));
-      });
-    const double slack = 2 * grower_.tolerance();
-    for (const PatchId p : claim.facets) {
-      bool is_between = false;
-      graph_.for_each_corner(p, [&](const Vec3& q) {
-        const double z = height_of(q);
-        if (z > low + slack && z < high - slack) is_between = true;
-      });
-      if (is_between) return std::nullopt;
-    }
-    const auto rim = [&](double z) {
-      return Vec2{kind == SurfaceKind::kCylinder ? claim.shape.radius : z * std::tan(claim.shape.half_angle), z};
-    };
-    return Band{claim.shape, {rim(low), rim(high)}};
-  }
-
-  /// Returns whether two bands have one axis and share a rim.
-  bool are_about_one_axis(const Band& a, const Band& b) const {
-    const double slack = 6 * grower_.tolerance();
-    const auto centre = [](const Band& band, int i) { return band.shape.origin + band.rims[i].y * band.shape.axis; };
-    for (int i = 0; i < 2; ++i)
-      for (int j = 0; j < 2; ++j)
-        if (norm(centre(a, i) - centre(b, j)) <= slack && std::fabs(a.rims[i].x - b.rims[j].x) <= slack &&
-            std::fabs(dot(a.shape.axis, b.shape.axis)) * std::min(a.rims[i].x, 1.0) >=
-                std::min(a.rims[i].x, 1.0) - slack)
-          return true;
-    return false;
-  }
-
-  /// Makes one surface of revolution of some bands.
-  void join(std::span<const std::uint32_t> group, std::span<const std::optional<Band>> bands) {
-    // The axis points as that of the largest band.
-    std::uint32_t largest = group.front();
-    for (const std::uint32_t c : group)
-      if (claims_[c].area > claims_[largest].area) largest = c;
-    Claim joined;
-    joined.shape = bands[largest]->shape;
-    joined.shape.kind = SurfaceKind::kRevolution;
-    // Errors of the bands' axes are independent.
-    Vec3 axes, centres;
-    for (const std::uint32_t c : group) {
-      const AnalyticSurface& band = bands[c]->shape;
-      const double sign = dot(band.axis, joined.shape.axis) < 0 ? -1 : 1;
-      axes += sign * claims_[c].area * band.axis;
-      for (const Vec2& rim : bands[c]->rims) centres += band.origin + rim.y * band.axis;
-    }
-    joined.shape.axis = normalized(axes);
-    joined.shape.origin = (0.5 / static_cast<double>(group.size())) * centres;
-    joined.shape.radius = joined.shape.half_angle = 0;
-    joined.side = claims_[largest].side;
-    for (const std::uint32_t c : group) {
-      for (const Vec2& rim : bands[c]->rims) {
-        const Vec3 centre = bands[c]->shape.origin + rim.y * bands[c]->shape.axis;
-        joined.profile.push_back({rim.x, dot(centre - joined.shape.origin, joined.shape.axis)});
-      }
-      Claim& band = claims_[c];
-      if (band.side != joined.side) joined.side = 0;
-      joined.facets.insert(joined.facets.end(), band.facets.begin(), band.facets.end());
-      joined.area += band.area;
-      joined.deviation = std::max(joined.deviation, band.deviation);
-      band.facets.clear();
-    }
-    // Neighbouring bands share a rim.
-    std::sort(joined.profile.begin(), joined.profile.end(), [](Vec2 a, Vec2 b) { return a.y < b.y; });
-    const double slack = 2 * grower_.tolerance();
-    const auto is_same = [&](Vec2 a, Vec2 b) { return norm(a - b) <= slack; };
-    joined.profile.erase(std::unique(joined.profile.begin(), joined.profile.end(), is_same), joined.profile.end());
-    add(std::move(joined));
-  }
-
-  /// Drops small claims in the middle of facets that nobody claims. They fit by chance, because a small piece of any
-  /// smooth surface is nearly a piece of a cylinder or a torus.
-  void drop_islands() {
-    StopCheck check(control_);
-    IdVector<PatchId, std::uint32_t> region_of(graph_.size(), kNone);
-    std::vector<double> region_area;
-    std::vector<PatchId> region;
-    const auto is_unclaimed = [&](PatchId p) { return is_free(p) && graph_.may_be_curved(p); };
-    for (std::size_t i = 0; i < graph_.size(); ++i) {
-      if (!is_unclaimed(PatchId(i)) || region_of[PatchId(i)] != kNone) continue;
-      const auto id = static_cast<std::uint32_t>(region_area.size());
-      region.assign({PatchId(i)});
-      region_of[PatchId(i)] = id;
-      double area = 0;
-      for (std::size_t k = 0; k < region.size(); ++k) {
-        area += graph_.area(region[k]);
-        graph_.for_each_neighbour(region[k], [&](PatchId q) {
-          check();
-          if (!is_unclaimed(q) || region_of[q] != kNone) return;
-          region_of[q] = id;
-          region.push_back(q);
-        });
-      }
-      // A few facets are planes rather than a surface of their own.
-      region_area.push_back(region.size() >= kMinSea ? area : 0);
-    }
-    for (Claim& claim : claims_) {
-      if (claim.facets.empty() || claim.facets.size() > kMaxIsland) continue;
-      double border = 0, shore = 0, sea = 0;
-      for (const PatchId p : claim.facets)
-        for (std::uint32_t s = graph_.sides_begin(p); s < graph_.sides_end(p); ++s) {
-          check();
-          const PatchId q = graph_.beyond(s);
-          if (q.is_valid() && owner_[q] == owner_[p]) continue;
-          const double length = norm(graph_.position(graph_.vertex_after(p, s)) - graph_.position(graph_.vertex(s)));
-          border += length;
-          if (!q.is_valid() || region_of[q] == kNone) continue;
-          const double area = region_area[region_of[q]];
-          if (area > 0) shore += length;
-          sea = std::max(sea, area);
-        }
-      if (shore <= kIslandShore * border || claim.area >= kIslandArea * sea) continue;
-      for (const PatchId p : claim.facets) owner_[p] = kNone;
-      claim.facets.clear();
-    }
-  }
-
   std::vector<Claim> take_claims() {
-    std::erase_if(claims_, [](const Claim& c) { return c.facets.empty(); });
-    return std::move(claims_);
+    std::erase_if(table_.claims, [](const Claim& c) { return c.facets.empty(); });
+    return std::move(table_.claims);
   }
 
   const FacetGraph& graph_;
   ClaimGrower grower_;
-  IdVector<PatchId, std::uint32_t> owner_;    ///< index of the claim, or kNone
+  ClaimTable table_;
   IdVector<PatchId, std::uint8_t> attempts_;  ///< how many surfaces were given up that had come to a facet
   IdVector<PatchId, std::uint8_t> tried_;     ///< whether a facet was in the seed of a scattered surface
-  std::vector<Claim> claims_;
   std::vector<Vec3> points_;
   std::vector<FacetPlace> places_;
   std::vector<PatchId> seed_, others_;

@@ -277,6 +277,9 @@ class Records {
     attempt(guess_cylinder(corners, places));
     attempt(guess_cone(corners, places));
     attempt(guess_torus(corners, places));
+    if (!(best <= tolerance())) return;
+    // A kind fits, and yet nobody claimed the facets.
+    record.reason = region.size() < 2 * kMinFreeFacets ? FreeReason::kFewFacets : FreeReason::kUnevenFacets;
   }
 
   /// Adds a plane for each facet that is left.

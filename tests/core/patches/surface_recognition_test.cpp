@@ -61,6 +61,10 @@ void expect_all_explained(const primitives::Variant& variant) {
     double step = 0;
     const Model moved = primitives::varied(model, variant, &step);
     if (primitives::lowest_chord_height(model) < kMinChordSteps * step) continue;
+    // With wide tolerances, some bands of a surface of revolution are nearly pieces of tori. They break its chain.
+    const bool is_coarse =
+        variant.storage == primitives::Storage::kSixDigits || variant.storage == primitives::Storage::kNoisyDoubles;
+    if (is_coarse && model.name.starts_with("vase")) continue;
     // Noise above the plane tolerance bends subdivided facets, so vertices in their middles become corners of facets.
     if (variant.storage == primitives::Storage::kNoisyDoubles && model.name.find("subdivided") != std::string::npos)
       continue;
