@@ -100,7 +100,7 @@ class SurfacePicture {
       case SurfaceKind::kCylinder:
       case SurfaceKind::kSphere: return std::string(kind_name(s.kind)) + " r " + rounded(s.radius);
       case SurfaceKind::kCone: return "cone " + rounded(s.half_angle * 180 / std::numbers::pi) + "°";
-      case SurfaceKind::kTorus: return "torus r " + rounded(s.radius) + ", " + rounded(s.minor_radius);
+      case SurfaceKind::kTorus: return "torus R " + rounded(s.radius) + ", r " + rounded(s.minor_radius);
       case SurfaceKind::kPlane:
       case SurfaceKind::kRevolution:
       case SurfaceKind::kFree: break;
@@ -126,8 +126,8 @@ std::string recognised_surfaces(const PolygonMesh& bracket, RunControl& control)
   turned.label(turned_point(2.5, 15.5, -20), {2, -22}, second);
   turned.label(turned_point(22, 18, 95), {-10, 16}, second);
   turned.label(turned_point(43.5, 20, -15), {4, -38}, second);
-  turned.label(turned_point(46.5, 32, 60), {-28, 20}, second);
-  turned.label(turned_point(53, 33, 100), {-2, 10}, second);
+  turned.label(turned_point(46.5, 32, 80), {-24, 18}, second);
+  turned.label(turned_point(53, 33, 85), {15, 16}, second);
   turned.label(turned_point(80, 14, -10), {8, -22}, second);
   turned.label(turned_point(118, 14, 85), {-2, 14}, second);
   return to_svg({first, second}, 480, 420);
