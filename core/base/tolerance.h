@@ -21,8 +21,8 @@ inline constexpr double kToleranceSteps = 2.6;
 /// is about ten rounding steps: programs compute points of curves between two surfaces less exactly than they round.
 inline constexpr double kRecognitionTolerance = 3.8;
 
-/// Largest plane tolerance, relative to the diagonal, that digits explain without proof when surfaces are recognised.
-/// Six digits explain as much.
+/// Largest plane tolerance, relative to the diagonal, that recognition of surfaces takes from digits without proof that
+/// the coordinates were rounded to them. Six digits explain as much.
 inline constexpr double kPossibleRounding = 2.6e-6;
 
 /// Largest automatic plane tolerance, relative to the diagonal. If a model was rounded more coarsely, its details are

@@ -1,5 +1,5 @@
-/// Claims of facets for surfaces: a surface grows from a few facets over its neighbours as long as their corners lie on
-/// it.
+/// Claims of facets for surfaces: a surface grows from a few facets over their neighbours as long as the corners of
+/// these lie on it.
 #pragma once
 
 #include <cstddef>
@@ -65,11 +65,12 @@ class ClaimGrower {
   /// Output: nothing if no surface of this kind has enough facets to be believed.
   std::optional<Claim> grow(const AnalyticSurface& start, std::span<const PatchId> seed, Taken may_replace);
 
+  /// Returns the mean of a facet's corners, and its normal.
   FacetPlace place_of(PatchId p) const;
   /// Returns the sum of the facets' largest distances from a surface in their middles and the middles of their sides.
   double chord_height(const AnalyticSurface& shape, std::span<const PatchId> facets) const;
-  /// Returns the facets over which the last growth came before it was given up. It is empty if the growth succeeded, or
-  /// came over few.
+  /// Returns the facets that the last growth had when it was given up. There are none if the growth succeeded, or had
+  /// too few facets for its kind.
   std::span<const PatchId> given_up() const { return given_up_; }
 
  private:
