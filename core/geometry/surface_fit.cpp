@@ -220,7 +220,8 @@ Parameters parameters_of(const AnalyticSurface& s, const Vec3& middle, double sc
   return at;
 }
 
-/// Rounds parameters to multiples of a number. Sizes with few digits are no odd multiples of its half.
+/// Rounds parameters to multiples of a step. Sizes with few decimal digits do not lie in the middle between two
+/// multiples, where values that are nearly equal would be rounded apart.
 Parameters rounded(Parameters at, const Vec3& middle) {
   constexpr double kStep = 0x1p-24 / 25;
   const auto round = [](double x) { return std::nearbyint(x / kStep) * kStep; };

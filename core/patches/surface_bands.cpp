@@ -15,7 +15,7 @@
 namespace remesh {
 namespace {
 
-/// Fewer bands about one axis are cones and cylinders of their own.
+/// The smallest number of bands that are joined. Fewer bands about one axis are cones and cylinders of their own.
 constexpr std::size_t kMinBands = 4;
 
 /// A band of facets between two circles about an axis.

@@ -8,7 +8,8 @@
 namespace remesh {
 namespace {
 
-/// A few facets determine a surface badly, so far corners may be off by this many tolerances until more are found.
+/// A few facets determine a surface badly. So corners that are far from them may be off by this many tolerances until
+/// more facets are found.
 constexpr double kFirstSlack = 20;
 
 /// Where facets are so small that they are hardly off their surface, everything smooth would fit with much slack.
@@ -29,36 +30,37 @@ constexpr std::size_t kFewFacets = 32;
 /// A fit is good enough to grow further if the root mean square of the distances is this many tolerances.
 constexpr double kGoodEnough = 0.2;
 
-/// The angle between the normals of a facet and of its surface in the facet's middle is at most acos of this. Facets
-/// that meet smoothly turn by half the feature angle.
+/// In each corner of a facet, the cosine of the angle between its normal and that of its surface is at least this.
+/// Facets that meet smoothly look away from their surface by about half the feature angle.
 constexpr double kMinFacing = 0.8;
 
-/// A facet over which the surface turns by more than this many medians was cut on purpose: it is the flat on a shaft.
-/// Programs make pieces of boundaries half as large as facets inside.
-/// That is a factor of 2.6, here for 1 - cos of small angles.
+/// A facet was cut on purpose, like the flat on a shaft, if the surface turns over it by more than 2.6 times the
+/// median. The factor is above 2, because programs make pieces at boundaries half as large as facets inside. It is
+/// squared here for 1 - cos of small angles.
 constexpr double kMaxUneven = 2.6 * 2.6;
 
-/// If facets with more than this part of the area were cut on purpose, all were.
+/// All facets were cut on purpose if those that are dropped have more than this part of the area of the others.
 constexpr double kMaxDropped = 0.6;
 
-/// A torus through three circles about one axis proves nothing, because there always is one.
+/// The smallest number of circles about its axis on which the corners of a torus lie. Through three circles about one
+/// axis there always is a torus.
 constexpr int kMinRings = 4;
 
-/// Rounding alone moves corners by this many tolerances. A surface is believed if so large a part of its corners is as
-/// close to it; the smaller part holds for many facets.
+/// Rounding alone moves corners by this many tolerances. A surface is believed without doubt if so large a part of its
+/// corners is as close to it. The smaller part is enough for many facets.
 constexpr double kCloseFit = 0.1;
 constexpr double kCloseOfFew = 0.9, kCloseOfMany = 0.5;
 constexpr std::size_t kManyFacets = 40;
 
-/// Any other surface must end where it ends. If the next facet leaves it by no more than this many chord heights, or
-/// is not larger than this many facets of the surface, the facets go on as if nothing had happened. At most this part
-/// of the border may be such.
+/// The facets of any other surface must end where the surface ends. They go on as if nothing had happened if the next
+/// facet leaves the surface by no more than this many chord heights, or if it is no larger than this many facets of the
+/// surface. That may be so along this part of the border at most.
 constexpr double kSoftBorder = 4, kAlikeArea = 4, kMaxSoft = 0.15;
 
 /// The smallest numbers of facets that are believed.
 std::size_t min_facets(SurfaceKind kind) { return kind == SurfaceKind::kTorus ? 6 : 4; }
 
-/// The number of corners that are believed. Each is a constraint.
+/// The smallest number of corners that are believed. Each corner is a constraint.
 std::size_t min_corners(SurfaceKind kind) {
   const auto parameters = static_cast<std::size_t>(parameter_count(kind));
   return kind == SurfaceKind::kTorus ? 2 * parameters : parameters + 4;

@@ -1,5 +1,5 @@
-/// Claims of facets for surfaces: a surface grows from a few facets over its neighbours as long as their corners lie on
-/// it.
+/// Claims of facets for surfaces: a surface grows from a few facets over their neighbours as long as the corners of
+/// these lie on it.
 #pragma once
 
 #include <cstddef>
@@ -68,11 +68,12 @@ class ClaimGrower {
   /// Returns how much work was done so far. It is counted in steps, so that it is the same on every machine.
   std::uint64_t work() const { return work_; }
 
+  /// Returns the mean of a facet's corners, and its normal.
   FacetPlace place_of(PatchId p) const;
   /// Returns the sum of the facets' largest distances from a surface in their middles and the middles of their sides.
   double chord_height(const AnalyticSurface& shape, std::span<const PatchId> facets) const;
-  /// Returns the facets over which the last growth came before it was given up. It is empty if the growth succeeded, or
-  /// came over few.
+  /// Returns the facets that the last growth had when it was given up. There are none if the growth succeeded, or had
+  /// too few facets for its kind.
   std::span<const PatchId> given_up() const { return given_up_; }
 
  private:

@@ -10,8 +10,9 @@
 namespace remesh {
 namespace {
 
-/// A claim is an island if it has at most so many facets, if so much of its border is with one or more regions of many
-/// facets that nobody claims, and if it is smaller than this part of the largest of them.
+/// A claim is an island if it has at most kMaxIsland facets, if more than kIslandShore of its border is with seas, and
+/// if it is smaller than kIslandArea of the largest of these. A sea is a region of kMinSea facets or more that nobody
+/// claims.
 constexpr std::size_t kMaxIsland = 40, kMinSea = 40;
 constexpr double kIslandShore = 0.6, kIslandArea = 0.05;
 

@@ -21,13 +21,15 @@
 namespace remesh {
 namespace {
 
-/// A claim replaces smaller ones if its area is larger than the largest of theirs by this factor.
+/// A claim replaces smaller ones if its area is larger than the largest of theirs by this factor. The second factor is
+/// for claims that are not close (see kCloseFit).
 constexpr double kMuchLarger = 1.3, kMuchLargerIfDoubtful = 6;
 
-/// A facet over which so many surfaces were given up is no seed any more.
+/// A facet is no seed any more if this many surfaces were given up that had come to it.
 constexpr std::uint8_t kMaxAttempts = 3;
 
-/// A band is compared with its neighbours if all of its corners are this close to it, in tolerances.
+/// A claim is close if all of its corners are within this many tolerances of its surface. Only close claims are tried
+/// together with their neighbours.
 constexpr double kCloseFit = 0.4;
 
 /// Growths that come to nothing may cost so much work a facet. Scans and other smooth surfaces of no kind would take
@@ -37,11 +39,11 @@ constexpr std::uint64_t kMaxWaste = 100;
 /// Any mesh may take so much in vain, which is some tenths of a second.
 constexpr std::uint64_t kFreeWaste = 25'000'000;
 
-/// A kind with more parameters is chosen only if its area is larger by this factor.
+/// Areas are about as large unless one of them is larger by this factor.
 constexpr double kLarger = 1.02;
 
 /// The facets of a band around an axis have their corners on a cone, on a sphere and on tori. They deviate less from
-/// the cone than from the others.
+/// the surface that they were made from: their chord height there is below this part of the others.
 constexpr double kNearer = 0.9;
 
 /// Makes the claims of all facets.

@@ -1,4 +1,4 @@
-/// Makes the list of surfaces of the claims that were made for them.
+/// Makes the list of surfaces from the claims of facets.
 #pragma once
 
 #include <vector>

@@ -28,6 +28,7 @@
 #include "tests/figures/refined_patch.h"
 #include "tests/figures/render.h"
 #include "tests/figures/style.h"
+#include "tests/figures/surface_figures.h"
 #include "tests/figures/svg.h"
 
 namespace remesh::figures {
@@ -262,6 +263,8 @@ void draw_all(const std::filesystem::path& folder, const std::filesystem::path& 
   write_file(folder / "triangulation.svg", patch.triangulation());
   write_file(folder / "refinement.svg", refinement_of_patch(part, upper_face_of_base(part), control));
   write_file(folder / "sharp_corner.svg", sharp_corner(control));
+  write_file(folder / "surfaces.svg", recognised_surfaces(mesh, control));
+  write_file(folder / "declined_surfaces.svg", declined_surfaces(control));
   write_file(folder / "three_settings.svg", three_settings(mesh, control));
 }
 

@@ -19,8 +19,6 @@ const Colour kMetal{0.62, 0.72, 0.82};
 const Colour kDark{0.10, 0.15, 0.22};
 const Colour kWhite{1, 1, 1};
 
-Vec2 project(const Vec3& p) { return {dot(p, kRight), dot(p, kUp)}; }
-
 /// A face that looks at the viewer, in picture coordinates.
 struct Facet {
   std::size_t face;
@@ -35,7 +33,7 @@ struct Facet {
 Facet make_facet(const Shape& shape, std::size_t face, const Vec3& normal) {
   Facet facet{face, shape.patch[face], {}, {HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL}, {}};
   for (std::size_t k = 0; k < 3; ++k) {
-    const Vec2 p = project(shape.positions[shape.faces[face][k]]);
+    const Vec2 p = in_picture(shape.positions[shape.faces[face][k]]);
     facet.corners[k] = p;
     facet.low = {std::min(facet.low.x, p.x), std::min(facet.low.y, p.y)};
     facet.high = {std::max(facet.high.x, p.x), std::max(facet.high.y, p.y)};
@@ -142,10 +140,24 @@ Colour colour_of_size(const Shape& shape, std::size_t face) {
 
 }  // namespace
 
+Vec2 in_picture(const Vec3& p) { return {dot(p, kRight), dot(p, kUp)}; }
+
+bool looks_at_viewer(const Vec3& normal) { return dot(normal, kTowardsViewer) > 1e-3; }
+
 void draw(const Shape& shape, Paint paint, double mesh_line_width, Panel& panel) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> patch_at;  // by directed edge
   for (std::size_t f = 0; f < shape.faces.size(); ++f)
     for (std::size_t k = 0; k < 3; ++k) patch_at[{shape.faces[f][k], shape.faces[f][(k + 1) % 3]}] = shape.patch[f];
+
+  std::vector<Vec3> patch_normals;  // so that needles, whose own normals are noise, do not show
+  if (paint == Paint::kSurfaces) {
+    patch_normals.resize(shape.surface.size());
+    for (std::size_t f = 0; f < shape.faces.size(); ++f) {
+      const auto [a, b, c] = shape.faces[f];
+      patch_normals[shape.patch[f]] +=
+          cross(shape.positions[b] - shape.positions[a], shape.positions[c] - shape.positions[a]);
+    }
+  }
 
   std::vector<Facet> facets;
   std::vector<Vec3> normals;
@@ -153,9 +165,9 @@ void draw(const Shape& shape, Paint paint, double mesh_line_width, Panel& panel)
     const auto [a, b, c] = shape.faces[f];
     const Vec3 normal =
         normalized(cross(shape.positions[b] - shape.positions[a], shape.positions[c] - shape.positions[a]));
-    if (dot(normal, kTowardsViewer) <= 1e-3) continue;
+    if (!looks_at_viewer(normal)) continue;
     facets.push_back(make_facet(shape, f, normal));
-    normals.push_back(normal);
+    normals.push_back(paint == Paint::kSurfaces ? normalized(patch_normals[shape.patch[f]]) : normal);
   }
 
   const auto colour = [&](std::size_t i) {
@@ -163,6 +175,7 @@ void draw(const Shape& shape, Paint paint, double mesh_line_width, Panel& panel)
     switch (paint) {
       case Paint::kPatches: return tinted(colour_of(facets[i].patch));
       case Paint::kSizes: return tinted(colour_of_size(shape, facets[i].face));
+      case Paint::kSurfaces: return tinted(shape.colour[shape.surface[facets[i].patch]]);
       case Paint::kLight: break;
     }
     return shade(kMetal, normals[i]);
@@ -174,15 +187,18 @@ void draw(const Shape& shape, Paint paint, double mesh_line_width, Panel& panel)
     for (const auto& [name, alike] : by_colour) {
       const Colour fill = colour(alike.front());
       for (const std::size_t i : alike)
-        panel.polygon({facets[i].corners.begin(), facets[i].corners.end()}, fill, mix(fill, kDark, 0.62),
-                      mesh_line_width);
+        panel.polygon({facets[i].corners.begin(), facets[i].corners.end()}, fill,
+                      paint == Paint::kSurfaces ? fill : mix(fill, kDark, 0.62), mesh_line_width);
     }
     for (const std::size_t i : run) {
       const auto& face = shape.faces[facets[i].face];
       for (std::size_t k = 0; k < 3; ++k) {
         const auto beside = patch_at.find({face[(k + 1) % 3], face[k]});
-        if (beside == patch_at.end() || beside->second != facets[i].patch)
-          panel.line(facets[i].corners[k], facets[i].corners[(k + 1) % 3], kDark, 1.1);
+        if (beside != patch_at.end() && beside->second == facets[i].patch) continue;
+        const bool is_weak = paint == Paint::kSurfaces && beside != patch_at.end() &&
+                             shape.surface[beside->second] == shape.surface[facets[i].patch];
+        panel.line(facets[i].corners[k], facets[i].corners[(k + 1) % 3], is_weak ? mix(colour(i), kDark, 0.5) : kDark,
+                   is_weak ? 0.4 : 1.1);
       }
     }
   }

@@ -102,15 +102,19 @@ std::string hex(const Colour& colour) {
 }
 
 void Panel::polygon(const std::vector<Vec2>& points, const Colour& fill, const Colour& stroke, double stroke_width) {
-  elements_.push_back({Element::Kind::kPolygon, points, fill, stroke, stroke_width});
+  elements_.push_back({Element::Kind::kPolygon, points, fill, stroke, stroke_width, {}});
 }
 
 void Panel::line(Vec2 from, Vec2 to, const Colour& stroke, double stroke_width) {
-  elements_.push_back({Element::Kind::kLine, {from, to}, {}, stroke, stroke_width});
+  elements_.push_back({Element::Kind::kLine, {from, to}, {}, stroke, stroke_width, {}});
 }
 
 void Panel::dot(Vec2 at, double radius, const Colour& fill) {
-  elements_.push_back({Element::Kind::kDot, {at}, fill, {}, radius});
+  elements_.push_back({Element::Kind::kDot, {at}, fill, {}, radius, {}});
+}
+
+void Panel::label(Vec2 at, std::string text, const Colour& fill) {
+  elements_.push_back({Element::Kind::kLabel, {at}, fill, {}, 0, std::move(text)});
 }
 
 std::string to_svg(const std::vector<Panel>& panels, double panel_width, double panel_height) {
@@ -153,6 +157,12 @@ std::string to_svg(const std::vector<Panel>& panels, double panel_width, double 
       // Consecutive elements that look alike become one path, or one group of dots.
       const auto& first = elements[from];
       while (to < elements.size() && elements[to].is_like(first)) ++to;
+      if (first.kind == Panel::Element::Kind::kLabel) {
+        const Vec2 at = place(first.points[0]);
+        svg += "<text x=\"" + number(at.x) + "\" y=\"" + number(at.y + 4) + "\" font-size=\"13\" fill=\"" +
+               hex(first.fill) + "\">" + escaped(first.text) + "</text>\n";
+        continue;
+      }
       svg += first.kind == Panel::Element::Kind::kDot ? "<g" : "<path";
       if (first.kind != Panel::Element::Kind::kLine) svg += " fill=\"" + hex(first.fill) + "\"";
       if (first.kind == Panel::Element::Kind::kDot) {

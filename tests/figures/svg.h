@@ -37,19 +37,23 @@ class Panel {
   void polygon(const std::vector<Vec2>& points, const Colour& fill, const Colour& stroke, double stroke_width);
   void line(Vec2 from, Vec2 to, const Colour& stroke, double stroke_width);
   void dot(Vec2 at, double radius, const Colour& fill);
+  /// Writes a word with its middle at a place.
+  void label(Vec2 at, std::string text, const Colour& fill);
 
  private:
   friend std::string to_svg(const std::vector<Panel>& panels, double panel_width, double panel_height);
 
   struct Element {
-    enum class Kind { kPolygon, kLine, kDot } kind;
+    enum class Kind { kPolygon, kLine, kDot, kLabel } kind;
     std::vector<Vec2> points;
     Colour fill;
     Colour stroke;
-    double width;  ///< width of the stroke, or radius of a dot
+    double width;      ///< width of the stroke, or radius of a dot
+    std::string text;  ///< of a label
 
     bool is_like(const Element& other) const {
-      return kind == other.kind && fill == other.fill && stroke == other.stroke && width == other.width;
+      return kind == other.kind && fill == other.fill && stroke == other.stroke && width == other.width &&
+             text == other.text;
     }
   };
 

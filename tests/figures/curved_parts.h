@@ -1,0 +1,29 @@
+/// The parts in the pictures of curved surfaces. Their facets are flat, and their coordinates are rounded to six
+/// decimals, as in an export.
+#pragma once
+
+#include "core/base/vec.h"
+#include "core/mesh/mesh.h"
+
+namespace remesh::figures {
+
+/// The number of facets around the turned part.
+inline constexpr int kTurnedSides = 32;
+
+/// Returns a point at a height along the axis of the turned part, which is the y axis.
+Vec3 turned_point(double height, double radius, double angle_deg);
+
+/// Makes a part as from a lathe. From left to right it has a bore, a chamfer, a shaft with a fillet, a collar with a
+/// round edge, a grip whose outline is no circle, and a ball.
+PolygonMesh make_turned_part();
+
+/// Makes a shaft with a flat along its length. The four corners of the flat lie on the shaft's cylinder.
+PolygonMesh make_flattened_shaft();
+
+/// Makes a hexagon nut with a round bore. The edges of the six sides lie on a cylinder, too.
+PolygonMesh make_nut();
+
+/// Makes an ellipsoid with three different axes.
+PolygonMesh make_ellipsoid();
+
+}  // namespace remesh::figures
