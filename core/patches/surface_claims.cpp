@@ -66,6 +66,27 @@ std::size_t min_corners(SurfaceKind kind) {
   return kind == SurfaceKind::kTorus ? 2 * parameters : parameters + 4;
 }
 
+/// Returns whether the points lie on more circles around the axis of a torus than always fit one.
+bool has_enough_rings(std::span<const Vec3> points, const AnalyticSurface& torus, double tolerance) {
+  const Vec3 x = normalized(cross(torus.axis, std::fabs(torus.axis.x) < 0.8 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}));
+  const Vec3 y = cross(torus.axis, x);
+  std::vector<double> along_tube, around_tube;
+  for (const Vec3& p : points) {
+    const Vec3 q = p - torus.origin;
+    const double z = dot(q, torus.axis), r = norm(q - z * torus.axis);
+    around_tube.push_back(torus.minor_radius * std::atan2(z, r - torus.radius));
+    along_tube.push_back(r * std::atan2(dot(q, y), dot(q, x)));
+  }
+  const auto count = [&](std::vector<double>& places) {
+    std::sort(places.begin(), places.end());
+    int circles = 1;
+    for (std::size_t i = 1; i < places.size() && circles < kMinRings; ++i)
+      if (places[i] - places[i - 1] > 4 * tolerance) ++circles;
+    return circles;
+  };
+  return count(around_tube) >= kMinRings && count(along_tube) >= kMinRings - 1;
+}
+
 }  // namespace
 
 class ClaimGrower::Gauge {
@@ -301,26 +322,6 @@ double ClaimGrower::drop_uneven(const AnalyticSurface& shape, std::vector<PatchI
   return area > 0 ? height / area : 0;
 }
 
-bool ClaimGrower::has_enough_rings(const AnalyticSurface& torus, double tolerance) const {
-  const Vec3 x = normalized(cross(torus.axis, std::fabs(torus.axis.x) < 0.8 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}));
-  const Vec3 y = cross(torus.axis, x);
-  std::vector<double> along_tube, around_tube;
-  for (const Vec3& p : points_) {
-    const Vec3 q = p - torus.origin;
-    const double z = dot(q, torus.axis), r = norm(q - z * torus.axis);
-    around_tube.push_back(torus.minor_radius * std::atan2(z, r - torus.radius));
-    along_tube.push_back(r * std::atan2(dot(q, y), dot(q, x)));
-  }
-  const auto count = [&](std::vector<double>& places) {
-    std::sort(places.begin(), places.end());
-    int circles = 1;
-    for (std::size_t i = 1; i < places.size() && circles < kMinRings; ++i)
-      if (places[i] - places[i - 1] > 4 * tolerance) ++circles;
-    return circles;
-  };
-  return count(around_tube) >= kMinRings && count(along_tube) >= kMinRings - 1;
-}
-
 std::optional<Claim> ClaimGrower::grow(const AnalyticSurface& start, std::span<const PatchId> seed, Taken may_replace) {
   ++growth_;
   given_up_.clear();
@@ -420,7 +421,7 @@ std::optional<Claim> ClaimGrower::conclude(AnalyticSurface shape, int side, std:
     for (const VertexId v : vertices_) points_.push_back(graph_.position(v));
     // The sums of the fit come in an order that depends on the points alone.
     std::sort(points_.begin(), points_.end());
-    if (shape.kind == SurfaceKind::kTorus && !has_enough_rings(shape, tolerance_)) return std::nullopt;
+    if (shape.kind == SurfaceKind::kTorus && !has_enough_rings(points_, shape, tolerance_)) return std::nullopt;
     work_ += 2 * kWorkOfFit * points_.size();
     const std::optional<AnalyticSurface> near = fit_from(shape, points_);
     const auto best = near ? fit_from(*near, points_, {.is_canonical = true}) : std::nullopt;

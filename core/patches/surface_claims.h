@@ -98,8 +98,6 @@ class ClaimGrower {
   /// Returns whether the facets around a claim leave its surface so gradually that the claim is a piece of something
   /// larger, to which the surface is only near.
   bool goes_on_beyond(const Gauge& gauge, const Claim& claim);
-  /// Returns whether the points lie on more circles around the axis of a torus than always fit one.
-  bool has_enough_rings(const AnalyticSurface& torus, double tolerance) const;
   bool grow_members(AnalyticSurface& shape, int side, Taken may_replace, std::vector<PatchId>& members);
   std::optional<Claim> conclude(AnalyticSurface shape, int side, std::vector<PatchId> members);
 
