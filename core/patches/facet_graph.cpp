@@ -42,7 +42,7 @@ FacetGraph::FacetGraph(const Facets& facets, double feature_angle_deg, RunContro
       corner_count_[p] = 0;
       if (has_one_loop && corners >= 3 && corners <= kMaxCorners && smooth_here > 0)
         corner_count_[p] = static_cast<std::uint8_t>(corners);
-      else if (smooth_here > 0 && smooth_here == sides_end(p) - sides_begin(p))
+      else if (!has_one_loop && smooth_here > 0 && smooth_here == sides_end(p) - sides_begin(p))
         corner_count_[p] = kManyCorners;
       smooth += smooth_here;
     }

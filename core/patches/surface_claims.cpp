@@ -43,8 +43,8 @@ constexpr double kMaxUneven = 2.6 * 2.6;
 constexpr double kMaxDropped = 0.6;
 
 /// The smallest number of circles about its axis on which the corners of a torus lie. Through three circles about one
-/// axis there always is a torus.
-constexpr int kMinRings = 4;
+/// axis there always is a torus, and through four that mirror each other as well.
+constexpr int kMinRings = 5;
 
 /// Rounding alone moves corners by this many tolerances. A surface is believed without doubt if so large a part of its
 /// corners is as close to it. The smaller part is enough for many facets.
@@ -84,7 +84,7 @@ bool has_enough_rings(std::span<const Vec3> points, const AnalyticSurface& torus
       if (places[i] - places[i - 1] > 4 * tolerance) ++circles;
     return circles;
   };
-  return count(around_tube) >= kMinRings && count(along_tube) >= kMinRings - 1;
+  return count(around_tube) >= kMinRings && count(along_tube) >= kMinRings - 2;
 }
 
 }  // namespace

@@ -65,6 +65,8 @@ void expect_all_explained(const primitives::Variant& variant) {
     const bool is_coarse =
         variant.storage == primitives::Storage::kSixDigits || variant.storage == primitives::Storage::kNoisyDoubles;
     if (is_coarse && model.name.starts_with("vase")) continue;
+    // Noise above the plane tolerance cuts a flat ring into long pieces, which may as well be planes.
+    if (variant.storage == primitives::Storage::kNoisyDoubles && model.name.starts_with("torus with flat")) continue;
     // Noise above the plane tolerance bends subdivided facets, so vertices in their middles become corners of facets.
     if (variant.storage == primitives::Storage::kNoisyDoubles && model.name.find("subdivided") != std::string::npos)
       continue;
