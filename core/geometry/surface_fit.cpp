@@ -82,7 +82,7 @@ struct Parameters {
   Vec3 origin;  ///< a point of the axis, or the centre of a sphere
   Vec3 axis, x, y;
   std::array<double, 3> profile;  ///< see residual_of
-  double cosine = 1, sine = 0;    ///< of a cone's angle
+  double cosine = 1, sine = 0;    ///< a cone has these of its angle
 
   std::size_t count() const { return static_cast<std::size_t>(parameter_count(kind)); }
   void set_angle() {
@@ -433,6 +433,7 @@ std::optional<AnalyticSurface> fit_from(const AnalyticSurface& start, std::span<
       if (damping > 1e6) break;
       continue;
     }
+    if (goal.control != nullptr) goal.control->check();
     const Parameters next = moved(at, step);
     const Normal after = sums_of(next, points, scale);
     const bool is_settled = std::fabs(sums.cost - after.cost) <= goal.settled * sums.cost || after.cost <= 1e-31;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 
+#include "core/base/run_control.h"
 #include "core/base/vec.h"
 #include "core/geometry/analytic_surface.h"
 
@@ -40,11 +41,13 @@ struct FitGoal {
   double settled = 1e-6;  ///< the fit ends where a step changes the sum of the squares by this part or less
   /// Begin near `start`, at rounded parameters. Then starts that differ by rounding have the same result, bit for bit.
   bool is_canonical = false;
+  const RunControl* control = nullptr;  ///< stops the fit, unless it is null
 };
 
 /// Improves a surface until the sum of the squares of the points' distances from it is a minimum.
 /// Output: nothing if this ends in a surface that is none, for example with an infinite radius, or if it is hopeless.
 /// Holds:  the result depends on the order of the points only by rounding.
+/// Errors: kCancelled, kTimeout - asked to stop through the goal's control.
 /// Cost:   some passes over the points.
 /// Source: the method of D. Marquardt, An Algorithm for Least-Squares Estimation of Nonlinear Parameters, 1963.
 std::optional<AnalyticSurface> fit_from(const AnalyticSurface& start, std::span<const Vec3> points,

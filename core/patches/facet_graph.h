@@ -29,10 +29,8 @@ class FacetGraph {
   const Vec3& normal(PatchId p) const { return facets_.patches.planes[p].normal; }
   const Vec3& position(VertexId v) const { return facets_.surface.local[v]; }
   VertexId vertex(std::uint32_t side) const { return facets_.adjacency.from(facets_.loops.half_edges[side]); }
-  /// Returns the vertex in which a side of a facet ends. The facet has one loop.
-  VertexId vertex_after(PatchId p, std::uint32_t side) const {
-    return vertex(side + 1 < sides_end(p) ? side + 1 : sides_begin(p));
-  }
+  /// Returns the vertex in which a side ends.
+  VertexId end_vertex(std::uint32_t side) const { return facets_.adjacency.to(facets_.loops.half_edges[side]); }
   bool is_corner(std::uint32_t side) const { return facets_.essential[vertex(side)]; }
 
   /// The sides of a facet are the half-edges of its loops. They are numbered one facet after another.

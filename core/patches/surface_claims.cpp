@@ -67,7 +67,8 @@ std::size_t min_corners(SurfaceKind kind) {
 }
 
 /// Returns whether the points lie on more circles around the axis of a torus than always fit one.
-bool has_enough_rings(std::span<const Vec3> points, const AnalyticSurface& torus, double tolerance) {
+bool has_enough_rings(std::span<const Vec3> points, const AnalyticSurface& torus, double tolerance,
+                      const RunControl& control) {
   const Vec3 x = normalized(cross(torus.axis, std::fabs(torus.axis.x) < 0.8 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}));
   const Vec3 y = cross(torus.axis, x);
   std::vector<double> along_tube, around_tube;
@@ -78,7 +79,7 @@ bool has_enough_rings(std::span<const Vec3> points, const AnalyticSurface& torus
     along_tube.push_back(r * std::atan2(dot(q, y), dot(q, x)));
   }
   const auto count = [&](std::vector<double>& places) {
-    std::sort(places.begin(), places.end());
+    sort_stoppable(places.begin(), places.end(), control);
     int circles = 1;
     for (std::size_t i = 1; i < places.size() && circles < kMinRings; ++i)
       if (places[i] - places[i - 1] > 4 * tolerance) ++circles;
@@ -99,8 +100,6 @@ class ClaimGrower::Gauge {
         minor_radius_(s.minor_radius),
         cosine_(std::cos(s.half_angle)),
         sine_(std::sin(s.half_angle)) {}
-
-  SurfaceKind kind() const { return kind_; }
 
   double distance(const Vec3& p) const {
     const Vec3 q = p - origin_;
@@ -161,6 +160,7 @@ class ClaimGrower::Gauge {
 ClaimGrower::ClaimGrower(const FacetGraph& graph, double tolerance, RunControl& control)
     : graph_(graph),
       tolerance_(tolerance),
+      control_(control),
       check_(control),
       taken_(graph.size(), Taken::kFree),
       mark_(graph.size(), 0) {}
@@ -283,7 +283,7 @@ double ClaimGrower::turn(const Gauge& gauge, PatchId p) const {
 }
 
 double ClaimGrower::median_by_area(std::vector<std::pair<double, PatchId>>& values) const {
-  std::sort(values.begin(), values.end());
+  sort_stoppable(values.begin(), values.end(), control_);
   double area = 0, below = 0;
   for (const auto& [value, p] : values) area += graph_.area(p);
   for (const auto& [value, p] : values) {
@@ -395,9 +395,10 @@ bool ClaimGrower::goes_on_beyond(const Gauge& gauge, const Claim& claim) {
       check_();
       const PatchId q = graph_.beyond(s);
       if (q.is_valid() && mark_[q] == growth_) continue;
-      const double length = norm(graph_.position(graph_.vertex_after(p, s)) - graph_.position(graph_.vertex(s)));
+      const double length = norm(graph_.position(graph_.end_vertex(s)) - graph_.position(graph_.vertex(s)));
       border += length;
-      if (!q.is_valid() || !graph_.may_be_curved(q)) continue;
+      // A ring has as many corners as the border has sides, and all of them would be looked at from each side.
+      if (!q.is_valid() || !graph_.may_be_seed(q)) continue;
       double distance = 0;
       graph_.for_each_corner(q, [&](const Vec3& c) { distance = std::max(distance, std::fabs(gauge.distance(c))); });
       if (distance <= kSoftBorder * claim.chord_height || graph_.area(q) <= alike) soft += length;
@@ -414,17 +415,18 @@ std::optional<Claim> ClaimGrower::conclude(AnalyticSurface shape, int side, std:
     for (const PatchId p : members)
       for (std::uint32_t s = graph_.sides_begin(p); s < graph_.sides_end(p); ++s)
         if (graph_.is_corner(s)) vertices_.push_back(graph_.vertex(s));
-    std::sort(vertices_.begin(), vertices_.end());
+    sort_stoppable(vertices_.begin(), vertices_.end(), control_);
     vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
     if (vertices_.size() < min_corners(shape.kind)) return std::nullopt;
     points_.clear();
     for (const VertexId v : vertices_) points_.push_back(graph_.position(v));
     // The sums of the fit come in an order that depends on the points alone.
-    std::sort(points_.begin(), points_.end());
-    if (shape.kind == SurfaceKind::kTorus && !has_enough_rings(points_, shape, tolerance_)) return std::nullopt;
+    sort_stoppable(points_.begin(), points_.end(), control_);
+    if (shape.kind == SurfaceKind::kTorus && !has_enough_rings(points_, shape, tolerance_, control_))
+      return std::nullopt;
     work_ += 2 * kWorkOfFit * points_.size();
-    const std::optional<AnalyticSurface> near = fit_from(shape, points_);
-    const auto best = near ? fit_from(*near, points_, {.is_canonical = true}) : std::nullopt;
+    const std::optional<AnalyticSurface> near = fit_from(shape, points_, {.control = &control_});
+    const auto best = near ? fit_from(*near, points_, {.is_canonical = true, .control = &control_}) : std::nullopt;
     if (!best) return std::nullopt;
     shape = *best;
     const std::size_t before = members.size();

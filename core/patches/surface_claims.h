@@ -24,7 +24,7 @@ struct Claim {
   AnalyticSurface shape;
   int side = 1;  ///< 1 if the facets' normals point to the positive side of the surface, otherwise -1
   std::vector<PatchId> facets;
-  std::vector<Vec2> profile;  ///< of a surface of revolution, see RecognisedSurface
+  std::vector<Vec2> profile;  ///< only a surface of revolution has one, see RecognisedSurface
   double area = 0;            ///< sum of the facets' areas
   double deviation = 0;       ///< largest distance of a corner from the surface
   double chord_height = 0;    ///< the facets' distance from the surface: the mean of their largest ones, by area
@@ -47,8 +47,7 @@ struct ClaimTable {
 /// The state of a facet while claims are made.
 enum class Taken : std::uint8_t {
   kFree,
-  kWeakly,  ///< by a claim that a larger one may replace
-  kFirmly,
+  kWeakly,  ///< it belongs to a claim that a larger one may replace
 };
 
 /// Grows claims. It has scratch memory for all facets, so that a claim costs no more than its size.
@@ -58,7 +57,6 @@ class ClaimGrower {
   ClaimGrower(const FacetGraph& graph, double tolerance, RunControl& control);
 
   double tolerance() const { return tolerance_; }
-  Taken taken(PatchId p) const { return taken_[p]; }
   void set_taken(PatchId p, Taken taken) { taken_[p] = taken; }
 
   /// Grows a surface from facets that lie about on it, over facets that are not taken, or at most weakly.
@@ -103,7 +101,8 @@ class ClaimGrower {
 
   const FacetGraph& graph_;
   double tolerance_;
-  double first_slack_ = 1;  ///< of the growth, see slack()
+  double first_slack_ = 1;  ///< the growth began with so much, see slack()
+  const RunControl& control_;
   StopCheck check_;
   IdVector<PatchId, Taken> taken_;
   IdVector<PatchId, std::uint32_t> mark_;  ///< the last growth that took the facet

@@ -50,7 +50,7 @@ void drop_islands(const FacetGraph& graph, ClaimTable& table, RunControl& contro
         check();
         const PatchId q = graph.beyond(s);
         if (q.is_valid() && table.owner[q] == table.owner[p]) continue;
-        const double length = norm(graph.position(graph.vertex_after(p, s)) - graph.position(graph.vertex(s)));
+        const double length = norm(graph.position(graph.end_vertex(s)) - graph.position(graph.vertex(s)));
         border += length;
         if (!q.is_valid() || region_of[q] == kNone) continue;
         const double area = region_area[region_of[q]];

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include "core/base/stoppable.h"
-#include "core/base/union_find.h"
 #include "core/geometry/surface_fit.h"
 #include "core/patches/surface_measures.h"
 
@@ -111,43 +110,59 @@ class Records {
       const Claim &c = claims[a.claim], &d = claims[b.claim];
       return c.area != d.area ? c.area > d.area : a.key < b.key;
     });
-    std::vector<std::uint32_t> leaders;
-    for (const Keyed& key : keys) {
-      Claim& claim = claims[key.claim];
-      bool is_joined = false;
-      for (std::size_t k = 0; k < std::min(kMaxCompared, leaders.size()) && !is_joined; ++k)
-        is_joined = try_join(claims[leaders[k]], claim);
-      if (!is_joined) leaders.push_back(key.claim);
+    std::vector<std::uint32_t> left;
+    for (const Keyed& key : keys) left.push_back(key.claim);
+    for (std::size_t k = 0; k < kMaxCompared && left.size() > 1; ++k) join_to_first(claims, left);
+  }
+
+  /// Joins those claims of a list that are equal to its first one with this, all at once, so that no corner is looked at
+  /// more than a few times. Removes all of them from the list.
+  void join_to_first(std::vector<Claim>& claims, std::vector<std::uint32_t>& left) {
+    Claim& first = claims[left.front()];
+    left.erase(left.begin());
+    if (first.shape.kind == SurfaceKind::kRevolution) return;
+    // The surface of few facets may be off by more outside of them.
+    constexpr double kNear = 20;
+    const auto deviation_from = [&](const AnalyticSurface& s, std::span<const Vec3> points) {
+      double deviation = 0;
+      for (const Vec3& p : points) deviation = std::max(deviation, std::fabs(s.distance(p)));
+      return deviation;
+    };
+    const std::vector<Vec3> of_first = corners_of(first.facets);
+    const auto some = std::span(of_first).first(std::min(of_first.size(), kMaxSamples));
+    std::vector<std::uint32_t> near;
+    for (const std::uint32_t c : left) {
+      const bool is_near = deviation_from(claims[c].shape, some) <= kNear * tolerance() ||
+                           deviation_from(first.shape, corners_of(claims[c].facets)) <= kNear * tolerance();
+      if (is_near) near.push_back(c);
+    }
+    // Claims that do not fit the surface of all are left out, and the others tried again.
+    constexpr int kMaxFits = 3;
+    for (int fit = 0; fit < kMaxFits && !near.empty(); ++fit) {
+      std::vector<PatchId> facets = first.facets;
+      for (const std::uint32_t c : near) facets.insert(facets.end(), claims[c].facets.begin(), claims[c].facets.end());
+      const std::vector<Vec3> all = corners_of(facets);
+      const auto about = fit_from(first.shape, all, {.control = &control_});
+      const auto fitted = about ? fit_from(*about, all, {.is_canonical = true, .control = &control_}) : std::nullopt;
+      if (!fitted) return;
+      if (deviation_from(*fitted, all) <= tolerance())
+        return take_in(first, claims, left, near, *fitted, std::move(facets));
+      std::erase_if(
+          near, [&](std::uint32_t c) { return deviation_from(*fitted, corners_of(claims[c].facets)) > tolerance(); });
     }
   }
 
-  bool try_join(Claim& a, Claim& b) {
-    if (a.shape.kind == SurfaceKind::kRevolution) return false;
-    const std::vector<Vec3> of_a = corners_of(a.facets), of_b = corners_of(b.facets);
-    constexpr double kNear = 20;  // The surface of few facets may be off by more outside of them.
-    const auto is_near = [&](const AnalyticSurface& s, std::span<const Vec3> points) {
-      return std::all_of(points.begin(), points.end(),
-                         [&](const Vec3& p) { return std::fabs(s.distance(p)) <= kNear * tolerance(); });
-    };
-    if (!is_near(a.shape, of_b) && !is_near(b.shape, of_a)) return false;
-    std::vector<Vec3> all = of_a;
-    all.insert(all.end(), of_b.begin(), of_b.end());
-    std::sort(all.begin(), all.end());
-    all.erase(std::unique(all.begin(), all.end()), all.end());
-    const auto near = fit_from(a.shape, all);
-    const auto fitted = near ? fit_from(*near, all, {.is_canonical = true}) : std::nullopt;
-    if (!fitted) return false;
-    double deviation = 0;
-    for (const Vec3& p : all) deviation = std::max(deviation, std::fabs(fitted->distance(p)));
-    if (!(deviation <= tolerance())) return false;
-    const auto convex = [](const Claim& c) { return c.side > 0; };
-    a.shape = *fitted;
-    a.deviation = deviation;
-    a.area += b.area;
-    if (convex(a) != convex(b)) a.side = 0;
-    a.facets.insert(a.facets.end(), b.facets.begin(), b.facets.end());
-    b.facets.clear();
-    return true;
+  /// Gives the facets of some claims to the first one.
+  static void take_in(Claim& first, std::vector<Claim>& claims, std::vector<std::uint32_t>& left,
+                      std::span<const std::uint32_t> near, const AnalyticSurface& shape, std::vector<PatchId> facets) {
+    first.shape = shape;
+    first.facets = std::move(facets);
+    for (const std::uint32_t c : near) {
+      if (claims[c].side != first.side) first.side = 0;
+      first.area += claims[c].area;
+      claims[c].facets.clear();
+    }
+    std::erase_if(left, [&](std::uint32_t c) { return claims[c].facets.empty(); });
   }
 
   /// Adds the patches, faces, area and extent of some facets to a record.

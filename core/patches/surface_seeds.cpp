@@ -22,11 +22,11 @@ double squared_distance_from_line(const Vec3& p, const Vec3& a, const Vec3& dire
 /// Returns the corner that is farthest from a line.
 const Vec3& farthest(std::span<const Vec3> corners, const Vec3& a, const Vec3& direction) {
   const Vec3* best = &corners[0];
-  double most = -1;
+  double max_distance = -1;
   for (const Vec3& p : corners) {
     const double distance = squared_distance_from_line(p, a, direction);
-    if (distance > most) {
-      most = distance;
+    if (distance > max_distance) {
+      max_distance = distance;
       best = &p;
     }
   }
