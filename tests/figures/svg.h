@@ -49,7 +49,7 @@ class Panel {
     Colour fill;
     Colour stroke;
     double width;      ///< width of the stroke, or radius of a dot
-    std::string text;  ///< of a label
+    std::string text;  ///< a label shows it
 
     bool is_like(const Element& other) const {
       return kind == other.kind && fill == other.fill && stroke == other.stroke && width == other.width &&

@@ -1,4 +1,4 @@
-// What the page makes of the surfaces in a report, without a browser and a daemon: groups, words and colours.
+// Tests what the page makes of the surfaces in a report: groups, words and colours. It needs no browser and no daemon.
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import { pageModules, temporaryFolder } from "./support.mjs";

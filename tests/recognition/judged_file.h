@@ -16,7 +16,7 @@ struct KindAreas {
   std::size_t faces = 0;  ///< STEP faces
   std::size_t judged_faces = 0;
   double all = 0;
-  double judged = 0;  ///< of faces that recognition can be expected to find
+  double judged = 0;  ///< the area of faces that recognition can be expected to find
   double right = 0;
   double wrong_kind = 0;   ///< claimed as another kind of curved surface
   double wrong_shape = 0;  ///< the kind is right, but the place or a radius is not

@@ -41,7 +41,7 @@ struct Judged {
   PolygonMesh mesh;
   test::Claims claims;
   std::map<SurfaceKind, std::size_t> count;
-  std::map<SurfaceKind, double> area;  ///< in percent
+  std::map<SurfaceKind, double> area;  ///< the part of the whole area, in percent
 
   std::size_t curved() const {
     std::size_t sum = 0;

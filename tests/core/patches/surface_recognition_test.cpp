@@ -145,7 +145,7 @@ TEST(surface_recognition, vertices_that_have_to_stay_do_not_hide_a_surface) {
     ADD_FAILURE() << fault;
 }
 
-// The same surfaces in any order of faces, for any number of workers, and at any scale.
+// The following tests expect the same surfaces for any order of faces, any number of workers and any scale.
 
 /// Returns the models for which the bits are compared: each kind, and a part with several of them.
 std::vector<Model> models_of_each_kind() {

@@ -1,4 +1,4 @@
-// What is known of one surface, in words and numbers.
+// Tells what is known of one surface, in words and numbers.
 import type { Point } from "../mesh/drawable.ts";
 import type { RecognisedSurface } from "../service/types.ts";
 import { degrees, real, sentence, whole } from "../ui/words.ts";
