@@ -115,8 +115,8 @@ class Records {
     for (std::size_t k = 0; k < kMaxCompared && left.size() > 1; ++k) join_to_first(claims, left);
   }
 
-  /// Joins those claims of a list that are equal to its first one with this, all at once, so that no corner is looked at
-  /// more than a few times. Removes all of them from the list.
+  /// Joins those claims of a list that are equal to its first one with this. It does so all at once, so that no corner
+  /// is looked at more than a few times. Removes all of them from the list.
   void join_to_first(std::vector<Claim>& claims, std::vector<std::uint32_t>& left) {
     Claim& first = claims[left.front()];
     left.erase(left.begin());
