@@ -24,8 +24,9 @@ struct Decimals {
 constexpr Decimals kUsual{-5, 0, 15}, kAny{-22, -22, 22};
 /// Two counts that are compared with each other stop at this many numbers.
 constexpr std::size_t kRates = 64;
-/// The number of large numbers that must lack the last decimal of smaller ones before this proves that significant
-/// digits are limited: each lacks it by chance with a probability of 1/10, and log2(10) * 6 exceeds 18 bits.
+/// If a file has a limited number of significant digits, its large numbers have fewer decimals than its small ones. This
+/// many large numbers without the last decimal prove it: each lacks it by chance with a probability of 1/10, so all of
+/// them do with one of 1/10^6, and 1/2^18 is enough for a proof here.
 constexpr std::size_t kEnoughCoarser = 6;
 /// A number counts as short if it has at most this many units.
 constexpr double kShort = 4294967296.0;
@@ -346,8 +347,9 @@ class SignificantDigits {
   Lattice place(double x) const { return decimal_place(x, 1 - digits_); }
   /// The largest of the digits' decimal places that is not above the step.
   double not_above(double step) const { return decimal_place(step, 0).step(); }
-  /// Returns whether a number of this many units of its place has more than half of the digits. A shorter number may be
-  /// exact, such as a 1 beside numbers below it.
+  /// Returns whether a number needs more than half of the digits that the file writes. A number that needs fewer may be
+  /// exact, as 1 is, and then says nothing about rounding.
+  /// Input: the number as a multiple of its last digit's place.
   bool is_long(std::int64_t units) const { return units % half_ != 0; }
 
  private:

@@ -126,7 +126,7 @@ class Search {
   }
 
  private:
-  /// An edge between hubs, and the number of its faces.
+  /// An edge between two hubs (vertices with very many faces), and how many faces have it.
   struct AtEdge {
     HubEdge edge = kNoEdge;
     std::uint32_t faces = 0;

@@ -312,7 +312,8 @@ Error out_of_range(const Surface& surface, std::size_t v, const std::string& mes
       .at_element(number);
 }
 
-/// Reports the first vertex that is too far from the origin. If the box is too large, there is one.
+/// Reports the first vertex that is too far from the origin.
+/// Input: the bounding box of the surface is too large, so there is such a vertex.
 [[noreturn]] void throw_too_large(const Surface& surface) {
   std::size_t v = 0;
   const auto is_far = [&](const Vec3& p) {

@@ -36,7 +36,8 @@ constexpr double kCloseFit = 0.4;
 /// much longer, and large surfaces have been found by then.
 constexpr std::uint64_t kMaxWaste = 100;
 
-/// Any mesh may take so much in vain, which is some tenths of a second.
+/// However few facets a mesh has, growths that come to nothing may cost this many units of work, which take some tenths
+/// of a second.
 constexpr std::uint64_t kFreeWaste = 25'000'000;
 
 /// Areas are about as large unless one of them is larger by this factor.
@@ -92,7 +93,8 @@ class Recogniser {
     }
   }
 
-  /// Tries the other kinds on the facets of a sphere. If these are a band, any surface of revolution fits.
+  /// Tries the other kinds on facets that a sphere fits. If they are a single ring of facets around an axis, their
+  /// corners lie on two circles, and a sphere through two circles proves nothing: a cone or a torus fits as well.
   void ask_again(std::optional<Claim>& best) {
     std::vector<PatchId> seed;
     sample(best->facets, seed);

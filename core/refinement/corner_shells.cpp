@@ -212,7 +212,8 @@ class Way {
     double width = HUGE_VAL;
     for (const std::uint32_t i : members) width = std::min(width, sides[i].width);
     const double longest = kMargin * 2 * std::log1p(width / tangent_) * distance;
-    // The diagonals between such pieces are a little longer than the pieces themselves.
+    // The pieces are a little shorter than the size, because the edges that join their ends across the corner are a
+    // little longer than the pieces and must not exceed the size either.
     if (longest < std::max(2 * floor_, kMinPiece * size)) return {(1 - kMinPiece * kMinPiece) * size, false};
     return {std::min(longest, size), true};
   }

@@ -205,7 +205,8 @@ bool PatchBoundary::is_across(std::uint32_t a, std::uint32_t b, double distance)
   });
 }
 
-/// Returns the first segment to that corner, or null if there is none.
+/// Searches the segments that meet at one corner for those that end at the corner `other`. Returns the first of them in
+/// the order of the list, or null if there is none.
 const PatchBoundary::CornerSegment* PatchBoundary::find_other(std::span<const CornerSegment> at_corner,
                                                               VertexId other) {
   const auto found = std::lower_bound(at_corner.begin(), at_corner.end(), other,
