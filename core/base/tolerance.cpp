@@ -24,9 +24,9 @@ struct Decimals {
 constexpr Decimals kUsual{-5, 0, 15}, kAny{-22, -22, 22};
 /// Two counts that are compared with each other stop at this many numbers.
 constexpr std::size_t kRates = 64;
-/// If a file has a limited number of significant digits, its large numbers have fewer decimals than its small ones. This
-/// many large numbers without the last decimal prove it: each lacks it by chance with a probability of 1/10, so all of
-/// them do with one of 1/10^6, and 1/2^18 is enough for a proof here.
+/// If a file has a limited number of significant digits, its large numbers have fewer decimals than its small ones.
+/// This many large numbers without the last decimal prove it: each lacks it by chance with a probability of 1/10, so
+/// all of them do with one of 1/10^6, and 1/2^18 is enough for a proof here.
 constexpr std::size_t kEnoughCoarser = 6;
 /// A number counts as short if it has at most this many units.
 constexpr double kShort = 4294967296.0;

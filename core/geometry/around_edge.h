@@ -21,9 +21,9 @@ struct FaceAtEdge {
 
 /// Pairs the faces at an edge that have solid between them and no other pair in that solid. This works like nested
 /// parentheses: a face behind which the solid begins opens one, and a face at which the solid ends closes one. Faces in
-/// one plane are treated as if each were moved against its normal by an infinitesimal. So two faces back to back are the
-/// walls of two solids. Faces with the same orientation are moved by different infinitesimals, in the order of their
-/// `layer`.
+/// one plane are treated as if each were moved against its normal by an infinitesimal. So two faces back to back are
+/// the walls of two solids. Faces with the same orientation are moved by different infinitesimals, in the order of
+/// their `layer`.
 /// Input:  coordinates in the range of orient3d. The function sorts `faces`, and removes those whose corners lie on a
 ///         line.
 /// Output: the tags of the two faces of each pair.

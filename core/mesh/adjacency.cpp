@@ -79,8 +79,8 @@ Adjacency::Adjacency(std::size_t vertex_count, std::span<const std::uint32_t> fa
 }
 
 /// Sorts half-edges so that those of the same edge are next to each other, and finds their twins.
-/// Input:  The numbers of the half-edges are ascending. The smaller vertex of each is one of the kVertices vertices that
-///         begin with `first`.
+/// Input:  The numbers of the half-edges are ascending. The smaller vertex of each is one of the kVertices vertices
+///         that begin with `first`.
 /// Output: The number of edges that they have.
 std::uint32_t Adjacency::sort_part(std::size_t first, std::span<std::uint32_t> half_edges, RunControl& control) {
   // This is a counting sort by the smaller vertex and by direction, and then a small sort by the larger vertex in each

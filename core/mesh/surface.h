@@ -47,8 +47,8 @@ struct Surface {
   FilledIdVector<VertexId, VertexId>
       vertex_source;  ///< the first input vertex with these coordinates; for a new vertex, that of a neighbour
   FilledIdVector<FaceId, FaceId> face_source;  ///< the input face from which each face came; ascending
-  /// One number per face. Between neighbours with different labels is a barrier: they never belong to one patch. Empty if
-  /// there are no labels.
+  /// One number per face. Between neighbours with different labels is a barrier: they never belong to one patch. Empty
+  /// if there are no labels.
   IdVector<FaceId, std::uint32_t> face_label;
 
   std::size_t vertex_count() const { return positions.size(); }

@@ -19,8 +19,8 @@ constexpr double kSlackOfHeight = 0.15, kMinFirstSlack = 2;
 /// The surface is fitted to at most this many facets while it grows, evenly chosen.
 constexpr std::size_t kFitFacets = 64, kExactFitFacets = 256;
 
-/// The units of work that it takes to test one facet, and those of a fit for each point that is fitted. One unit is about
-/// the time in which one distance is computed.
+/// The units of work that it takes to test one facet, and those of a fit for each point that is fitted. One unit is
+/// about the time in which one distance is computed.
 constexpr std::uint64_t kWorkOfTest = 4, kWorkOfFit = 6;
 
 /// A fit to growing facets begins near its end.

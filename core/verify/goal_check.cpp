@@ -97,8 +97,8 @@ class GoalCheck {
   }
 
   void check_faces() {
-    // If sizes vary from place to place, a gap is looked for at each face, which takes microseconds. Then each task gets
-    // fewer faces.
+    // If sizes vary from place to place, a gap is looked for at each face, which takes microseconds. Then each task
+    // gets fewer faces.
     const std::size_t block = sizes_ != nullptr ? 512 : kItemsPerBlock;
     const auto blocks =
         map_blocks<Found>(model_.output.count(), block, control_, [&](std::size_t begin, std::size_t end) {
