@@ -5,10 +5,13 @@
 #include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <optional>
 #include <utility>
+#include <vector>
 
 #include "core/base/blocks.h"
 #include "core/base/stoppable.h"
+#include "core/verify/curved_chain.h"
 
 namespace remesh::verification {
 namespace {
@@ -50,12 +53,55 @@ Offset measure(const Points& points, std::span<const VertexId> chain, RunControl
   return offset;
 }
 
+auto compare_patches(std::span<const Use> a, std::span<const Use> b) {
+  return std::lexicographical_compare_three_way(a.begin(), a.end(), b.begin(), b.end(),
+                                                [](const Use& u, const Use& v) { return u.patch() <=> v.patch(); });
+}
+
+template <class UsesOf>
+void sort_by_patches(std::span<Chain> chains, const UsesOf& uses_of, const RunControl& control) {
+  if (chains.size() < 2) return;
+  sort_stoppable(chains.begin(), chains.end(), control, [&](const Chain& a, const Chain& b) {
+    const auto order = compare_patches(uses_of(a), uses_of(b));
+    return order != 0 ? order < 0 : a.edge < b.edge;
+  });
+}
+
+/// The vertices of chains, one chain after the other.
+class StoredChains {
+ public:
+  /// Stores the vertices of a chain from its lower end to its upper end.
+  void add(Chain& chain, std::span<const VertexId> walked) {
+    chain.stored = static_cast<std::uint32_t>(begin_.size() - 1);
+    // A chain that returns to its start was walked downwards.
+    if (walked.front() == chain.low && chain.low != chain.high)
+      vertices_.insert(vertices_.end(), walked.begin(), walked.end());
+    else
+      vertices_.insert(vertices_.end(), walked.rbegin(), walked.rend());
+    begin_.push_back(vertices_.size());
+  }
+  /// The points of a chain from its lower end to its upper end.
+  std::vector<Vec3> points(const Chain& chain, const Points& of) const {
+    std::vector<Vec3> all;
+    all.reserve(begin_[chain.stored + 1] - begin_[chain.stored]);
+    for (std::size_t i = begin_[chain.stored]; i < begin_[chain.stored + 1]; ++i) all.push_back(of[vertices_[i].value]);
+    return all;
+  }
+
+ private:
+  std::vector<VertexId> vertices_;
+  std::vector<std::size_t> begin_{0};
+};
+
 class BoundaryCheck {
  public:
   BoundaryCheck(const Model& model, const Seams& seams, FoundFaults& faults, RunControl& control)
       : model_(model), input_(seams.input), output_(seams.output), faults_(faults), control_(control) {
     result_.deviation.assign(model.patch_count(), 0);
     result_.slivers.assign(model.patch_count(), 0);
+    if (!model.has_curved()) return;
+    for (auto* values : {&result_.on_surface, &result_.near_pole, &result_.allowed})
+      values->assign(model.patch_count(), 0);
   }
 
   Boundary run() {
@@ -86,7 +132,10 @@ class BoundaryCheck {
         control_, [&](VertexId v) { return !is_in_output(v); },
         [&](const Chain& chain, std::span<const VertexId> vertices) {
           input_chains_.push_back(chain);
-          if (vertices.size() > 2) measure_dropped(input_.edges()[chain.edge], vertices, found);
+          if (model_.is_any_curved(input_.edges()[chain.edge].uses))
+            stored_input_.add(input_chains_.back(), vertices);
+          else if (vertices.size() > 2)
+            measure_dropped(input_.edges()[chain.edge], vertices, found);
         },
         [&](const Edge& edge, VertexId v, Stray why) {
           blame(edge, why == Stray::kLoop ? Fault::kLostLoop : Fault::kLostVertex, v, found);
@@ -99,7 +148,10 @@ class BoundaryCheck {
         control_, [&](VertexId v) { return model_.is_new(v); },
         [&](const Chain& chain, std::span<const VertexId> vertices) {
           output_chains_.push_back(chain);
-          if (vertices.size() > 2) measure_new(output_.edges()[chain.edge], vertices, found, slivers);
+          if (model_.is_any_curved(output_.edges()[chain.edge].uses))
+            stored_output_.add(output_chains_.back(), vertices);
+          else if (vertices.size() > 2)
+            measure_new(output_.edges()[chain.edge], vertices, found, slivers);
         },
         [&](const Edge& edge, VertexId v, Stray) { blame(edge, Fault::kNewVertex, v, found); });
     sort_by_ends(output_chains_);
@@ -137,6 +189,19 @@ class BoundaryCheck {
       const Chain& chain = input_chains_[i];
       const Edge& edge = input_.edges()[chain.edge];
       while (o < output_chains_.size() && ends(output_chains_[o]) < ends(chain)) blame_output(o++);
+      if (model_.has_curved()) {
+        const auto last = [&](const std::vector<Chain>& chains, std::size_t k) {
+          while (k < chains.size() && ends(chains[k]) == ends(chain)) ++k;
+          return k;
+        };
+        const std::size_t i_end = last(input_chains_, i), o_end = last(output_chains_, o);
+        if (match_curved(std::span(input_chains_).subspan(i, i_end - i),
+                         std::span(output_chains_).subspan(o, o_end - o))) {
+          i = i_end - 1;
+          o = o_end;
+          continue;
+        }
+      }
       // A second chain between the same ends would lie on the first one, so two edges have become one.
       const bool is_second = i > 0 && ends(input_chains_[i - 1]) == ends(chain);
       if (is_second || o == output_chains_.size() || ends(output_chains_[o]) != ends(chain)) {
@@ -152,6 +217,14 @@ class BoundaryCheck {
     }
     while (o < output_chains_.size()) blame_output(o++);
   }
+  /// Matches the chains between two vertices if one of them has a curved patch beside it.
+  /// Output: false if there is none; then nothing has been done.
+  bool match_curved(std::span<Chain> input, std::span<Chain> output);
+  /// Compares two chains that run between the same vertices along the same patches.
+  /// Output: the gap between them; nothing if the patches are not on the same sides.
+  std::optional<ChainGap> gap_between(const Chain& input, const Chain& output);
+  void add_gap(const Edge& edge, VertexId at, const ChainGap& gap);
+
   static std::pair<VertexId, VertexId> ends(const Chain& chain) { return {chain.low, chain.high}; }
   void sort_by_ends(std::vector<Chain>& chains) const {
     const auto by_ends = [](const Chain& a, const Chain& b) {
@@ -160,9 +233,8 @@ class BoundaryCheck {
     if (!std::is_sorted(chains.begin(), chains.end(), by_ends))
       sort_stoppable(chains.begin(), chains.end(), control_, by_ends);
   }
-  void blame_output(std::size_t o) {
-    blame(output_.edges()[output_chains_[o].edge], Fault::kBoundary, output_chains_[o].low);
-  }
+  void blame_output(std::size_t o) { blame_output(output_chains_[o]); }
+  void blame_output(const Chain& chain) { blame(output_.edges()[chain.edge], Fault::kBoundary, chain.low); }
 
   /// A vertex may join patches, or parts of one patch, without an edge between them: it is inside one patch, and the
   /// corner of another lies on it. If the vertex stays, it must stay in all of them. If it is dropped, it must not
@@ -189,8 +261,101 @@ class BoundaryCheck {
   RunControl& control_;
 
   std::vector<Chain> input_chains_, output_chains_;
+  StoredChains stored_input_, stored_output_;  ///< the chains with a curved patch beside them
   Boundary result_;
 };
+
+std::optional<ChainGap> BoundaryCheck::gap_between(const Chain& input, const Chain& output) {
+  const std::span<const Use> uses = input_.edges()[input.edge].uses, found = output_.edges()[output.edge].uses;
+  const bool is_loop = input.low == input.high;
+  std::optional<ChainGap> best;
+  for (const bool is_reversed : {false, true}) {
+    if (is_reversed && !is_loop) break;
+    if (!have_same_uses(found, uses, (output.is_flipped != input.is_flipped) != is_reversed)) continue;
+    if (!model_.is_any_curved(uses)) return ChainGap{};  // each of them has been compared with the line
+    const std::vector<Vec3> from = stored_input_.points(input, model_.points);
+    std::vector<Vec3> to = stored_output_.points(output, model_.points);
+    if (is_reversed) std::reverse(to.begin(), to.end());
+    ChainGap gap = measure_gap(model_, from, to, uses, control_);
+    if (!best || gap.distance < best->distance) best = std::move(gap);
+  }
+  return best;
+}
+
+void BoundaryCheck::add_gap(const Edge& edge, VertexId at, const ChainGap& gap) {
+  double allowed = 0;
+  for (const Use& use : edge.uses)
+    if (const CurvedSurface* surface = model_.curved_surface(use.patch()); surface != nullptr)
+      allowed = std::max(allowed, surface->tolerance + model_.tolerance);
+  // The coordinates are at most 1, and new vertices were rounded when they were made.
+  const double reach = largest_coordinate(model_.points[at.value]) + gap.distance;
+  const double rounding = Model::rounding(reach);
+  if (!Model::is_within(gap.distance, allowed + rounding, reach)) blame(edge, Fault::kChord, at);
+  for (const PatchGap& of : gap.patches) {
+    const std::size_t p = of.patch.value;
+    // Each of the two chains may be off the plane by the tolerance, on different sides.
+    if (!Model::is_within(of.off_plane, 2 * model_.tolerance + rounding, reach))
+      faults_.add(of.patch, Fault::kChord, at.value);
+    const auto raise = [](double& value, double to) { value = std::fmax(value, to); };
+    raise(result_.deviation[p], gap.distance);
+    raise(result_.on_surface[p], of.on_surface);
+    raise(result_.near_pole[p], of.near_pole);
+    raise(result_.allowed[p], allowed);
+  }
+  for (const Use& use : edge.uses) result_.slivers[use.patch().value] += gap.sliver;
+}
+
+bool BoundaryCheck::match_curved(std::span<Chain> input, std::span<Chain> output) {
+  const auto in_uses = [&](const Chain& chain) { return input_.edges()[chain.edge].uses; };
+  const auto out_uses = [&](const Chain& chain) { return output_.edges()[chain.edge].uses; };
+  if (std::none_of(input.begin(), input.end(), [&](const Chain& c) { return model_.is_any_curved(in_uses(c)); }))
+    return false;
+  // Chains along the same patches follow each other.
+  sort_by_patches(input, in_uses, control_);
+  sort_by_patches(output, out_uses, control_);
+  // There are few chains between the same ends along the same patches. If there are many, they are refused.
+  constexpr std::size_t kMaxAlike = 8;
+  bool has_straight = false;
+  std::size_t o = 0;
+  for (std::size_t i = 0; i < input.size();) {
+    control_.check();
+    std::size_t i_end = i + 1;
+    while (i_end < input.size() && compare_patches(in_uses(input[i_end]), in_uses(input[i])) == 0) ++i_end;
+    for (; o < output.size() && compare_patches(out_uses(output[o]), in_uses(input[i])) < 0; ++o)
+      blame_output(output[o]);
+    std::size_t o_end = o;
+    while (o_end < output.size() && compare_patches(out_uses(output[o_end]), in_uses(input[i])) == 0) ++o_end;
+    // Two straight chains between the same ends would lie on each other.
+    const bool is_straight = !model_.is_any_curved(in_uses(input[i]));
+    const std::size_t limit = !is_straight ? kMaxAlike : has_straight ? 0 : 1;
+    has_straight = has_straight || is_straight;
+    std::vector<bool> is_taken(o_end - o, false);
+    for (std::size_t k = i; k < i_end; ++k) {
+      std::optional<ChainGap> nearest;
+      std::size_t which = 0;
+      for (std::size_t c = o; c < std::min(o_end, o + limit) && k - i < limit; ++c) {
+        if (is_taken[c - o]) continue;
+        std::optional<ChainGap> gap = gap_between(input[k], output[c]);
+        if (!gap || (nearest && nearest->distance <= gap->distance)) continue;
+        nearest = std::move(gap);
+        which = c;
+      }
+      const Edge& edge = input_.edges()[input[k].edge];
+      if (!nearest) {
+        blame(edge, Fault::kBoundary, input[k].low);
+        continue;
+      }
+      is_taken[which - o] = true;
+      add_gap(edge, input[k].low, *nearest);
+    }
+    for (std::size_t c = o; c < o_end; ++c)
+      if (!is_taken[c - o]) blame_output(output[c]);
+    o = o_end;
+    i = i_end;
+  }
+  for (; o < output.size(); ++o) blame_output(output[o]);
+  return true;
+}
 
 /// A corner's vertex and patch in one word, with the vertex in the upper half.
 std::uint64_t joint(VertexId v, PatchId p) { return static_cast<std::uint64_t>(v.value) << 32 | p.value; }

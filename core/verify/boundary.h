@@ -9,7 +9,15 @@
 ///
 /// The output is right if its chains correspond one to one to the input's chains: they have the same two ends and the
 /// same patches on the same sides. The input's vertices between the ends are within the tolerance of the straight
-/// line; the output's are on it to rounding, in order. This proves conformity and the preservation of loops together:
+/// line; the output's are on it to rounding, in order.
+///
+/// A chain with a curved patch beside it may have been cut anew. There the two chains are followed from end to end at
+/// once, and must never be further apart than the largest tolerance of these patches plus the plane tolerance. Planes
+/// beside it are kept: along their normals the chains are within twice the plane tolerance of each other. Such a chain
+/// may be a loop through a single vertex that stays, or one of several between the same ends. Then the patches on its
+/// sides tell which chain is which, and in which direction it runs. Where they do not tell, the nearest chain is taken.
+///
+/// This proves conformity and the preservation of loops together:
 /// it excludes a crack, a T-junction, a filled hole or a bridged slot, and a sheet that is missing or added at an
 /// edge with several.
 #pragma once
@@ -33,6 +41,10 @@ struct Boundary {
   std::int64_t input_vertices = 0;  ///< number of input vertices that faces use
   std::vector<double> deviation;    ///< largest distance of a dropped boundary vertex from its chord, by patch
   std::vector<double> slivers;      ///< area between the input's chains and the output's, by patch
+  // By patch, for curved patches (see curved_chain.h). They are empty if all patches are planes.
+  std::vector<double> on_surface;  ///< largest PatchGap::on_surface
+  std::vector<double> near_pole;   ///< largest PatchGap::near_pole
+  std::vector<double> allowed;     ///< largest distance that is allowed along the patch's chains
 };
 
 /// Reports kLostVertex, kLostLoop, kBoundary, kChord, kForeignVertex, kNewVertex, kNewOffLine.

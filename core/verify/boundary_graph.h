@@ -19,6 +19,9 @@ struct Chain {
   VertexId low, high;       ///< the ends of the chain
   std::uint32_t edge = 0;   ///< one of the edges; all edges of the chain have the same uses
   bool is_flipped = false;  ///< that edge, taken from its smaller vertex, runs from `high` to `low`
+  /// Where its vertices are stored from `low` to `high`, if the user stores them. A chain may begin and end in the same
+  /// vertex. Then one of its two directions counts as the one from `low` to `high`.
+  std::uint32_t stored = kNone;
 };
 
 /// The reason why a run of edges does not end at a vertex at which the graph is cut.
@@ -43,6 +46,8 @@ class BoundaryGraph {
     const auto& [a, b] = node(passage).edges;
     return {edges()[a].other(passage), edges()[b].other(passage)};
   }
+  /// The uses of both edges at a vertex inside a seam.
+  std::span<const Use> uses_at(VertexId passage) const { return edges()[node(passage).edges[0]].uses; }
   /// True if the vertex is inside a seam of that patch.
   bool is_passage_of(VertexId v, PatchId patch) const {
     return node(v).degree == 2 && has_patch(edges()[node(v).edges[0]].uses, patch);
@@ -76,7 +81,7 @@ class BoundaryGraph {
         }
         e = next;
       }
-      const bool is_upwards = start < v;
+      const bool is_upwards = start < v;  // a chain that returns to its start is walked from `high` to `low`
       const bool is_flipped = (edges()[first].low == start) != is_upwards;
       on_chain(Chain{std::min(start, v), std::max(start, v), first, is_flipped}, std::span<const VertexId>(run));
     };

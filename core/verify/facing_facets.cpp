@@ -47,10 +47,29 @@ FacingFacets::FacingFacets(const Claim& claim, const Model& model, const Boundar
   find_bodies(seams, control);
   find_contacts(control);
   find_borders(seams, control);
+  if (model.has_curved()) find_sides();
   if (claim.intersections != nullptr) {
     crossing_ = claim.intersections->patches;
     is_crossing_known_ = claim.intersections->is_complete;
   }
+}
+
+/// The first triangle of a curved patch tells which way all of them look.
+void FacingFacets::find_sides() {
+  is_turned_.assign(model_.patch_count(), 0);
+  for (std::size_t slot = triangles_.size(); slot-- > 0;) {
+    const PatchId p = facets_[slot].tag.patch;
+    if (!is_curved(p)) continue;
+    const auto& [a, b, c] = corners(slot);
+    const Vec3 middle = centre_ + (1 / (3 * unit_)) * (a + b + c);
+    is_turned_[p.value] = dot(cross(b - a, c - a), model_.curved_surface(p)->shape.normal(middle)) < 0 ? 1 : 0;
+  }
+}
+
+Vec3 FacingFacets::normal(PatchId p, const Vec3& place) const {
+  if (!is_curved(p)) return model_.frames[p.value].normal;
+  const Vec3 outwards = model_.curved_surface(p)->shape.normal(centre_ + (1 / unit_) * place);
+  return is_turned_[p.value] != 0 ? -outwards : outwards;
 }
 
 void FacingFacets::find_facets(const Claim& claim, RunControl& control) {
@@ -221,10 +240,18 @@ bool FacingFacets::is_clear_gap(const Vec3& from, PatchId p, const Vec3& there, 
   const double squared = norm_squared(way), d = std::sqrt(squared);
   // Both ends may be off the places for which sizes were made by the tolerance.
   const double off = 2 * unit_ * model_.tolerance + kMargin * d;
-  const double height = std::fabs(dot(way, normal(p))) - off;
-  if (!(height > 0 && height * height > kSteep * (d + off) * (d + off))) return false;
+  const Vec3 up = normal(p, from);
+  double rise = std::fabs(dot(way, up)), length = d;
+  if (is_curved(p) || is_curved(q)) {
+    // Both ends may be off their facets along the normals.
+    const double across = squared - rise * rise;
+    rise -= curved_tolerance(p) + curved_tolerance(q);
+    length = std::sqrt(std::max(0.0, across) + rise * rise);
+  }
+  const double height = rise - off, steep = is_curved(p) ? kSteepAtCurved : kSteep;
+  if (!(height > 0 && height * height > steep * (length + off) * (length + off))) return false;
   const bool is_one_body = body_[p.value] != kOpen && body_[p.value] == body_[q.value];
-  if (is_one_body && !(dot(way, normal(p)) * dot(way, normal(q)) < -off * d)) return false;
+  if (is_one_body && !(dot(way, up) * dot(way, normal(q, there)) < -off * d)) return false;
   if (are_crossing(p, q)) return false;
   return !is_over_surface(p, from, q, there, kDetour * (d + off) + 2 * off, looks) &&
          !is_any_nearer(q, from, squared, looks);
@@ -234,12 +261,13 @@ bool FacingFacets::is_any_within(const Vec3& place, PatchId patch, double distan
   const bool must_be_clear = doubt == Doubt::kIsNone;
   if (must_be_clear && !is_crossing_known_) return false;
   const Vec3 p = local(place);
-  const Vec3& up = normal(patch);
-  const double reach = unit_ * distance;
-  const double touching = must_be_clear ? unit_ * model_.tolerance * (1 + kMargin) + kRounding : 0;
+  const Vec3 up = normal(patch, p);
+  const double off = curved_tolerance(patch);
+  const double reach = unit_ * distance + (must_be_clear ? -off : off);
+  const double touching = must_be_clear ? unit_ * model_.tolerance * (1 + kMargin) + off + kRounding : 0;
   if (!(reach > touching)) return false;
   // If a point is seen steeply, its height over the patch's plane is more than this share of its distance.
-  const double steep = kSteep * (must_be_clear ? 1 : 1 - kMargin);
+  const double steep = must_be_clear ? kSteep : is_curved(patch) ? 0 : kSteep * (1 - kMargin);
 
   std::size_t looks = 0;
   bool is_found = false;

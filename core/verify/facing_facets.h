@@ -22,7 +22,9 @@ namespace remesh::verification {
 ///
 /// Seen from a place of a patch, another patch is across a gap if its nearest point is. A point is across a gap if
 /// all of these are true:
-///  - The way to it leaves the patch's plane steeply: the square of its sine is above kSteep (51 degrees).
+///  - The way to it leaves the patch's plane steeply: the square of its sine is above kSteep (51 degrees). At a curved
+///    patch, the normal of its surface is taken. As facets turn away from it, a way that is clearly steep is above
+///    kSteepAtCurved (65 degrees), and any way may be steep.
 ///  - The way is longer than the tolerance. At a smaller distance the two patches touch.
 ///  - The patches do not cross or touch each other anywhere in the input.
 ///  - The surface does not hide it. If both patches bound one closed, consistently oriented body, a way that leaves
@@ -57,6 +59,7 @@ class FacingFacets {
   static constexpr std::size_t kMaxLooks = 8192;
 
   static constexpr double kSteep = 0.604;
+  static constexpr double kSteepAtCurved = 0.82;
   static constexpr double kDetour = 3;
 
  private:
@@ -87,7 +90,12 @@ class FacingFacets {
     return std::span(border_parts_)
         .subspan(border_begin_[p.value], border_begin_[p.value + 1] - border_begin_[p.value]);
   }
-  const Vec3& normal(PatchId p) const { return model_.frames[p.value].normal; }
+  bool is_curved(PatchId p) const { return model_.curved_surface(p) != nullptr; }
+  /// The tolerance of a curved patch, in local units; 0 for a plane. Its output may be off the facets by as much.
+  double curved_tolerance(PatchId p) const { return is_curved(p) ? unit_ * model_.curved_surface(p)->tolerance : 0; }
+  /// The normal of a patch at a place.
+  Vec3 normal(PatchId p, const Vec3& place) const;
+  void find_sides();
   bool are_crossing(PatchId p, PatchId q) const;
   bool is_at(VertexId v, PatchId p) const;
   bool is_edge_of(const Part& part, PatchId p) const;
@@ -111,6 +119,7 @@ class FacingFacets {
   std::vector<BoxTree<NoTag>> trees_;
   std::span<const std::pair<PatchId, PatchId>> crossing_;
   bool is_crossing_known_ = true;
+  std::vector<std::uint8_t> is_turned_;  ///< for each patch, its faces look against the normal of its curved surface
 };
 
 }  // namespace remesh::verification

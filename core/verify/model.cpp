@@ -115,6 +115,11 @@ Grouping by_patch(const Faces& faces, std::size_t patch_count, RunControl& contr
 bool is_well_formed(const Claim& claim, RunControl& control) {
   const Surface& surface = claim.surface;
   const std::size_t patch_count = claim.frames.size();
+  const auto is_surface = [&](std::uint32_t s) { return s == kNone || s < claim.curved.size(); };
+  if (!claim.curved_of_patch.empty() &&
+      (claim.curved_of_patch.size() != patch_count ||
+       !std::all_of(claim.curved_of_patch.begin(), claim.curved_of_patch.end(), is_surface)))
+    return false;
   if (surface.face_begin.empty() || surface.face_begin[0] != 0 ||
       surface.face_begin.items().back() != surface.corners.size() ||
       claim.surface_patch.size() != surface.face_count() || claim.face_patch.size() != claim.faces.size() ||
@@ -157,6 +162,10 @@ Model make_model(const Claim& claim, FoundFaults& faults, RunControl& control) {
     frame.origin = scale * frame.origin;
     frame.scale *= scale;
   }
+
+  if (!claim.curved.empty()) model.curved.of_patch = claim.curved_of_patch;
+  for (const CurvedClaim& curved : claim.curved)
+    model.curved.surfaces.push_back({CurvedShape(curved.shape, scale), scale * curved.tolerance});
 
   const Matches matches = match_vertices(claim, control);
   std::vector<VertexId> match = matches.of_surface;

@@ -9,6 +9,7 @@
 
 #include "core/base/grouping.h"
 #include "core/base/largest_coordinate.h"
+#include "core/verify/curved_shape.h"
 #include "core/verify/edge_table.h"
 #include "core/verify/verification_faults.h"
 #include "core/verify/verify.h"
@@ -34,6 +35,18 @@ class Points {
   std::vector<Vec3> added_;
 };
 
+/// The surface of a curved patch, and the distance that is allowed there.
+struct CurvedSurface {
+  CurvedShape shape;
+  double tolerance = 0;  ///< between input and output, without the plane tolerance
+};
+
+/// The surfaces of all curved patches.
+struct CurvedSurfaces {
+  std::vector<CurvedSurface> surfaces;
+  std::span<const std::uint32_t> of_patch;  ///< indices of these, or kNone; empty if all patches are planes
+};
+
 /// Vertices are numbered as in the surface. The new vertices of a refined result follow. After them come output
 /// vertices that are neither (moved, or a second one at the same place), so that everything that uses them fails by
 /// its edges.
@@ -55,15 +68,29 @@ struct Model {
   std::span<const Vec2> corner_uv;  ///< one per output corner
   double scale = 1;                 ///< model units times this give the units used here
   double tolerance = 0;
+  CurvedSurfaces curved;
 
   std::size_t patch_count() const { return frames.size(); }
   /// True if refinement made this vertex.
   bool is_new(VertexId v) const { return v.value >= surface_vertex_count && v.value < new_vertex_end; }
 
+  bool has_curved() const { return !curved.of_patch.empty(); }
+  /// The surface of a patch; null for a plane.
+  const CurvedSurface* curved_surface(PatchId p) const {
+    if (!has_curved() || curved.of_patch[p.value] == kNone) return nullptr;
+    return &curved.surfaces[curved.of_patch[p.value]];
+  }
+  /// True if one of the patches that use an edge is curved.
+  bool is_any_curved(std::span<const Use> uses) const {
+    return has_curved() && std::any_of(uses.begin(), uses.end(),
+                                       [&](const Use& use) { return curved_surface(use.patch()) != nullptr; });
+  }
+
   /// True if a distance counts as within the tolerance. Besides a share of 1e-9 this permits the rounding of the
   /// measurement itself: about ten roundings of numbers no larger than `reach`.
-  bool is_within_tolerance(double distance, double reach) const {
-    return distance <= tolerance * (1 + 1e-9) + 2e-15 * reach;
+  bool is_within_tolerance(double distance, double reach) const { return is_within(distance, tolerance, reach); }
+  static bool is_within(double distance, double allowed, double reach) {
+    return distance <= allowed * (1 + 1e-9) + 2e-15 * reach;
   }
 
   /// The largest distance of a new vertex from its intended place, if it was computed from coordinates up to `reach`:

@@ -6,7 +6,9 @@
 
 #include "core/base/blocks.h"
 #include "core/base/stoppable.h"
+#include "core/verify/curved_patch.h"
 #include "core/verify/exact.h"
+#include "core/verify/face_measures.h"
 #include "core/verify/folded.h"
 #include "core/verify/height_measure.h"
 
@@ -28,26 +30,6 @@ struct Heights {
     low = std::min(low, other.low);
     high = std::max(high, other.high);
   }
-};
-
-/// The area vector and enclosed volume of a set of faces, with bounds on their rounding.
-struct Measures {
-  Vec3 twice_area;
-  double twice_absolute_area = 0;
-  double volume = 0;
-  double magnitude = 0;  ///< sum of the products that went into twice_area
-  std::size_t terms = 0;
-
-  void add(const Measures& other) {
-    twice_area += other.twice_area;
-    twice_absolute_area += other.twice_absolute_area;
-    volume += other.volume;
-    magnitude += other.magnitude;
-    terms += other.terms;
-  }
-  /// A bound on the rounding of `twice_area`. Each term errs by a few units in its last place, each addition by one
-  /// unit in that of the sum.
-  double rounding() const { return static_cast<double>(terms + 8) * 0x1p-52 * magnitude; }
 };
 
 /// The totals over some faces of one side of a patch.
@@ -101,9 +83,13 @@ class PatchCheck {
         faults_(faults),
         control_(control) {}
 
-  void run(ShapeSums& sums) {
-    if (input_faces().empty() && output_faces().empty()) return;
-    if (input_faces().empty() || output_faces().empty()) return report(Fault::kNoFaces);
+  /// Output: the distance between input and output, or a bound on it.
+  double run(ShapeSums& sums) {
+    if (input_faces().empty() && output_faces().empty()) return 0;
+    if (input_faces().empty() || output_faces().empty()) {
+      report(Fault::kNoFaces);
+      return 0;
+    }
     has_frame_ = is_frame(frame_);
     if (!has_frame_) report(Fault::kFrame);
     control_.check();
@@ -112,9 +98,12 @@ class PatchCheck {
     faults_.insert(faults_.end(), output_.faults.begin(), output_.faults.end());
     reach_ = std::max(input_.reach, output_.reach);
     compare_areas();
-    const double deviation = check_deviation();
+    double deviation = check_deviation();
+    // In a sliver beside a curve that was cut anew, a point may be off in height and along the plane at once.
+    if (!boundary_.allowed.empty() && boundary_.allowed[patch_] > 0) deviation = std::hypot(deviation, height_bound_);
     sums.deviation = std::max(sums.deviation, deviation);
     add_volume(sums);
+    return deviation;
   }
 
  private:
@@ -237,37 +226,11 @@ class PatchCheck {
            std::fabs(uv.y - dot(d, frame_.y_axis) / frame_.scale) <= allowed;
   }
 
-  /// True if the input has this triangle in this patch with the same orientation.
   bool is_input_triangle(std::span<const VertexId> face) const {
-    if (std::any_of(face.begin(), face.end(), [&](VertexId v) { return v.value >= model_.surface_vertex_count; }))
-      return false;
-    // This takes the edge with the fewest faces, because another edge may have a million.
-    std::size_t i = 0;
-    for (const std::size_t k : {1, 2})
-      if (count_input_uses(face, k) < count_input_uses(face, i)) i = k;
-    const VertexId from = face[i], to = face[(i + 1) % 3], apex = face[(i + 2) % 3];
-    for (const Use& use : input_edges_.find(from, to)) {
-      if (use.patch().value != patch_ || use.is_forward() != (from < to)) continue;
-      const auto after =
-          std::upper_bound(model_.input.face_begin.begin(), model_.input.face_begin.end(), use.half_edge);
-      const auto same = model_.input.face(static_cast<std::size_t>(after - model_.input.face_begin.begin() - 1));
-      if (same.size() == 3 && std::find(same.begin(), same.end(), apex) != same.end()) return true;
-    }
-    return false;
-  }
-  std::size_t count_input_uses(std::span<const VertexId> face, std::size_t side) const {
-    return input_edges_.count_uses(face[side], face[(side + 1) % 3]);
+    return verification::is_input_triangle(model_, input_edges_, PatchId(patch_), face);
   }
 
-  bool is_unchanged() const {
-    if (input_faces().size() != output_faces().size()) return false;
-    StopCheck check(control_);
-    const auto faces = output_faces();
-    return std::all_of(faces.begin(), faces.end(), [&](std::uint32_t f) {
-      check();
-      return is_input_triangle(model_.output.face(f));
-    });
-  }
+  bool is_unchanged() const { return verification::is_unchanged(model_, input_edges_, PatchId(patch_), control_); }
 
   /// The area vector depends on the boundary alone (Stokes). So it may change by the slivers at the boundary, and by
   /// rounding.
@@ -347,17 +310,23 @@ class PatchCheck {
 }  // namespace
 
 ShapeSums check_shapes(const Model& model, const EdgeTable& input_edges, const Seams& seams, const Boundary& boundary,
-                       std::vector<std::uint8_t>& is_positive, FoundFaults& faults, RunControl& control) {
+                       std::vector<std::uint8_t>& is_positive, std::vector<double>& bounds, FoundFaults& faults,
+                       RunControl& control) {
   struct Block {
     ShapeSums sums;
     std::vector<FoundFault> faults;
   };
   is_positive.assign(model.output.count(), 0);
+  bounds.assign(model.patch_count(), 0);
+  const auto check_patch = [&](std::size_t p, Block& block) {
+    if (model.curved_surface(PatchId(p)) == nullptr)
+      return PatchCheck(model, input_edges, seams, boundary, p, is_positive, block.faults, control).run(block.sums);
+    return check_curved_patch(model, input_edges, boundary, PatchId(p), block.sums, block.faults, control);
+  };
   const auto blocks =
       map_blocks<Block>(model.patch_count(), kPatchesPerBlock, control, [&](std::size_t begin, std::size_t end) {
         Block block;
-        for (std::size_t p = begin; p < end; ++p)
-          PatchCheck(model, input_edges, seams, boundary, p, is_positive, block.faults, control).run(block.sums);
+        for (std::size_t p = begin; p < end; ++p) bounds[p] = check_patch(p, block);
         return block;
       });
   ShapeSums total;

@@ -36,9 +36,13 @@ struct ShapeSums {
 
 /// Reports kNoFaces, kDeviation, kFacingAway, kArea, kZeroArea, kInverted, kFrame, kPlaneCoordinates.
 /// A triangle that the input has too, in the same patch, is not compared with the plane, because it has not changed.
-/// Output: `is_positive` - one per output face: its plane coordinates are on the grid and turn counter-clockwise.
+/// For curved patches, see curved_patch.h.
+/// Output: `is_positive` - one per output face: its plane coordinates are on the grid and turn counter-clockwise. It is
+///         0 for all faces of curved patches. `bounds` - one per patch: no point of its input is further from its
+///         output, or the other way round.
 /// Cost:   O(n); O(n log n) if distances must be measured.
 ShapeSums check_shapes(const Model& model, const EdgeTable& input_edges, const Seams& seams, const Boundary& boundary,
-                       std::vector<std::uint8_t>& is_positive, FoundFaults& faults, RunControl& control);
+                       std::vector<std::uint8_t>& is_positive, std::vector<double>& bounds, FoundFaults& faults,
+                       RunControl& control);
 
 }  // namespace remesh::verification

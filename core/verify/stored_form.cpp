@@ -65,6 +65,14 @@ std::uint64_t scrambled(VertexId v) {
   return x ^ (x >> 31);
 }
 
+/// True if the triangle certainly points along the normal. The computation errs by a few roundings of the product
+/// of two sides.
+bool looks_along(const std::array<Vec3, 3>& t, const Vec3& normal) {
+  constexpr double kNoise = 1e-14;
+  const Vec3 ab = t[1] - t[0], ac = t[2] - t[0];
+  return dot(cross(ab, ac), normal) > kNoise * norm(ab) * norm(ac);
+}
+
 class StoredCheck {
  public:
   StoredCheck(const StoredClaim& claim, RunControl& control)
@@ -106,6 +114,7 @@ class StoredCheck {
       return std::adjacent_find(faces.begin(), faces.end(), std::greater_equal<>()) == faces.end() &&
              (faces.empty() || faces.back().value < claim_.faces.size());
     };
+    if (!claim_.is_curved.empty() && claim_.is_curved.size() != claim_.normals.size()) return false;
     if (claim_.stored.size() != claim_.positions.size() || claim_.face_patch.size() != claim_.faces.size())
       return false;
     const std::size_t listed = claim_.unrefined_before.size();
@@ -164,7 +173,7 @@ class StoredCheck {
       ++run.faces;
       const Flattening flat(claim_.normals[p.value]);
       const auto [a, b, c] = corners(claim_.stored, f);
-      run.is_positive = run.is_positive && orient2d(flat(a), flat(b), flat(c)) > 0;
+      run.is_positive = run.is_positive && !is_curved(p) && orient2d(flat(a), flat(b), flat(c)) > 0;
       if (!is_moved(f)) continue;
       run.is_moved = true;
       double move = 0;
@@ -182,6 +191,8 @@ class StoredCheck {
     const double area = norm(cross(b - a, c - a)) / 2;
     return move * (area + move * (norm(b - a) + norm(c - a)) + 2 * move * move);
   }
+
+  bool is_curved(PatchId p) const { return !claim_.is_curved.empty() && claim_.is_curved[p.value] != 0; }
 
   bool is_any_moved() const {
     return has_origin_ || std::any_of(runs_.begin(), runs_.end(), [](const FaceRun& run) { return run.is_moved; });
@@ -217,21 +228,16 @@ class StoredCheck {
   /// A triangle that had an area and pointed along its patch's normal, as far as doubles tell, must still do so. A
   /// triangle that did not may point anywhere, but it must not lose the area that it has.
   bool is_turned_over(std::size_t f) const {
-    const Vec3& normal = claim_.normals[claim_.face_patch[f].value];
+    const PatchId p = claim_.face_patch[f];
     const auto after = corners(claim_.stored, f);
-    if (looks_along(after, normal)) return false;
+    if (!is_curved(p) && looks_along(after, claim_.normals[p.value])) return false;
     const auto before = corners(claim_.positions, f);
+    const Vec3 normal =
+        is_curved(p) ? normalized(cross(before[1] - before[0], before[2] - before[0])) : claim_.normals[p.value];
+    if (is_curved(p) && looks_along(after, normal)) return false;
     if (verification::is_collinear(before[0], before[1], before[2])) return false;
     if (verification::is_collinear(after[0], after[1], after[2])) return true;
     return !looks_along(before, -normal);
-  }
-
-  /// True if the triangle certainly points along the normal. The computation errs by a few roundings of the product
-  /// of two sides.
-  static bool looks_along(const std::array<Vec3, 3>& t, const Vec3& normal) {
-    constexpr double kNoise = 1e-14;
-    const Vec3 ab = t[1] - t[0], ac = t[2] - t[0];
-    return dot(cross(ab, ac), normal) > kNoise * norm(ab) * norm(ac);
   }
 
   bool check_goals() {
@@ -286,8 +292,11 @@ class StoredCheck {
 
   bool check_intersections() {
     const std::vector<std::uint8_t> is_simple = simple_patches();
+    std::vector<Vec3> normals(claim_.normals.begin(), claim_.normals.end());
+    for (std::size_t p = 0; p < normals.size(); ++p)
+      if (is_curved(PatchId(p))) normals[p] = {0, 0, 1};  // any direction serves
     SelfIntersections found = patch_intersections(
-        {claim_.stored, corners_of(claim_.faces), claim_.face_patch, claim_.normals, is_simple}, kMaxPairs, control_);
+        {claim_.stored, corners_of(claim_.faces), claim_.face_patch, normals, is_simple}, kMaxPairs, control_);
     const bool is_known_complete = claim_.intersections == nullptr || claim_.intersections->is_complete;
     std::uint64_t count = 0;
     if (is_known_complete)

@@ -25,7 +25,7 @@ struct StoredClaim {
   Storage storage = Storage::kFloat;
   std::span<const Triangle> faces;
   std::span<const PatchId> face_patch;
-  std::span<const Vec3> normals;  ///< unit normal of each patch
+  std::span<const Vec3> normals;  ///< unit normal of each patch; any for a curved patch
   double allowed_move = 0;        ///< largest permitted move of a vertex, model units
   /// Intersections of the verified mesh, by patch; null if there are none.
   const InputIntersections* intersections = nullptr;
@@ -36,6 +36,8 @@ struct StoredClaim {
   std::span<const UnrefinedReason> reasons_before = {};
   /// For each of these faces, true if it is larger than gaps or short edges ask for. Rounding does not change that.
   std::span<const std::uint8_t> misses_sizes_before = {};
+  /// For each patch, true if it is curved. Then its normal is not read. Empty means that all patches are planes.
+  std::span<const std::uint8_t> is_curved = {};
 };
 
 /// The goals that a triangle must meet once its corners have moved by up to `move`. The bound on angles does not
@@ -73,7 +75,8 @@ struct StoredVerdict {
 ///          - Every stored coordinate is a finite number of the format.
 ///          - No vertex moved by more than permitted, measured on what a reader gets: origin + stored, in doubles.
 ///          - No two vertices are at the same place.
-///          - Every triangle has an area and points along its patch's normal, except those that did not before.
+///          - Every triangle has an area and points along its patch's normal, except those that did not before. A
+///            triangle of a curved patch does not point against where it pointed before.
 ///          - The faces that miss the goals (see goals_after_rounding) are in `refinement->unrefined`. The other faces
 ///            in that list are in `unrefined_before` too, because they are larger than gaps or short edges ask for. A
 ///            face with the reason kOutputRounding is not in `unrefined_before`. Every other reason is the one that the

@@ -25,7 +25,9 @@ StraightLines::StraightLines(const Model& model, const BoundaryGraph& seams, Run
   const auto is_inner = [&](VertexId v) {
     if (!seams.is_passage(v)) return false;
     const auto [a, b] = seams.neighbours(v);
-    return model.is_new(v) || is_between(model.points[v.value], model.points[a.value], model.points[b.value]);
+    // Where a curve was cut anew, its new vertices are bends.
+    const bool is_on_line = model.is_new(v) && !model.is_any_curved(seams.uses_at(v));
+    return is_on_line || is_between(model.points[v.value], model.points[a.value], model.points[b.value]);
   };
   seams.for_each_chain(
       control, is_inner,

@@ -14,8 +14,9 @@
 namespace remesh::verification {
 
 /// The output's bounding edges, joined to maximal straight lines. A line is a chain between vertices that stay, but a
-/// vertex that lies on the line of its two edges does not end it. Such a vertex need not stay; a new vertex may
-/// happen to have the coordinates of a dropped one.
+/// vertex that lies on the line of its two edges does not end it. A new vertex on the boundary of a curved patch does
+/// end it if it lies off that line. Such a vertex need not stay; a new vertex may happen to have the coordinates of a
+/// dropped one.
 class StraightLines {
  public:
   StraightLines(const Model& model, const BoundaryGraph& seams, RunControl& control);

@@ -10,13 +10,22 @@
 
 namespace remesh {
 
+/// The largest distance of a point of the result from the input, and of a point of the input from the result, as far as
+/// it was proven. In model units.
+struct DistanceBound {
+  double output_to_input = 0, input_to_output = 0;
+  friend bool operator==(const DistanceBound&, const DistanceBound&) = default;
+};
+
 /// The result of the check. `quality` is empty without refinement.
 struct Verdict {
   bool surface = false;
   bool conforming = false;
   bool delaunay = false;
   std::optional<bool> quality;
-  double deviation = 0;     ///< largest distance found between input and output
+  double deviation = 0;              ///< largest distance found between input and output
+  DistanceBound distance_bound;      ///< proven for the whole surface
+  std::vector<double> patch_bounds;  ///< the proven distance between input and output, both ways, one per patch
   double volume_bound = 0;  ///< bound on the change of volume, if both are closed: what deviations and rounding explain
   /// The patches on which a test failed, ascending. It is empty if only a property of the whole failed.
   std::vector<PatchId> failed_patches;

@@ -19,7 +19,7 @@ constexpr std::uint32_t kAgainstSurface =
     bit(Fault::kMalformed) | bit(Fault::kMovedVertex) | bit(Fault::kForeignVertex) | bit(Fault::kNoFaces) |
     bit(Fault::kLostLoop) | bit(Fault::kBoundary) | bit(Fault::kChord) | bit(Fault::kDeviation) |
     bit(Fault::kFacingAway) | bit(Fault::kArea) | bit(Fault::kInverted) | bit(Fault::kEuler) | bit(Fault::kVolume) |
-    bit(Fault::kNewVertex) | bit(Fault::kNewOffLine) | bit(Fault::kPolygon);
+    bit(Fault::kNewVertex) | bit(Fault::kNewOffLine) | bit(Fault::kPolygon) | bit(Fault::kSurface) | bit(Fault::kCover);
 constexpr std::uint32_t kAgainstConforming = bit(Fault::kMalformed) | bit(Fault::kLostVertex) | bit(Fault::kLostLoop) |
                                              bit(Fault::kBoundary) | bit(Fault::kZeroArea) | bit(Fault::kInverted) |
                                              bit(Fault::kOpened) | bit(Fault::kNewVertex) | bit(Fault::kNewOffLine) |
@@ -68,6 +68,8 @@ std::string words(const FoundFault& found) {
     case Fault::kTooManyFaces: return "there are more faces than allowed";
     case Fault::kNewIntersection:
       return "output face " + id + " intersects another face, but their patches do not intersect in the input";
+    case Fault::kSurface: return "the surface of the curved patch is not valid";
+    case Fault::kCover: return "the curved patch covers its surface another number of times than its input does";
     case Fault::kPolygon: return "the triangles made of input polygon " + id + " do not cover it exactly once";
   }
   return {};

@@ -23,7 +23,7 @@ enum class Fault : std::uint8_t {
   kFacingAway,        ///< an input face points against its patch's normal, so the patch folds over
   kArea,              ///< the area of a patch has changed
   kZeroArea,          ///< a triangle has no area
-  kInverted,          ///< a triangle is turned over in the patch's plane
+  kInverted,          ///< a triangle is turned over in the patch's plane, or on its curved surface
   kFrame,             ///< the frame of a patch is not valid
   kPlaneCoordinates,  ///< stored plane coordinates are not the projection of their vertex
   kNotDelaunay,       ///< an edge is not locally Delaunay although it could be flipped
@@ -40,8 +40,10 @@ enum class Fault : std::uint8_t {
   kTooManyFaces,      ///< the output has more faces than permitted
   kNewIntersection,   ///< faces intersect although their patches do not intersect in the input
   kPolygon,           ///< the faces that were made of an input polygon do not cover that polygon
+  kSurface,           ///< the surface that is claimed for a curved patch is not valid
+  kCover,             ///< a curved patch does not cover its surface as often as its input does
 };
-inline constexpr int kFaultCount = static_cast<int>(Fault::kPolygon) + 1;
+inline constexpr int kFaultCount = static_cast<int>(Fault::kCover) + 1;
 
 /// One fault at one place. The patch is invalid if the fault belongs to the whole mesh.
 struct FoundFault {

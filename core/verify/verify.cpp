@@ -118,7 +118,9 @@ void check_intersections(const Claim& claim, const std::vector<std::uint8_t>& is
   if (!std::all_of(claim.positions.begin(), claim.positions.end(), [](const Vec3& p) { return is_finite(p); })) return;
   std::vector<Vec3> normals;
   normals.reserve(claim.frames.size());
-  for (const Frame& frame : claim.frames) normals.push_back(frame.normal);
+  // The frame of a curved patch has not been tested. Any direction serves such a patch.
+  for (const Frame& frame : claim.frames)
+    normals.push_back(std::fabs(norm(frame.normal) - 1) <= 1e-12 ? frame.normal : Vec3{0, 0, 1});
   // In its plane, a patch of positive triangles covers nothing twice that its boundary does not.
   std::vector<std::uint8_t> is_simple(claim.frames.size(), 1);
   StopCheck check(control);
@@ -181,8 +183,11 @@ Verdict verify(const Claim& claim, RunControl& control) {
 
   // This checks that each patch is the same piece of surface and that its triangles are sound.
   std::vector<std::uint8_t> is_positive;
-  const ShapeSums shapes = check_shapes(model, input_edges, seams, boundary, is_positive, faults, control);
+  const ShapeSums shapes =
+      check_shapes(model, input_edges, seams, boundary, is_positive, verdict.patch_bounds, faults, control);
   verdict.deviation = shapes.deviation / model.scale;
+  for (double& bound : verdict.patch_bounds) bound /= model.scale;
+  verdict.distance_bound = {verdict.deviation, verdict.deviation};
   // The minimum keeps the bound finite for a model near the largest double, as its volume is.
   verdict.volume_bound = std::min(std::ldexp(shapes.volume_bound, -3 * std::ilogb(model.scale)), DBL_MAX);
   control.progress(0.9);

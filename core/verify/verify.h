@@ -12,6 +12,7 @@
 
 #include "core/base/ids.h"
 #include "core/base/run_control.h"
+#include "core/geometry/analytic_surface.h"
 #include "core/geometry/frame.h"
 #include "core/mesh/mesh.h"
 #include "core/mesh/surface.h"
@@ -40,7 +41,15 @@ struct InputIntersections {
   bool is_complete = true;  ///< false: there are so many intersections that some pairs may be missing
 };
 
-/// The pipeline's claim about what it has done.
+/// The pipeline's claim that a patch samples a curved surface.
+struct CurvedClaim {
+  AnalyticSurface shape;  ///< model units; kCylinder, kCone, kSphere or kTorus
+  /// Model units. Input and output of the patch may be this far apart, plus the plane tolerance, and each of them may
+  /// be this far from the surface. What exceeds half of the radius of a cylinder, sphere or tube has no effect.
+  double tolerance = 0;
+};
+
+/// The pipeline's claim about what it has done. This class is larger than the bound because it is a list of arguments.
 struct Claim {
   const Surface& surface;                  ///< the surface that was remeshed
   std::span<const PatchId> surface_patch;  ///< patch of each face of `surface`
@@ -60,6 +69,10 @@ struct Claim {
   /// it is not known.
   const PolygonMesh* input = nullptr;
   double weld_tolerance = 0;  ///< model units
+  /// For each patch, the index of its surface in `curved`, or kNone for a plane. Empty means that all patches are
+  /// planes. The frame and the plane coordinates of a curved patch are not read.
+  std::span<const std::uint32_t> curved_of_patch = {};
+  std::span<const CurvedClaim> curved = {};
 };
 
 /// Tests the promises 1 to 3 of README.md.
@@ -73,6 +86,10 @@ struct Claim {
 /// - Input and output lie within plane_tolerance of each other, in both directions, patch by patch.
 /// - Every patch retains its boundary loops: each output loop is the input loop without some vertices, each of which
 ///   is within the tolerance of the chord that replaces it.
+/// - Where a patch is curved, `plane_tolerance` is replaced by the claimed tolerance plus `plane_tolerance`. Both sides
+///   of the patch lie that close to the claimed surface, look the same way as it does, and cover it equally often
+///   (curved_patch.h). A boundary chain with a curved patch beside it may have new vertices anywhere within that
+///   tolerance. A plane beside it still keeps its plane exactly.
 /// - Euler number, closedness, area and volume change by no more than the deviations explain. `volume_bound` is that
 ///   bound for the volume. For each patch it is the larger of its input and output area, plus the area between the
 ///   loops, times the largest difference of their heights; rounding is added.
@@ -87,7 +104,7 @@ struct Claim {
 ///   `are_all_intersections_known` tells.
 ///
 /// `delaunay`:
-/// - The stored plane coordinates are the projections of the vertices.
+/// - The stored plane coordinates are the projections of the vertices. This and the next are tested for planes.
 /// - Every edge inside a patch is locally Delaunay in these coordinates by exact arithmetic, or the edge that would
 ///   replace it exists elsewhere in the output (the chord rule).
 ///

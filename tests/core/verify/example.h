@@ -34,14 +34,20 @@ struct Example {
   std::vector<std::uint8_t> frozen;                               ///< empty if no patch is frozen
   std::vector<std::pair<PatchId, PatchId>> intersecting_patches;  ///< pairs that cross in the input
   bool are_these_all = true;                                      ///< whether the pairs above are all
+  std::vector<std::uint32_t> curved_of_patch;                     ///< empty if all patches are planes
+  std::vector<CurvedClaim> curved;
 
   Verdict verify() const {
     RunControl control;
     const RefinementClaim refinement{goals.value_or(Goals()), unrefined, reasons, frozen};
     const InputIntersections known{intersecting_patches, are_these_all};
-    return remesh::verify({surface, surface_patch, frames, positions, faces, face_patch, corner_uv, plane_tolerance,
-                           goals.has_value(), goals ? &refinement : nullptr, &known},
-                          control);
+    Claim claim{surface,    surface_patch, frames,          positions,        faces,
+                face_patch, corner_uv,     plane_tolerance, goals.has_value()};
+    claim.refinement = goals ? &refinement : nullptr;
+    claim.intersections = &known;
+    claim.curved_of_patch = curved_of_patch;
+    claim.curved = curved;
+    return remesh::verify(claim, control);
   }
   /// Claims that the input intersects where the output does.
   void allow_intersections() {
@@ -79,7 +85,8 @@ struct Example {
   /// Flips the edge that face f begins at corner i, if it is face g's at corner j and not Delaunay.
   bool flip(std::size_t f, int i, std::size_t g, int j) {
     const VertexId from = faces[f][i], to = faces[f][(i + 1) % 3];
-    if (face_patch[f] != face_patch[g] || faces[g][j] != to || faces[g][(j + 1) % 3] != from) return false;
+    const bool is_plane = curved_of_patch.empty() || curved_of_patch[face_patch[f].value] == kNone;
+    if (!is_plane || face_patch[f] != face_patch[g] || faces[g][j] != to || faces[g][(j + 1) % 3] != from) return false;
     const VertexId left = faces[f][(i + 2) % 3], right = faces[g][(j + 2) % 3];
     const auto point = [&](VertexId v) { return project(face_patch[f], positions[v.value]); };
     if (cgal_in_circle(point(from), point(to), point(left), point(right)) <= 0) return false;

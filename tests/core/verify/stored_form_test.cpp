@@ -284,5 +284,41 @@ TEST(stored_form, what_passes_intersects_nowhere_whatever_is_moved) {
   EXPECT_GT(crossed, 2);
 }
 
+TEST(stored_form, triangles_of_a_curved_patch_are_compared_with_themselves) {
+  // Four panes of a round wall, a third of a circle, whose normal belongs to none of them.
+  std::vector<Vec3> before;
+  std::vector<Triangle> faces;
+  for (std::uint32_t k = 0; k <= 4; ++k) {
+    before.push_back({std::cos(0.5 * k), std::sin(0.5 * k), 0});
+    before.push_back({std::cos(0.5 * k), std::sin(0.5 * k), 1});
+    if (k == 0) continue;
+    const auto v = [&](std::uint32_t i) { return VertexId(2 * k - 2 + i); };
+    faces.push_back({v(0), v(2), v(3)});
+    faces.push_back({v(0), v(3), v(1)});
+  }
+  const std::vector<PatchId> patches(faces.size(), PatchId(0));
+  const std::vector<Vec3> normals{{0, 0, 1}};
+  const std::vector<std::uint8_t> is_curved{1};
+  const auto fault = [&](const std::vector<Vec3>& stored, bool is_told) {
+    StoredClaim claim;
+    claim.positions = before;
+    claim.stored = stored;
+    claim.storage = Storage::kDouble;
+    claim.faces = faces;
+    claim.face_patch = patches;
+    claim.normals = normals;
+    claim.allowed_move = 10;
+    if (is_told) claim.is_curved = is_curved;
+    RunControl control;
+    return check_stored_form(claim, control).fault;
+  };
+  std::vector<Vec3> moved = before;
+  for (Vec3& p : moved) p += {1e-3 * p.y, 0, -1e-3 * p.x};
+  EXPECT_EQ(fault(moved, true), std::nullopt);
+  EXPECT_EQ(fault(moved, false), StoredFault::kTurnedOver);
+  moved[2] = moved[0] + 2.5 * (moved[6] - moved[0]);  // beyond its neighbours
+  EXPECT_EQ(fault(moved, true), StoredFault::kTurnedOver);
+}
+
 }  // namespace
 }  // namespace remesh
