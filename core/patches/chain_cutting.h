@@ -1,0 +1,77 @@
+/// Cuts one chain of a patch boundary anew, so that its pieces are as long as the curved patches beside it allow.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/ids.h"
+#include "core/base/run_control.h"
+#include "core/base/vec.h"
+#include "core/geometry/analytic_surface.h"
+#include "core/geometry/plane.h"
+#include "core/mesh/surface.h"
+#include "core/patches/boundary_chains.h"
+#include "core/patches/chain_gaps.h"
+
+namespace remesh {
+
+/// A patch, as the cutting of curves needs to know it.
+struct PatchSurface {
+  const AnalyticSurface* shape = nullptr;  ///< in model units; null for a plane, for which `plane` counts
+  Plane plane;                             ///< in local units, as in PatchSet::planes
+  double tolerance = 0;                    ///< curved: how far the result may be from the input there, in model units
+  double max_turn = 0;                     ///< curved: the angle by which edges may turn, in radians
+};
+
+/// The rules by which curves are recognised.
+struct CurveRules {
+  /// The largest distance of an essential vertex from the surfaces on which it is said to lie, in model units.
+  double fit_tolerance = 0;
+  double feature_angle = 0;  ///< a chain without a formula has a corner where it bends by more, in radians
+};
+
+/// The patches beside a chain. Each of them is named once.
+struct ChainSides {
+  std::vector<PatchSurface> curved;  ///< ordered by their shapes
+  std::vector<Plane> planes;         ///< of the planar patches, in model units; in the order of `planar`
+  std::vector<PatchId> planar;       ///< ordered by their planes
+};
+
+/// The new pieces of a chain, or of a part of it between two corners that bend. Its ends stay.
+struct ChainCut {
+  std::vector<ChainNode> nodes;     ///< those of the input
+  std::vector<std::uint32_t> kept;  ///< those nodes between the ends that stay, ascending
+  std::vector<Vec3> points;         ///< new vertices in the place of all nodes between the ends, in order
+  /// A place in the middle of the curve, if nothing is between the ends any more and the curve has a formula.
+  Vec3 middle;
+  bool has_middle = false;
+};
+
+/// The input that all chains share.
+struct ChainCutting {
+  const Surface& surface;
+  const IdVector<VertexId, std::uint8_t>& forced;
+  const ChainGaps& gaps;
+  CurveRules rules;
+  const RunControl& control;
+};
+
+/// Cuts a chain.
+/// Input:  the chain of the given number; `sides` has a curved patch at least.
+/// Output: appends the parts of the chain that change. A part that stays as it is has no entry. Returns whether some
+///         part has more pieces than tolerances ask for, because another boundary of a planar patch is near.
+/// Holds:  - a chain with a formula has equal pieces, as seen from its axis. There are so few of them that each turns
+///           by at most the smallest `max_turn` and that both polylines are within the smallest `tolerance` of each
+///           other, but three at least in a closed chain. If the turn is not limited to a third of a circle, each of
+///           them turns by at most a sixth. If the input's pieces are no larger and no more, they stay.
+///         - a chain without a formula keeps some of its nodes. Each node that is dropped is within the tolerance of
+///           its chord, in order along it, and the normals of each curved surface turn by at most `max_turn` between
+///           two nodes that stay, unless these are neighbours in the input.
+///         - a chain with a forced vertex between its ends stays as it is.
+/// Errors: kCancelled, kTimeout - asked to stop through `control`.
+/// Cost:   O(n log n).
+bool cut_chain(std::uint32_t chain, std::span<const ChainNode> nodes, const ChainSides& sides,
+               const ChainCutting& cutting, std::vector<ChainCut>& cuts);
+
+}  // namespace remesh
