@@ -21,7 +21,7 @@ std::string_view type_name(OptionType type) {
     case OptionType::kInteger: return "integer";
     case OptionType::kWords:
     case OptionType::kAxis:
-    case OptionType::kFormat: return "string";
+    case OptionType::kChoice: return "string";
   }
   return "string";
 }

@@ -30,7 +30,20 @@ constexpr std::array<Word<Repair>, 6> kRepairWords{{{"duplicates", &Repair::dupl
 constexpr std::array<Word<Barriers>, 3> kBarrierWords{
     {{"object", &Barriers::object}, {"group", &Barriers::group}, {"material", &Barriers::material}}};
 
-const std::array<OptionSpec, 21> kTable{{
+constexpr std::array<std::pair<std::string_view, Preset>, 1> kPresetWords{{{"exact", Preset::kExact}}};
+
+/// The value that a preset has for an option, as text.
+struct PresetValue {
+  Preset preset;
+  std::string_view option;
+  std::string_view text;
+};
+constexpr std::array<PresetValue, 2> kPresetValues{{
+    {Preset::kExact, "feature_angle_deg", "0"},
+    {Preset::kExact, "split_boundaries", "false"},
+}};
+
+const std::array<OptionSpec, 25> kTable{{
     {.name = "refine",
      .type = OptionType::kBoolean,
      .field = &Options::refine,
@@ -118,9 +131,32 @@ const std::array<OptionSpec, 21> kTable{{
     {.name = "feature_angle_deg",
      .type = OptionType::kNumber,
      .field = &Options::feature_angle_deg,
-     .help = "edges where facets turn by more than this, in degrees, are features; facets that meet at a smaller angle "
-             "may be pieces of one curved surface; 0: each facet is its own surface",
+     .help = "edges where facets turn by more than this, in degrees, are features and stay; facets that meet at a "
+             "smaller angle may be pieces of one curved surface; 0: each facet is its own surface",
      .example = "40"},
+    {.name = "surface_tolerance",
+     .type = OptionType::kNumber,
+     .field = &Options::surface_tolerance,
+     .help = "how far the curved parts of input and result may be apart, both ways, in model units; auto: with "
+             "elements_per_circle, as far as the input's own facets are from each curved surface, and otherwise facets "
+             "stay as they are; 0: facets stay as they are",
+     .unset = "auto",
+     .excludes = "surface_tolerance_fraction",
+     .example = "0.01"},
+    {.name = "surface_tolerance_fraction",
+     .type = OptionType::kNumber,
+     .field = &Options::surface_tolerance_fraction,
+     .help = "in place of surface_tolerance: the same distance as a fraction of the bounding box's diagonal",
+     .unset = "none",
+     .excludes = "surface_tolerance",
+     .example = "0.001"},
+    {.name = "elements_per_circle",
+     .type = OptionType::kNumber,
+     .field = &Options::elements_per_circle,
+     .help = "number of edges per full turn on curved surfaces and arcs; the distance of such an edge from its arc is "
+             "allowed on top of surface_tolerance; 16 is usual before volume meshing",
+     .unset = "none",
+     .example = "16"},
     {.name = "normal_tolerance",
      .type = OptionType::kNumber,
      .field = &Options::normal_tolerance,
@@ -157,8 +193,15 @@ const std::array<OptionSpec, 21> kTable{{
      .field = AxisField{},
      .help = "the direction of the first axis in the plane of each patch: x, dominant_edge, or a direction dx,dy,dz",
      .example = "0,1,0"},
+    {.name = "preset",
+     .type = OptionType::kChoice,
+     .field = PresetField{},
+     .help = "a name for values of several options; exact: facets and boundaries stay as they are "
+             "(feature_angle_deg=0, split_boundaries=false); options that are given themselves go before it",
+     .unset = "none",
+     .example = "exact"},
     {.name = "format",
-     .type = OptionType::kFormat,
+     .type = OptionType::kChoice,
      .field = FormatField{},
      .help = "the format of the result; auto: what the Accept header asks for, otherwise the format of the input",
      .unset = "auto",
@@ -187,7 +230,9 @@ std::string describe_words(const OptionSpec& spec) {
                  ", each once, separated by commas: all without a sign, or all as +word or -word";
       break;
     case OptionType::kAxis: expected = "x, dominant_edge, or three numbers dx,dy,dz that are not all 0"; break;
-    case OptionType::kFormat: expected = "one of " + describe_words(spec); break;
+    case OptionType::kChoice:
+      expected = (option_words(spec).size() == 1 ? "" : "one of ") + describe_words(spec);
+      break;
   }
   if (!spec.unset.empty()) expected += ", or " + std::string(spec.unset);
   fail(spec, "must be " + expected + ", not " + in_quotes(text));
@@ -316,6 +361,19 @@ Format parse_format(const OptionSpec& spec, std::string_view text) {
   return *format;
 }
 
+Preset parse_preset(const OptionSpec& spec, std::string_view text) {
+  const auto* word =
+      std::find_if(kPresetWords.begin(), kPresetWords.end(), [&](const auto& w) { return w.first == text; });
+  if (word == kPresetWords.end()) fail_value(spec, text);
+  return word->second;
+}
+
+std::string_view preset_name(Preset preset) {
+  const auto* word =
+      std::find_if(kPresetWords.begin(), kPresetWords.end(), [&](const auto& w) { return w.second == preset; });
+  return word == kPresetWords.end() ? std::string_view() : word->first;
+}
+
 void set_value(const OptionSpec& spec, std::string_view text, RequestOptions& options) {
   Options& core = options.core;
   std::visit(
@@ -335,6 +393,8 @@ void set_value(const OptionSpec& spec, std::string_view text, RequestOptions& op
           core.*field = parse_words(spec, kBarrierWords, text);
         } else if constexpr (std::is_same_v<F, AxisField>) {
           parse_axis(spec, text, core);
+        } else if constexpr (std::is_same_v<F, PresetField>) {
+          options.preset = text == spec.unset ? std::nullopt : std::optional(parse_preset(spec, text));
         } else {
           options.format = text == spec.unset ? std::nullopt : std::optional(parse_format(spec, text));
         }
@@ -354,7 +414,7 @@ void check_kind(const OptionSpec& spec, std::string_view text, ValueKind kind) {
     case ValueKind::kObject: fits = false; break;
     case ValueKind::kString:
       fits = (!spec.unset.empty() && text == spec.unset) || spec.type == OptionType::kWords ||
-             spec.type == OptionType::kAxis || spec.type == OptionType::kFormat;
+             spec.type == OptionType::kAxis || spec.type == OptionType::kChoice;
       break;
   }
   if (!fits) fail_value(spec, kind == ValueKind::kNull ? "null" : text);
@@ -401,6 +461,8 @@ std::vector<std::string_view> option_words(const OptionSpec& spec) {
     for (const auto& word : kRepairWords) words.push_back(word.first);
   } else if (std::holds_alternative<Barriers Options::*>(spec.field)) {
     for (const auto& word : kBarrierWords) words.push_back(word.first);
+  } else if (std::holds_alternative<PresetField>(spec.field)) {
+    for (const auto& word : kPresetWords) words.push_back(word.first);
   } else if (std::holds_alternative<FormatField>(spec.field)) {
     for (const Format format : kFormats) words.push_back(format_name(format));
   }
@@ -423,6 +485,8 @@ OptionValue option_value(const OptionSpec& spec, const RequestOptions& options) 
           return words_text(kBarrierWords, core.*field);
         } else if constexpr (std::is_same_v<F, AxisField>) {
           return axis_text(core);
+        } else if constexpr (std::is_same_v<F, PresetField>) {
+          return options.preset ? OptionValue(std::string(preset_name(*options.preset))) : OptionValue();
         } else {
           return options.format ? OptionValue(std::string(format_name(*options.format))) : OptionValue();
         }
@@ -468,9 +532,17 @@ void OptionReader::add(std::string_view name, std::string_view text, ValueKind k
   check_kind(*spec, text, kind);
   set_value(*spec, kind == ValueKind::kNull ? spec->unset : text, options_);
   given_.push_back(spec->name);
+  if (std::holds_alternative<PresetField>(spec->field)) apply_preset();
   const OptionSpec* other = find_option(spec->excludes);
   if (other != nullptr && is_set(*spec, options_) && is_set(*other, options_)) {
     fail(*spec, "and " + std::string(other->name) + " exclude each other");
+  }
+}
+
+void OptionReader::apply_preset() {
+  for (const PresetValue& value : kPresetValues) {
+    if (value.preset == options_.preset && !is_given(value.option))
+      set_value(*find_option(value.option), value.text, options_);
   }
 }
 

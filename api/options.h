@@ -16,9 +16,16 @@
 
 namespace remesh::api {
 
-/// Everything that a caller may ask for: the options of the pipeline and the format of the answer.
+/// A name for values of several options.
+enum class Preset {
+  kExact  ///< facets and boundaries stay as they are: feature_angle_deg=0, split_boundaries=false
+};
+
+/// Everything that a caller may ask for: the options of the pipeline, which have the values of the preset already, and
+/// the format of the answer.
 struct RequestOptions {
   Options core;
+  std::optional<Preset> preset;
   std::optional<Format> format;
 };
 
@@ -28,18 +35,20 @@ enum class OptionType {
   kInteger,
   kWords,   ///< words separated by commas, or `none`; if all have a + or - in front, they change the default
   kAxis,    ///< `x`, `dominant_edge` or `dx,dy,dz`
-  kFormat,  ///< the name of a mesh format
+  kChoice,  ///< one word of several
 };
 
-/// Marks the one option that does not belong to the pipeline: the format of the answer.
+/// Marks the option that does not belong to the pipeline: the format of the answer.
 struct FormatField {};
+/// Marks the option that stands for values of others.
+struct PresetField {};
 /// Marks the option that sets both `reference_axis` and `reference_direction`.
 struct AxisField {};
 
 /// The member in which an option's value is stored.
 using OptionField = std::variant<bool Options::*, double Options::*, std::optional<double> Options::*,
                                  std::optional<std::uint64_t> Options::*, Repair Options::*, Barriers Options::*,
-                                 AxisField, FormatField>;
+                                 AxisField, PresetField, FormatField>;
 
 struct OptionSpec {
   std::string_view name;
@@ -58,7 +67,7 @@ std::span<const OptionSpec> option_table();
 const OptionSpec* find_option(std::string_view name);
 /// Finds the option whose name takes the fewest edits to reach from `name`. The first one wins a tie.
 const OptionSpec& nearest_option(std::string_view name);
-/// The words that a kWords or kFormat option accepts; empty for other types.
+/// The words that a kWords or kChoice option accepts, without the word for "no value"; empty for other types.
 std::vector<std::string_view> option_words(const OptionSpec& spec);
 
 /// A value in the form in which JSON shows it; monostate if none is set.
@@ -77,6 +86,7 @@ enum class ValueKind { kUntyped, kBoolean, kNumber, kString, kList, kObject, kNu
 class OptionReader {
  public:
   /// Reads one option. The items of a list are separated by commas.
+  /// Holds:  the order does not matter: an option that is given goes before the value that a preset has for it.
   /// Errors: kUnknownOption - the message names the nearest known one; kInvalidOption - given twice, of the wrong
   ///         type, not a number, out of range, or together with an option that excludes it. Each error has `option`
   ///         set.
@@ -89,6 +99,8 @@ class OptionReader {
 
  private:
   bool is_given(std::string_view name) const;
+  /// Sets the values of the preset in all options that are not given.
+  void apply_preset();
 
   RequestOptions options_;
   std::vector<std::string_view> given_;

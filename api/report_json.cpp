@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numbers>
+#include <string>
 #include <type_traits>
 
 #include "core/base/error.h"
@@ -173,7 +174,12 @@ void write_freedom(JsonWriter& json, const RecognisedSurface& region) {
   json.member("nearest_deviation", has_nearest ? std::optional(region.nearest_deviation) : std::nullopt);
 }
 
-void write_surface(JsonWriter& json, SurfaceId id, const RecognisedSurface& surface) {
+/// The distance that was proven; nothing for an analysis, which has no result.
+std::optional<double> proven(double bound, ReportKind kind) {
+  return kind == ReportKind::kRemesh ? std::optional(bound) : std::nullopt;
+}
+
+void write_surface(JsonWriter& json, SurfaceId id, const RecognisedSurface& surface, ReportKind kind) {
   const bool is_free = surface.shape.kind == SurfaceKind::kFree;
   const bool is_curved = !is_free && surface.shape.kind != SurfaceKind::kPlane;
   json.begin_object();
@@ -190,9 +196,11 @@ void write_surface(JsonWriter& json, SurfaceId id, const RecognisedSurface& surf
   if (is_curved) {
     json.member("input_chord_height", surface.input_chord_height);
     json.member("input_turn_deg", surface.input_turn_deg);
+    json.member("tolerance", surface.allowed);
   }
+  json.member("bound", proven(surface.bound, kind));
   if (!is_free) {
-    json.member("tolerance", surface.tolerance);
+    json.member("fit_tolerance", surface.tolerance);
     json.member("deviation", surface.deviation);
   }
   write_box(json, "bounding_box", surface.extent);
@@ -200,20 +208,20 @@ void write_surface(JsonWriter& json, SurfaceId id, const RecognisedSurface& surf
   json.end_object();
 }
 
-void write_surfaces(JsonWriter& json, const RecognisedSurfaces& surfaces, RunControl& control) {
+void write_surfaces(JsonWriter& json, const RecognisedSurfaces& surfaces, ReportKind kind, RunControl& control) {
   Pace pace(control);
   json.begin_array();
   SurfaceId id(0);
   for (const RecognisedSurface& surface : surfaces.surfaces) {
     pace();
-    write_surface(json, id, surface);
+    write_surface(json, id, surface, kind);
     ++id.value;
   }
   json.end_array();
 }
 
 void write_patches(JsonWriter& json, const std::vector<PatchSummary>& patches, const RecognisedSurfaces& surfaces,
-                   RunControl& control) {
+                   ReportKind kind, RunControl& control) {
   Pace pace(control);
   json.begin_array();
   for (std::size_t id = 0; id < patches.size(); ++id) {
@@ -236,6 +244,7 @@ void write_patches(JsonWriter& json, const std::vector<PatchSummary>& patches, c
     const std::string_view reason = reason_name(patch.reason);
     json.member("reason", reason.empty() ? std::nullopt : std::optional(reason));
     json.member("deviation", patch.deviation);
+    json.member("bound", proven(patch.bound, kind));
     json.end_object();
   }
   json.end_array();
@@ -293,6 +302,25 @@ void write_verdict(JsonWriter& json, const Verdict& verdict) {
   json.member("delaunay", verdict.delaunay);
   json.member("quality", verdict.quality);
   json.member("deviation", verdict.deviation);
+  json.end_object();
+}
+
+/// Writes the bound on the distance between input and result, or null if there is none.
+void write_distance_bound(JsonWriter& json, const std::optional<DistanceBound>& bound) {
+  json.key("distance_bound");
+  if (!bound) return json.null();
+  json.begin_object();
+  json.member("output_to_input", bound->output_to_input);
+  json.member("input_to_output", bound->input_to_output);
+  json.end_object();
+}
+
+/// Writes the predicted numbers of faces by the number of elements per circle, or null if nothing is curved.
+void write_predictions(JsonWriter& json, const std::map<int, std::uint64_t>& faces) {
+  json.key("predicted_faces_by_elements_per_circle");
+  if (faces.empty()) return json.null();
+  json.begin_object();
+  for (const auto& [elements, count] : faces) json.member(std::to_string(elements), count);
   json.end_object();
 }
 
@@ -384,7 +412,7 @@ double StageTimes::total() const {
 
 void write_report(JsonWriter& json, const Report& report, const RequestOptions& options, ReportKind kind,
                   const StageTimes& times, RunControl& control) {
-  RequestOptions used = with_defaults({report.options, options.format});
+  RequestOptions used = with_defaults({report.options, options.preset, options.format});
   used.core.plane_tolerance = report.plane_tolerance;
   const bool is_remesh = kind == ReportKind::kRemesh;
 
@@ -405,14 +433,16 @@ void write_report(JsonWriter& json, const Report& report, const RequestOptions& 
     write_output(json, report);
   }
   json.key("patches");
-  write_patches(json, report.patches, report.surfaces, control);
+  write_patches(json, report.patches, report.surfaces, kind, control);
   json.key("surfaces");
-  write_surfaces(json, report.surfaces, control);
+  write_surfaces(json, report.surfaces, kind, control);
+  write_distance_bound(json, report.distance_bound);
   json.key("diagnostics");
   write_diagnostics(json, report.diagnostics);
   json.key("volume_ready");
   write_volume_ready(json, report.volume_obstacles);
   json.member("predicted_faces", report.predicted_faces);
+  if (!is_remesh) write_predictions(json, report.predicted_faces_by_elements_per_circle);
   json.member("smallest_gap", report.smallest_gap);
   if (is_remesh) {
     json.key("unrefined");

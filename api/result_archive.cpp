@@ -15,7 +15,7 @@ static_assert(std::endian::native == std::endian::little, "archives are little-e
 static_assert(sizeof(Vec3) == 24);
 
 /// The last digit is the version of the format.
-constexpr std::string_view kMagic = "REMESHD4";
+constexpr std::string_view kMagic = "REMESHD5";
 
 constexpr std::uint32_t value_of(std::uint32_t number) { return number; }
 template <class Tag>
@@ -170,6 +170,10 @@ void pack(const Summary& summary, Packer& out) {
     out.number(static_cast<std::uint64_t>(reason));
     out.number(count);
   }
+  out.number(summary.distance_bound.has_value());
+  if (!summary.distance_bound) return;
+  out.real(summary.distance_bound->output_to_input);
+  out.real(summary.distance_bound->input_to_output);
 }
 
 void unpack(Unpacker& in, Summary& summary) {
@@ -182,6 +186,10 @@ void unpack(Unpacker& in, Summary& summary) {
     const UnrefinedReason reason = in.reason();
     summary.unrefined.emplace_back(reason, in.number());
   }
+  if (!in.flag()) return;
+  DistanceBound& bound = summary.distance_bound.emplace();
+  bound.output_to_input = in.real();
+  bound.input_to_output = in.real();
 }
 
 /// The numbers of the goals in a fixed order, used by both packing and unpacking.
@@ -198,6 +206,7 @@ auto numbers_of(Labels& labels) {
 
 void pack(const OutputBasis& basis, Packer& out) {
   out.array(basis.normals.items());
+  out.array(basis.is_curved.items());
   out.real(basis.allowed_move);
   out.number(basis.is_refined);
   for (const double* value : reals_of(basis.goals)) out.real(*value);
@@ -215,6 +224,7 @@ void pack(const OutputBasis& basis, Packer& out) {
 
 void unpack(Unpacker& in, OutputBasis& basis) {
   in.array(basis.normals.items());
+  in.array(basis.is_curved.items());
   basis.allowed_move = in.real();
   basis.is_refined = in.flag();
   for (double* value : reals_of(basis.goals)) *value = in.real();

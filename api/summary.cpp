@@ -15,6 +15,15 @@ std::string in_one_line(std::string text) {
   return text;
 }
 
+/// Formats the bound on the distance as a sentence.
+std::string distance_text(const DistanceBound& bound) {
+  if (bound.output_to_input == bound.input_to_output)
+    return "proven: input and result are nowhere more than " + number_text(bound.output_to_input) + " apart";
+  return "proven: no point of the result is more than " + number_text(bound.output_to_input) +
+         " from the input, and no point of the input more than " + number_text(bound.input_to_output) +
+         " from the result";
+}
+
 }  // namespace
 
 Summary summary_of(const Report& report) {
@@ -32,6 +41,7 @@ Summary summary_of(const Report& report) {
                                            number_text(diagnostic.count) + ": " + diagnostic.message));
   }
   for (const Unrefined& left : report.unrefined) summary.unrefined.emplace_back(left.reason, left.count);
+  summary.distance_bound = report.distance_bound;
   summary.origin = report.output_origin;
   return summary;
 }
@@ -51,6 +61,7 @@ std::string summary_line(const Summary& summary) {
 std::vector<std::string> summary_comments(const Summary& summary) {
   const std::string origin = summary.origin ? ", origin " + origin_text(*summary.origin) : "";
   std::vector<std::string> comments{"remeshd " + std::string(version()) + origin, summary_line(summary)};
+  if (summary.distance_bound) comments.push_back(distance_text(*summary.distance_bound));
   for (const std::string& warning : summary.warnings) comments.push_back("warning: " + warning);
   for (const auto& [reason, count] : summary.unrefined)
     comments.push_back("unrefined: " + std::string(unrefined_name(reason)) + ": " + number_text(count));

@@ -20,6 +20,7 @@ struct Summary {
   bool is_verified = false;
   std::vector<std::string> warnings;  ///< one line each
   std::vector<std::pair<UnrefinedReason, std::uint64_t>> unrefined;
+  std::optional<DistanceBound> distance_bound;
   std::optional<Vec3> origin;  ///< the origin that the written coordinates are relative to
 
   friend bool operator==(const Summary&, const Summary&) = default;
@@ -36,8 +37,8 @@ std::string summary_line(const Summary& summary);
 
 /// Formats the summary as comments, for mesh formats that have no other place for it. The first line names the
 /// version, and the origin if there is one; binary STL has room for this line only. Then come the summary line, the
-/// warnings, and the reasons for unrefined places, one line each. There are no times and no id, so every run gives
-/// the same lines.
+/// proven bound on the distance between input and result, the warnings, and the reasons for unrefined places, one line
+/// each. There are no times and no id, so every run gives the same lines.
 std::vector<std::string> summary_comments(const Summary& summary);
 
 }  // namespace remesh::api

@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <cstdio>
+#include <map>
 #include <vector>
 
 #include "api/surface_list.h"
@@ -56,6 +58,18 @@ std::string surface_table(const Report& report) {
   return table;
 }
 
+/// Formats the predicted numbers of faces by elements per circle as one line; empty if there are none.
+std::string predictions_text(const std::map<int, std::uint64_t>& predictions) {
+  if (predictions.empty()) return "";
+  std::string elements, faces;
+  for (const auto& [number, count] : predictions) {
+    const char* const separator = elements.empty() ? "" : " / ";
+    elements += separator + grouped_digits(static_cast<std::uint64_t>(number));
+    faces += separator + grouped_digits(count);
+  }
+  return "with --elements-per-circle " + elements + ": about " + faces + " faces\n";
+}
+
 }  // namespace
 
 std::string analysis_text(const Report& report, const std::string& name) {
@@ -67,7 +81,8 @@ std::string analysis_text(const Report& report, const std::string& name) {
             ": " + diagnostic.message + "\n";
   }
   if (report.smallest_gap) text += "smallest gap between facets: " + rounded_text(*report.smallest_gap) + "\n";
-  return text + "a remeshing with these options makes about " + grouped_digits(report.predicted_faces) + " faces\n";
+  text += "a remeshing with these options makes about " + grouped_digits(report.predicted_faces) + " faces\n";
+  return text + predictions_text(report.predicted_faces_by_elements_per_circle);
 }
 
 }  // namespace remesh::cli

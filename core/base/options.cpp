@@ -15,7 +15,7 @@ namespace {
 constexpr NumberRange kAboveZero{.minimum = 0, .above_minimum = true};
 constexpr NumberRange kNotNegative{.minimum = 0};
 
-constexpr std::array<NumberOption, 13> kNumberOptions{{
+constexpr std::array<NumberOption, 16> kNumberOptions{{
     {"min_angle_deg", &Options::min_angle_deg, {.minimum = 0, .maximum = Options::kMaxMinAngleDeg}},
     // The minimum is 1 / (2 sin 33 degrees), cut after three decimals.
     {"max_radius_edge_ratio", &Options::max_radius_edge_ratio, {.minimum = 0.918}},
@@ -28,6 +28,10 @@ constexpr std::array<NumberOption, 13> kNumberOptions{{
     {"max_output_faces", &Options::max_output_faces, {.minimum = 1}},
     {"plane_tolerance", &Options::plane_tolerance, kAboveZero},
     {"feature_angle_deg", &Options::feature_angle_deg, {.minimum = 0, .maximum = 180}},
+    {"surface_tolerance", &Options::surface_tolerance, kNotNegative},
+    {"surface_tolerance_fraction", &Options::surface_tolerance_fraction, kNotNegative},
+    // A full turn of fewer edges has no inside.
+    {"elements_per_circle", &Options::elements_per_circle, {.minimum = 3, .maximum = 1000}},
     {"normal_tolerance", &Options::normal_tolerance, {.minimum = 0, .maximum = 0.5}},
     {"weld_tolerance", &Options::weld_tolerance, kNotNegative},
 }};
@@ -85,6 +89,8 @@ void check_options(const Options& options) {
     invalid("max_radius_edge_ratio", "excludes min_angle_deg: give one of them");
   if (options.max_edge_length && options.max_edge_fraction)
     invalid("max_edge_fraction", "excludes max_edge_length: give one of them");
+  if (options.surface_tolerance && options.surface_tolerance_fraction)
+    invalid("surface_tolerance_fraction", "excludes surface_tolerance: give one of them");
   if (options.min_edge_length && options.max_edge_length && *options.min_edge_length > *options.max_edge_length)
     invalid("min_edge_length", "must not be above max_edge_length");
   if (options.reference_axis == ReferenceAxis::kGiven &&

@@ -57,7 +57,12 @@ struct Options {
   /// Edges between facets that turn by more than this are features. Facets that meet at a smaller angle may be pieces
   /// of one curved surface. 0: each facet is its own surface.
   double feature_angle_deg = 30;
-  double weld_tolerance = 0;  ///< 0: only equal coordinates are one vertex
+  /// How far the curved parts of input and output may be apart, in model units. Empty: as far as the input's own facets
+  /// are from each surface if elements_per_circle is given, and otherwise facets stay. 0: facets stay as they are.
+  std::optional<double> surface_tolerance;
+  std::optional<double> surface_tolerance_fraction;  ///< instead of surface_tolerance; a fraction of the diagonal
+  std::optional<double> elements_per_circle;         ///< edges per full turn on curved surfaces
+  double weld_tolerance = 0;                         ///< 0: only equal coordinates are one vertex
   Repair repair;
   Barriers barriers;
   /// If the output format cannot hold the result otherwise, write it relative to an origin near the mesh.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <vector>
 
@@ -39,11 +40,15 @@ struct Report {
   std::vector<Diagnostic> diagnostics;
   std::vector<VolumeObstacle> volume_obstacles;  ///< those of the result; for an analysis, those of the input as mended
   std::uint64_t predicted_faces = 0;
+  /// The number of faces that is predicted for other values of elements_per_circle. It is empty if no surface is
+  /// curved, and for a remeshing.
+  std::map<int, std::uint64_t> predicted_faces_by_elements_per_circle;
   /// The smallest distance of a facet from another one that is not its neighbour, in model units; see gap_search.h.
   std::optional<double> smallest_gap;
   std::vector<Unrefined> unrefined;  ///< one per reason that occurs, in the order of the enumeration
   std::uint32_t refinement_rounds = 0;
   Verdict verified;
+  std::optional<DistanceBound> distance_bound;  ///< proven for the whole result; empty for an analysis
   std::vector<StageTime> timing_ms;
 };
 

@@ -54,6 +54,12 @@ TEST(capabilities, an_option_tells_its_type_default_bounds_and_words_and_nothing
       "default": null, "unset": "none", "minimum": 1})"));
   EXPECT_EQ(option_told("barriers"), json::parse(R"({"name": "barriers", "type": "string",
       "default": "object,group,material", "values": ["object", "group", "material"]})"));
+  EXPECT_EQ(option_told("preset"), json::parse(R"({"name": "preset", "type": "string", "default": null,
+      "unset": "none", "values": ["exact"]})"));
+  EXPECT_EQ(option_told("surface_tolerance"), json::parse(R"({"name": "surface_tolerance", "type": "number",
+      "default": null, "unset": "auto", "minimum": 0, "excludes": "surface_tolerance_fraction"})"));
+  EXPECT_EQ(option_told("elements_per_circle"), json::parse(R"({"name": "elements_per_circle", "type": "number",
+      "default": null, "unset": "none", "minimum": 3, "maximum": 1000})"));
 }
 
 TEST(capabilities, what_is_told_of_an_option_is_what_it_takes) {
@@ -116,7 +122,8 @@ TEST(openapi, its_parameters_are_the_table_of_options) {
     EXPECT_EQ(schema.value("maximum", json()), option.value("maximum", json()));
     if (parameter.contains("example")) {
       OptionReader reader;
-      EXPECT_NO_THROW(reader.add(name, parameter["example"].dump()));
+      const json& example = parameter["example"];
+      EXPECT_NO_THROW(reader.add(name, example.is_string() ? example.get<std::string>() : example.dump()));
       EXPECT_NO_THROW(reader.check());
     }
     if (option.contains("excludes")) {

@@ -340,6 +340,9 @@ TEST_F(cli, help_lists_every_option_with_its_default) {
   EXPECT_THAT(help.out, HasSubstr("--max-radius-edge-ratio"));
   EXPECT_THAT(help.out, HasSubstr("[dominant_edge]"));
   EXPECT_THAT(help.out, HasSubstr("[25]"));
+  for (const char* flag :
+       {"--surface-tolerance ", "--surface-tolerance-fraction ", "--elements-per-circle ", "--preset "})
+    EXPECT_THAT(help.out, HasSubstr(flag));
   const Outcome version = run({"--version"});
   EXPECT_EQ(version.status, 0);
   EXPECT_THAT(version.out, StartsWith("remesh "));

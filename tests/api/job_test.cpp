@@ -185,6 +185,16 @@ TEST(summary, comments_are_a_line_each_whatever_a_message_holds) {
                           "warning: duplicate_face: 4: first second third", "unrefined: size_floor: 7"));
 }
 
+TEST(summary, comments_tell_the_proven_distance_in_words) {
+  Report report = told_report();
+  report.distance_bound = DistanceBound{0.25, 0.125};
+  EXPECT_EQ(summary_comments(summary_of(report))[2],
+            "proven: no point of the result is more than 0.25 from the input, and no point of the input more than "
+            "0.125 from the result");
+  report.distance_bound = DistanceBound{1e-9, 1e-9};
+  EXPECT_EQ(summary_comments(summary_of(report))[2], "proven: input and result are nowhere more than 1e-09 apart");
+}
+
 TEST(summary, the_report_by_itself_is_the_one_of_the_json_answer_but_for_its_times) {
   RunControl control;
   const RemeshAnswer answer = remesh(job_of(kSquare, {{"format", "json"}}));

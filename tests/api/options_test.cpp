@@ -5,7 +5,10 @@
 
 #include <map>
 #include <set>
+#include <string>
+#include <utility>
 #include <variant>
+#include <vector>
 
 #include "api/request_code.h"
 #include "core/base/error.h"
@@ -45,12 +48,16 @@ TEST(options, the_table_has_every_option_of_the_contract_with_its_default) {
                                                          {"keep_boundary_vertices", "false"},
                                                          {"plane_tolerance", "auto"},
                                                          {"feature_angle_deg", "30"},
+                                                         {"surface_tolerance", "auto"},
+                                                         {"surface_tolerance_fraction", "none"},
+                                                         {"elements_per_circle", "none"},
                                                          {"normal_tolerance", "1e-06"},
                                                          {"weld_tolerance", "0"},
                                                          {"repair", "duplicates,degenerate,t_junctions,winding,seams"},
                                                          {"barriers", "object,group,material"},
                                                          {"local_origin", "false"},
                                                          {"reference_axis", "dominant_edge"},
+                                                         {"preset", "none"},
                                                          {"format", "auto"}};
   std::map<std::string_view, std::string> table;
   for (const OptionSpec& spec : option_table()) table[spec.name] = option_text(spec, with_defaults(RequestOptions{}));
@@ -86,8 +93,9 @@ TEST(options, every_option_reads_its_example_and_shows_it_again) {
   }
 }
 
-TEST(options, an_option_sets_its_own_field_only) {
+TEST(options, an_option_but_a_preset_sets_its_own_field_only) {
   for (const OptionSpec& spec : option_table()) {
+    if (spec.name == "preset") continue;
     const RequestOptions options = read(spec.name, spec.example);
     for (const OptionSpec& other : option_table()) {
       if (other.name == spec.name) continue;
@@ -95,6 +103,87 @@ TEST(options, an_option_sets_its_own_field_only) {
           << spec.name << " set " << other.name;
     }
   }
+}
+
+using Given = std::vector<std::pair<std::string_view, std::string_view>>;
+
+RequestOptions read_all(const Given& given) {
+  OptionReader reader;
+  for (const auto& [name, text] : given) reader.add(name, text);
+  reader.check();
+  return reader.options();
+}
+
+/// The options that differ from the defaults, with their values.
+std::map<std::string_view, std::string> changed(const RequestOptions& options) {
+  std::map<std::string_view, std::string> found;
+  for (const OptionSpec& spec : option_table()) {
+    const std::string text = option_text(spec, options);
+    if (text != option_text(spec, RequestOptions{})) found[spec.name] = text;
+  }
+  return found;
+}
+
+TEST(options, the_exact_preset_leaves_facets_and_boundaries_as_they_are) {
+  const std::map<std::string_view, std::string> expected{
+      {"preset", "exact"}, {"feature_angle_deg", "0"}, {"split_boundaries", "false"}};
+  EXPECT_EQ(changed(read("preset", "exact")), expected);
+  EXPECT_EQ(changed(read("preset", "exact", ValueKind::kString)), expected);
+  EXPECT_TRUE(changed(read("preset", "none")).empty());
+  EXPECT_TRUE(changed(read("preset", "null", ValueKind::kNull)).empty());
+}
+
+TEST(options, what_is_given_goes_before_a_preset_in_either_order) {
+  const Given orders[] = {{{"preset", "exact"}, {"feature_angle_deg", "45"}},
+                          {{"feature_angle_deg", "45"}, {"preset", "exact"}}};
+  for (const Given& given : orders) {
+    const RequestOptions options = read_all(given);
+    EXPECT_EQ(options.core.feature_angle_deg, 45);
+    EXPECT_FALSE(options.core.split_boundaries);
+  }
+  // A default that is given is given.
+  const RequestOptions options = read_all({{"split_boundaries", "true"}, {"preset", "exact"}});
+  EXPECT_TRUE(options.core.split_boundaries);
+  EXPECT_EQ(options.core.feature_angle_deg, 0);
+}
+
+TEST(options, a_preset_is_one_of_its_words) {
+  for (const std::string_view text : {"", "volume", "Exact", "exact,exact", "true"}) expect_invalid("preset", text);
+  expect_invalid("preset", "exact", ValueKind::kList);
+  expect_invalid("preset", "1", ValueKind::kNumber);
+  EXPECT_THAT(error_of([] { read("preset", "volume"); }).what(), HasSubstr("must be exact, or none, not \"volume\""));
+  EXPECT_THAT(option_words(*find_option("preset")), testing::ElementsAre("exact"));
+}
+
+TEST(options, the_options_in_force_ask_for_the_same_again) {
+  const RequestOptions used = read_all({{"preset", "exact"}, {"split_boundaries", "true"}, {"surface_tolerance", "0"}});
+  Given again;
+  std::vector<std::string> texts;
+  texts.reserve(option_table().size());
+  for (const OptionSpec& spec : option_table())
+    again.emplace_back(spec.name, texts.emplace_back(option_text(spec, used)));
+  EXPECT_EQ(changed(read_all(again)), changed(used));
+}
+
+TEST(options, the_surface_tolerance_may_be_found_from_the_input_a_length_or_0) {
+  EXPECT_EQ(read("surface_tolerance", "auto").core.surface_tolerance, std::nullopt);
+  EXPECT_EQ(read("surface_tolerance", "null", ValueKind::kNull).core.surface_tolerance, std::nullopt);
+  EXPECT_EQ(read("surface_tolerance", "0").core.surface_tolerance, 0.0);
+  EXPECT_EQ(read("surface_tolerance", "0.25").core.surface_tolerance, 0.25);
+  expect_invalid("surface_tolerance", "none");
+  expect_invalid("surface_tolerance", "-1e-300");
+  EXPECT_EQ(read("surface_tolerance_fraction", "0").core.surface_tolerance_fraction, 0.0);
+  EXPECT_EQ(read("surface_tolerance_fraction", "none").core.surface_tolerance_fraction, std::nullopt);
+  expect_invalid("surface_tolerance_fraction", "auto");
+  // An option that is left to the input excludes nothing.
+  EXPECT_EQ(read_all({{"surface_tolerance", "auto"}, {"surface_tolerance_fraction", "0.001"}})
+                .core.surface_tolerance_fraction,
+            0.001);
+  // 0 is a value, not the lack of one.
+  EXPECT_EQ(error_of([] {
+              read_all({{"surface_tolerance", "0"}, {"surface_tolerance_fraction", "0"}});
+            }).option,
+            "surface_tolerance_fraction");
 }
 
 TEST(options, numbers_are_correctly_rounded) {
@@ -166,6 +255,10 @@ TEST(options, ranges_hold_at_their_ends) {
   expect_invalid("max_radius_edge_ratio", "0.917");
   EXPECT_EQ(read("proximity", "0").core.proximity, 0.0);
   expect_invalid("proximity", "-0.5");
+  EXPECT_EQ(read("elements_per_circle", "3").core.elements_per_circle, 3.0);
+  EXPECT_EQ(read("elements_per_circle", "1000").core.elements_per_circle, 1000.0);
+  expect_invalid("elements_per_circle", "2.999");
+  expect_invalid("elements_per_circle", "1000.001");
 }
 
 TEST(options, booleans_are_true_or_false) {
@@ -283,7 +376,8 @@ TEST(options, a_doubled_option_is_refused) {
 
 TEST(options, both_of_a_pair_are_refused_in_either_order) {
   const std::pair<std::string_view, std::string_view> pairs[] = {{"min_angle_deg", "max_radius_edge_ratio"},
-                                                                 {"max_edge_length", "max_edge_fraction"}};
+                                                                 {"max_edge_length", "max_edge_fraction"},
+                                                                 {"surface_tolerance", "surface_tolerance_fraction"}};
   for (const auto& [a, b] : pairs) {
     for (const auto& [first, second] : {std::pair(a, b), std::pair(b, a)}) {
       OptionReader reader;

@@ -4,16 +4,17 @@
 
 #include <nlohmann/json.hpp>
 #include <numbers>
+#include <string>
 
 namespace remesh::api {
 namespace {
 
 using nlohmann::json;
 
-json written(const Report& report, ReportKind kind = ReportKind::kRemesh) {
+json written(const Report& report, ReportKind kind = ReportKind::kRemesh, const RequestOptions& options = {}) {
   JsonWriter writer;
   RunControl control;
-  write_report(writer, report, {}, kind, {}, control);
+  write_report(writer, report, options, kind, {}, control);
   return json::parse(writer.take());
 }
 
@@ -75,6 +76,50 @@ TEST(report_json, options_are_shown_as_they_were_used) {
   EXPECT_TRUE(options["max_radius_edge_ratio"].is_null());
   EXPECT_EQ(options["gradation"], 1.5);
   EXPECT_EQ(options["plane_tolerance"], 0.25);
+  EXPECT_TRUE(options["surface_tolerance"].is_null());
+  EXPECT_TRUE(options["preset"].is_null());
+}
+
+TEST(report_json, a_preset_is_shown_with_the_values_that_were_in_force) {
+  OptionReader reader;
+  reader.add("preset", "exact");
+  reader.add("split_boundaries", "true");
+  reader.add("elements_per_circle", "16");
+  reader.add("surface_tolerance_fraction", "0.001");
+  Report report;
+  report.options = reader.options().core;
+  const json options = written(report, ReportKind::kRemesh, reader.options())["options"];
+  EXPECT_EQ(options["preset"], "exact");
+  EXPECT_EQ(options["feature_angle_deg"], 0);
+  EXPECT_EQ(options["split_boundaries"], true);
+  EXPECT_EQ(options["elements_per_circle"], 16);
+  EXPECT_EQ(options["surface_tolerance_fraction"], 0.001);
+}
+
+TEST(report_json, the_distance_bound_is_told_both_ways_and_is_null_where_nothing_is_proven) {
+  Report report;
+  report.distance_bound = DistanceBound{0.25, 0.125};
+  EXPECT_EQ(written(report)["distance_bound"], (json{{"output_to_input", 0.25}, {"input_to_output", 0.125}}));
+  report.distance_bound.reset();
+  const json analysis = written(report, ReportKind::kAnalysis);
+  ASSERT_TRUE(analysis.contains("distance_bound"));
+  EXPECT_TRUE(analysis["distance_bound"].is_null());
+}
+
+TEST(report_json, an_analysis_predicts_faces_by_elements_per_circle_in_their_order) {
+  Report report;
+  const char* const name = "predicted_faces_by_elements_per_circle";
+  ASSERT_TRUE(written(report, ReportKind::kAnalysis).contains(name));
+  EXPECT_TRUE(written(report, ReportKind::kAnalysis)[name].is_null()) << "nothing is curved";
+  report.predicted_faces_by_elements_per_circle = {{8, 120}, {12, 150}, {16, 200}, {24, 280}, {36, 400}};
+  EXPECT_FALSE(written(report).contains(name)) << "a remeshing predicts nothing";
+  EXPECT_EQ(written(report, ReportKind::kAnalysis)[name],
+            (json{{"8", 120}, {"12", 150}, {"16", 200}, {"24", 280}, {"36", 400}}));
+  JsonWriter writer;
+  RunControl control;
+  write_report(writer, report, {}, ReportKind::kAnalysis, {}, control);
+  const std::string text = writer.take();
+  EXPECT_NE(text.find(R"({"8":120,"12":150,"16":200,"24":280,"36":400})"), std::string::npos) << "8 before 12";
 }
 
 /// A report with one surface of each kind. Each has two patches.
@@ -93,13 +138,15 @@ Report report_of_all_kinds() {
     surface.sweep_deg = 90;
     surface.tolerance = 1e-9;
     surface.deviation = 1e-10;
+    surface.allowed = 0.0625;
+    surface.bound = 0.03125;
     surface.side = SurfaceSide::kConcave;
     surface.extent = {{0, 0, 0}, {1, 2, 4}};
     surface.reason = FreeReason::kNoKindFits;
     const SurfaceId id = report.surfaces.surfaces.push_back(surface);
     for (int patch = 0; patch < 2; ++patch) {
       report.surfaces.of_patch.push_back(id);
-      report.patches.emplace_back();
+      report.patches.emplace_back().bound = 0.015625 * (patch + 1);
     }
   }
   return report;
@@ -109,10 +156,15 @@ TEST(report_json, a_surface_has_the_members_of_its_kind) {
   const Report report = report_of_all_kinds();
   const json point = {1, 2, 3}, axis = {0, 0, -1}, box = {{"min", {0, 0, 0}}, {"max", {1, 2, 4}}};
   json all{{"patches", 2}, {"faces", 4}, {"area", 1.5}, {"bounding_box", box}};
+  all["bound"] = 0.03125;
   json fitted = all;
-  fitted.update(json{{"point", point}, {"tolerance", 1e-9}, {"deviation", 1e-10}});
+  fitted.update(json{{"point", point}, {"fit_tolerance", 1e-9}, {"deviation", 1e-10}});
   json curved = fitted;
-  curved.update(json{{"side", "concave"}, {"sweep_deg", 90}, {"input_chord_height", 0.125}, {"input_turn_deg", 10}});
+  curved.update(json{{"side", "concave"},
+                     {"sweep_deg", 90},
+                     {"input_chord_height", 0.125},
+                     {"input_turn_deg", 10},
+                     {"tolerance", 0.0625}});
   const auto with = [](json members, const json& more) {
     members.update(more);
     return members;
@@ -129,8 +181,10 @@ TEST(report_json, a_surface_has_the_members_of_its_kind) {
                  {"reason", "no_kind_fits"},
                  {"nearest_kind", nullptr},
                  {"nearest_deviation", nullptr}})};
-  for (const ReportKind kind : {ReportKind::kRemesh, ReportKind::kAnalysis})
-    EXPECT_EQ(written(report, kind)["surfaces"], expected);
+  EXPECT_EQ(written(report)["surfaces"], expected);
+  json unproven = expected;
+  for (json& surface : unproven) surface["bound"] = nullptr;
+  EXPECT_EQ(written(report, ReportKind::kAnalysis)["surfaces"], unproven);
 }
 
 TEST(report_json, a_free_region_has_its_reason_and_the_nearest_kind) {
@@ -161,6 +215,15 @@ TEST(report_json, a_patch_names_its_surface_and_the_kind_of_it) {
   EXPECT_EQ(patches[9]["surface"], 4);
   EXPECT_EQ(patches[13]["kind"], "free");
   EXPECT_EQ(patches[13]["surface"], 6);
+}
+
+TEST(report_json, a_patch_has_its_proven_bound_and_none_in_an_analysis) {
+  const Report report = report_of_all_kinds();
+  const json patches = written(report)["patches"], analysed = written(report, ReportKind::kAnalysis)["patches"];
+  EXPECT_EQ(patches[0]["bound"], 0.015625);
+  EXPECT_EQ(patches[1]["bound"], 0.03125);
+  ASSERT_TRUE(analysed[1].contains("bound"));
+  EXPECT_TRUE(analysed[1]["bound"].is_null());
 }
 
 }  // namespace

@@ -79,7 +79,16 @@ TEST(result_archive, every_number_and_label_comes_back) {
   KeptResult kept;
   kept.format = Format::kPly;
   kept.local_origin = true;
-  kept.summary = {1, 2, 3, 4, 0.1, true, {"", "two\nlines"}, {{UnrefinedReason::kEffort, 5}}, std::nullopt};
+  kept.summary = {.input_faces = 1,
+                  .output_faces = 2,
+                  .patches = 3,
+                  .kept = 4,
+                  .min_angle_deg = 0.1,
+                  .is_verified = true,
+                  .warnings = {"", "two\nlines"},
+                  .unrefined = {{UnrefinedReason::kEffort, 5}},
+                  .distance_bound = DistanceBound{0.25, 0.125},
+                  .origin = std::nullopt};
   kept.exact_report = "{}";
   OutputBasis& basis = kept.result.basis;
   basis.normals.items() = {{0, 0, 1}, {0.6, -0.8, 0}};

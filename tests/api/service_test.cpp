@@ -11,6 +11,7 @@
 
 #include "api/negotiation.h"
 #include "api/options.h"
+#include "api/report_json.h"
 #include "api/request_code.h"
 #include "core/base/vec.h"
 #include "core/io/gzip.h"
@@ -136,8 +137,8 @@ TEST(run_remesh, the_report_has_every_field_of_the_contract) {
   };
   EXPECT_EQ(keys(report),
             (std::set<std::string>{"version", "options", "tolerance", "input", "output", "patches", "surfaces",
-                                   "diagnostics", "volume_ready", "predicted_faces", "smallest_gap", "unrefined",
-                                   "refinement_rounds", "verified", "timing_ms"}));
+                                   "distance_bound", "diagnostics", "volume_ready", "predicted_faces", "smallest_gap",
+                                   "unrefined", "refinement_rounds", "verified", "timing_ms"}));
   for (const char* side : {"input", "output"}) {
     std::set<std::string> expected{"vertices",     "faces",  "components", "boundary_edges", "non_manifold_edges",
                                    "closed",       "euler",  "area",       "volume",         "intersecting_pairs",
@@ -153,7 +154,7 @@ TEST(run_remesh, the_report_has_every_field_of_the_contract) {
   }
   EXPECT_EQ(keys(report["patches"][0]),
             (std::set<std::string>{"id", "kind", "surface", "normal", "offset", "area", "input_faces", "output_faces",
-                                   "loops", "essential_vertices", "status", "reason", "deviation"}));
+                                   "loops", "essential_vertices", "status", "reason", "deviation", "bound"}));
   EXPECT_EQ(report["patches"].size(), 6u);
   EXPECT_EQ(report["output"]["faces"], 12);
   EXPECT_EQ(report["volume_ready"], (json{{"ready", true}, {"reasons", json::array()}}));
@@ -541,6 +542,14 @@ TEST(openapi, the_report_schema_names_what_a_report_has) {
   expect_same_keys(schemas["Tolerance"], report["tolerance"]);
   ASSERT_FALSE(report["unrefined"].empty());
   expect_same_keys(schemas["Unrefined"], report["unrefined"][0]);
+
+  RunControl control;
+  expect_same_keys(schemas["AnalysisReport"], json::parse(run_analyze(request_of(kCube), {}, control).body)["report"]);
+  Report told;
+  told.distance_bound = DistanceBound{1, 2};
+  JsonWriter writer;
+  write_report(writer, told, {}, ReportKind::kRemesh, {}, control);
+  expect_same_keys(schemas["DistanceBound"], json::parse(writer.take())["distance_bound"]);
 }
 
 TEST(openapi, its_examples_are_answered) {

@@ -29,11 +29,14 @@ double draw_number(const OptionSpec& spec, Random& random, double diagonal) {
                          spec.name.find("tolerance") != std::string_view::npos ||
                          spec.name.find("size") != std::string_view::npos;
   const bool is_tolerance = spec.name.find("tolerance") != std::string_view::npos;
-  if (is_length)
-    return low + diagonal * std::pow(10.0, is_tolerance ? random.uniform(-12, -1) : random.uniform(-3, 0.5));
+  const bool is_fraction = spec.name.find("fraction") != std::string_view::npos;
+  if (is_length) {
+    const double unit = is_fraction ? 1 : diagonal;
+    return low + unit * std::pow(10.0, is_tolerance ? random.uniform(-12, -1) : random.uniform(-3, 0.5));
+  }
   if (spec.name.find("area") != std::string_view::npos)
     return low + diagonal * diagonal * std::pow(10.0, random.uniform(-5, 0));
-  if (spec.name.find("fraction") != std::string_view::npos) return low + std::pow(10.0, random.uniform(-2.5, 0.3));
+  if (is_fraction) return low + std::pow(10.0, random.uniform(-2.5, 0.3));
   return low + (random.chance(0.5) ? random.uniform(0, 2) : std::pow(10.0, random.uniform(-3, 2)));
 }
 
@@ -72,7 +75,7 @@ std::string draw_value(const OptionSpec& spec, Random& random, double diagonal) 
           static_cast<std::uint64_t>(number_range(spec.name)->minimum + std::pow(10.0, random.uniform(0, 5))));
     case OptionType::kWords: return draw_words(spec, random);
     case OptionType::kAxis: return draw_axis(random);
-    case OptionType::kFormat: {
+    case OptionType::kChoice: {
       const std::vector<std::string_view> words = api::option_words(spec);
       return std::string(words[static_cast<std::size_t>(random.below(static_cast<int>(words.size())))]);
     }
@@ -88,7 +91,7 @@ OptionTexts draw_options(Random& random, double diagonal) {
   OptionTexts options;
   for (const OptionSpec& spec : api::option_table()) {
     // The format is drawn nearly always, so that all formats are written.
-    const double probability = spec.type == OptionType::kFormat ? 0.8 : part;
+    const double probability = spec.name == "format" ? 0.8 : part;
     const std::string value = draw_value(spec, random, diagonal);
     const bool is_excluded = std::any_of(options.begin(), options.end(), [&](const auto& given) {
       const OptionSpec* other = api::find_option(given.first);

@@ -16,7 +16,9 @@ const curved = {
   sweep_deg: 360,
   input_chord_height: 0.01,
   input_turn_deg: 15,
-  tolerance: 1e-5,
+  tolerance: 0.01,
+  bound: 0.008,
+  fit_tolerance: 1e-5,
   deviation: 4e-6,
 };
 
@@ -28,8 +30,16 @@ const times = (n, make) => Array.from({ length: n }, (_, i) => make(i));
 const cylinder = (radius, more = {}) => ({ kind: "cylinder", radius, ...curved, ...more });
 const cone = (half_angle_deg) => ({ kind: "cone", half_angle_deg, ...curved });
 const torus = (major_radius, minor_radius) => ({ kind: "torus", major_radius, minor_radius, ...curved });
-const plane = (area) => ({ kind: "plane", normal: [0, 0, 1], offset: 0, point: [0, 0, 0], area, tolerance: 1e-5 });
-const free = (reason, area) => ({ kind: "free", reason, nearest_kind: null, nearest_deviation: null, area });
+const plane = (area) => ({
+  kind: "plane",
+  normal: [0, 0, 1],
+  offset: 0,
+  point: [0, 0, 0],
+  area,
+  fit_tolerance: 1e-5,
+  bound: 0,
+});
+const free = (reason, area) => ({ kind: "free", reason, nearest_kind: null, nearest_deviation: null, area, bound: 0 });
 
 /** The order of a report's list means nothing to a reader. */
 function shuffled(items) {
@@ -82,11 +92,11 @@ test("radii that a file's rounding tells apart are one size, and radii that a dr
   assert.deepEqual(sizes(cylinder(2.5), cylinder(2.5001)), [2]);
   assert.deepEqual(sizes(cylinder(2.5), cylinder(2.51)), [1, 1]);
   // An arc of 20 degrees leaves a radius open to 66 times the tolerance.
-  const fillet = { sweep_deg: 20, tolerance: 1e-5 };
+  const fillet = { sweep_deg: 20, fit_tolerance: 1e-5 };
   assert.deepEqual(sizes(cylinder(2.5, fillet), cylinder(2.501, fillet)), [2]);
   assert.deepEqual(sizes(cylinder(2.5), cylinder(2.501)), [1, 1]);
   // However little an arc says, sizes that differ by a hundredth are two.
-  const sliver = { sweep_deg: 0.1, tolerance: 1e-3 };
+  const sliver = { sweep_deg: 0.1, fit_tolerance: 1e-3 };
   assert.deepEqual(sizes(cylinder(2.5, sliver), cylinder(2.6, sliver)), [1, 1]);
   // Equal tori need not be next to each other in the order of their major radii.
   assert.deepEqual(sizes(torus(20, 3), torus(20 + 1e-7, 5), torus(20 + 2e-7, 3)), [2, 1]);
@@ -173,8 +183,10 @@ test("the numbers of a surface are those of the report, and rounding is not show
     Patches: "24",
     Area: "100",
     Extent: "100 × 60 × 10",
-    Deviation: "4e-6",
-    Tolerance: "1e-5",
+    "Deviation of corners": "4e-6",
+    "Fit tolerance": "1e-5",
+    "Surface tolerance": "0.01",
+    "Proven distance": "0.008",
   });
   assert.equal(tip["Half angle"], "41° (82° across)");
   assert.equal(tip["Apex"], "20, 30, 0");

@@ -168,6 +168,31 @@ onPage("with a feature angle of 0 each facet is a surface of its own", async ({ 
   assert.equal(await text(".surface-summary"), "74 planes.");
 });
 
+onPage("options of curved surfaces are hinted at, checked and sent", async (visitor) => {
+  const { page, open, type, run, tab, text, waitForText } = visitor;
+  await open(shaft(), /^120 faces$/);
+  await page.click(".more summary");
+  const elements = "#option-elements_per_circle";
+  assert.match(await text(`${elements}-note`), /16 is usual before volume meshing \(3 to 1,000\)\.$/);
+  const usual = await page.$eval(elements, (input) => [...input.list.options].map(({ value }) => value));
+  assert.equal(usual.join(), "8,12,16,24,36");
+  const sliders = (id) => page.$eval(id, (input) => input.closest(".option").querySelectorAll("[type=range]").length);
+  assert.deepEqual([await sliders(elements), await sliders("#option-feature_angle_deg")], [0, 1]);
+  await type(elements, "2");
+  await waitForText(`${elements}-note`, /^This takes a number, 3 to 1,000; or none/);
+  await type(elements, "16");
+  assert.equal(await page.$eval("#option-surface_tolerance", (input) => input.placeholder), "auto");
+  await type("#option-surface_tolerance", "0.1");
+  assert.equal(await page.$eval("#option-surface_tolerance_fraction", (input) => input.disabled), true);
+  await page.select("#option-preset", "exact");
+  await tab("download");
+  assert.match(await text("#curl"), /\?surface_tolerance=0\.1&elements_per_circle=16&preset=exact&format=/);
+  await run();
+  await page.click("#reset");
+  assert.equal(await page.$eval("#option-preset", (select) => select.value), "none");
+  assert.equal(await page.$eval(elements, (input) => input.value), "");
+});
+
 onPage("the surfaces of a plate with holes are those of its drawing", async (visitor, t) => {
   const { page, open, run, tab, view, text, waitForText } = visitor;
   const plate = sharedMesh(t, "planar-cad/plate_holes.STL");

@@ -85,7 +85,12 @@ export interface RecognisedSurface {
   sweep_deg?: number;
   input_chord_height?: number;
   input_turn_deg?: number;
+  /** How far input and result may be apart on it. */
   tolerance?: number;
+  /** How far they are apart at most, as it was proven; null in an analysis. */
+  bound: number | null;
+  /** How far corners of facets may be from it, and how far they are. */
+  fit_tolerance?: number;
   deviation?: number;
   reason?: "no_kind_fits" | "few_facets" | "uneven_facets";
   nearest_kind?: SurfaceKind | null;
@@ -103,6 +108,7 @@ export interface Patch {
   status: "remeshed" | "reduced" | "kept";
   reason: string | null;
   deviation: number;
+  bound: number | null;
 }
 export interface Diagnostic {
   code: string;
@@ -123,9 +129,11 @@ export interface Report {
   output?: Statistics;
   patches: Patch[];
   surfaces: RecognisedSurface[];
+  distance_bound: { output_to_input: number; input_to_output: number } | null;
   diagnostics: Diagnostic[];
   volume_ready: { ready: boolean; reasons: ({ code: string } & Places)[] };
   predicted_faces: number;
+  predicted_faces_by_elements_per_circle?: Record<string, number> | null;
   smallest_gap: number | null;
   unrefined?: ({ reason: string } & Places)[];
   refinement_rounds?: number;

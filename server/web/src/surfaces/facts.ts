@@ -66,9 +66,9 @@ export function whyFree(surface: RecognisedSurface): string {
 
 /** Names and values for a list; those that a kind does not have are left out. */
 export function factsOf(surface: RecognisedSurface): [name: string, value: string][] {
-  const { kind, point, axis, radius, half_angle_deg, profile, tolerance = 0 } = surface;
+  const { kind, point, axis, radius, half_angle_deg, profile, fit_tolerance = 0 } = surface;
   const extent = extentOf(surface);
-  const step = Math.max(tolerance, 1e-9 * Math.hypot(...extent));
+  const step = Math.max(fit_tolerance, 1e-9 * Math.hypot(...extent));
   const facts: [string, string][] = [];
   const fact = (name: string, value: string | number | null | undefined): void => {
     if (value != null && value !== "") facts.push([name, typeof value === "number" ? real(value) : value]);
@@ -100,7 +100,9 @@ export function factsOf(surface: RecognisedSurface): [name: string, value: strin
   fact("Patches", whole(surface.patches));
   fact("Area", surface.area);
   fact("Extent", extent.map(real).join(" × "));
-  fact("Deviation", surface.deviation);
-  fact("Tolerance", surface.tolerance);
+  fact("Deviation of corners", surface.deviation);
+  fact("Fit tolerance", surface.fit_tolerance);
+  fact("Surface tolerance", surface.tolerance);
+  fact("Proven distance", surface.bound);
   return facts;
 }

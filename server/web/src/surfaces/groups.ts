@@ -87,14 +87,14 @@ const kOtherPart = 1e-2;
 
 /** How far a size may be off: an arc of a small angle tells its radius with less certainty than a full turn does. */
 function uncertainty(surface: RecognisedSurface): number {
-  const { kind, tolerance = 0, sweep_deg = 360 } = surface;
+  const { kind, fit_tolerance = 0, sweep_deg = 360 } = surface;
   if (kind === "cone") {
     const extent = Math.hypot(...extentOf(surface));
-    return extent > 0 ? (tolerance / extent) * (180 / Math.PI) : 0;
+    return extent > 0 ? (fit_tolerance / extent) * (180 / Math.PI) : 0;
   }
-  if (kind === "sphere") return tolerance;
+  if (kind === "sphere") return fit_tolerance;
   const half = (Math.min(sweep_deg, 180) / 2) * (Math.PI / 180);
-  return half > 0 ? tolerance / (1 - Math.cos(half)) : Infinity;
+  return half > 0 ? fit_tolerance / (1 - Math.cos(half)) : Infinity;
 }
 
 function areEqual(a: RecognisedSurface, b: RecognisedSurface): boolean {

@@ -7,6 +7,9 @@ import { label, real, sentence } from "./words.ts";
 const kFirst = ["refine", "min_angle_deg", "max_edge_length", "proximity"];
 /** The page asks for what it needs, see the downloads. */
 const kNotAsked = ["format"];
+/** Numbers to pick from, beside any other. */
+const kUsual: Record<string, number[]> = { elements_per_circle: [8, 12, 16, 24, 36] };
+const kControls = "input, select";
 
 interface Field {
   spec: OptionSpec;
@@ -51,14 +54,14 @@ export class OptionsForm {
   check(): boolean {
     const first = this.fields.find((field) => field.fault() !== null);
     first?.row.closest("details")?.setAttribute("open", "");
-    first?.row.querySelector("input")?.focus();
+    first?.row.querySelector<HTMLElement>(kControls)?.focus();
     return !first;
   }
   /** Points at the option that the service refused. */
   blame(name: string): void {
     const field = this.fields.find(({ spec }) => spec.name === name);
     field?.row.closest("details")?.setAttribute("open", "");
-    field?.row.querySelector("input")?.focus();
+    field?.row.querySelector<HTMLElement>(kControls)?.focus();
   }
   reset(): void {
     for (const field of this.fields) field.reset();
@@ -73,7 +76,7 @@ export class OptionsForm {
       const wrong = fault();
       note.textContent = wrong ?? (rival ? `Excluded by ${label(rival.spec.name).toLowerCase()}.` : help(spec));
       note.classList.toggle("wrong", wrong !== null);
-      row.querySelector("input")?.setAttribute("aria-invalid", String(wrong !== null));
+      row.querySelector(kControls)?.setAttribute("aria-invalid", String(wrong !== null));
     }
     this.onChange();
   }
@@ -82,6 +85,9 @@ export class OptionsForm {
     const id = `option-${spec.name}`;
     const note = h("p", { class: "note", id: `${id}-note` });
     if (spec.type === "boolean") return this.toggle(spec, id, note);
+    // A list may be empty, so it has no word for "no value"; one word of several has.
+    if (spec.type === "string" && spec.values && spec.unset)
+      return this.choice(spec, id, note, [spec.unset, ...spec.values]);
     if (spec.type === "string" && spec.values) return this.words(spec, id, note, spec.values);
     return this.text(spec, id, note);
   }
@@ -108,6 +114,30 @@ export class OptionsForm {
       fault: () => null,
       reset: () => (input.checked = spec.default === true),
       setEnabled: (isEnabled) => (input.disabled = !isEnabled),
+    };
+  }
+
+  /** One word of several; the first is the default. */
+  private choice(spec: OptionSpec, id: string, note: HTMLElement, words: string[]): Field {
+    const select = h(
+      "select",
+      { id, "aria-describedby": note.id, change: () => this.changed() },
+      ...words.map((word) => h("option", { value: word }, label(word).toLowerCase())),
+    );
+    const row = h(
+      "div",
+      { class: "option" },
+      h("div", { class: "line" }, h("label", { for: id }, label(spec.name)), select),
+      note,
+    );
+    return {
+      spec,
+      row,
+      note,
+      value: () => (select.value === words[0] ? null : select.value),
+      fault: () => null,
+      reset: () => (select.value = words[0]!),
+      setEnabled: (isEnabled) => (select.disabled = !isEnabled),
     };
   }
 
@@ -148,19 +178,22 @@ export class OptionsForm {
   /** A number, with a slider where it has two ends, or another text. */
   private text(spec: OptionSpec, id: string, note: HTMLElement): Field {
     const isNumber = spec.type !== "string";
+    const usual = kUsual[spec.name];
+    const list = usual && h("datalist", { id: `${id}-usual` }, ...usual.map((value) => h("option", { value })));
     const standard = spec.default === null ? (spec.unset ?? "") : String(spec.default);
     const input = h("input", {
       type: "text",
       id,
       placeholder: standard,
+      list: list ? list.id : null,
       inputmode: isNumber ? "decimal" : "text",
       autocomplete: "off",
       spellcheck: "false",
       "aria-describedby": note.id,
     });
     const [low, high] = [spec.minimum, spec.maximum];
-    // A slider is for ranges that the eye can divide.
-    const hasSlider = isNumber && low !== undefined && high !== undefined && high - low > 1;
+    // A slider is for ranges that the eye can divide, and begins at a number.
+    const hasSlider = isNumber && spec.default !== null && low !== undefined && high !== undefined && high - low > 1;
     const slider = hasSlider
       ? h("input", {
           type: "range",
@@ -182,7 +215,7 @@ export class OptionsForm {
     const row = h(
       "div",
       { class: "option" },
-      h("div", { class: "line" }, h("label", { for: id }, label(spec.name)), slider, input),
+      h("div", { class: "line" }, h("label", { for: id }, label(spec.name)), slider, input, list),
       note,
     );
     const value = (): string | null => {

@@ -94,6 +94,8 @@ function aboutRun(report: Report): HTMLElement {
       `${real(Number(report.options["plane_tolerance"]))}${tolerance.automatic ? " (automatic)" : ""}`,
     ],
   ];
+  for (const [elements, faces] of Object.entries(report.predicted_faces_by_elements_per_circle ?? {}))
+    facts.push([`Predicted with ${elements} per circle`, whole(faces)]);
   if (report.smallest_gap !== null) facts.push(["Smallest gap", real(report.smallest_gap)]);
   if (report.refinement_rounds !== undefined) facts.push(["Rounds", whole(report.refinement_rounds)]);
   facts.push(["Ready for a volume mesh", report.volume_ready.ready ? "yes" : "no"]);
@@ -104,6 +106,12 @@ function aboutRun(report: Report): HTMLElement {
       ["Verified: Delaunay", verdict(verified.delaunay)],
       ["Verified: quality", verdict(verified.quality)],
       ["Deviation", real(verified.deviation)],
+    );
+  }
+  if (report.distance_bound) {
+    facts.push(
+      ["Result to input, at most", real(report.distance_bound.output_to_input)],
+      ["Input to result, at most", real(report.distance_bound.input_to_output)],
     );
   }
   return factTable(report.output ? "This run" : "This analysis", facts);
