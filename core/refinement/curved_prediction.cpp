@@ -1,0 +1,273 @@
+#include "core/refinement/curved_prediction.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "core/base/stoppable.h"
+#include "core/base/union_find.h"
+#include "core/patches/curved_limits.h"
+#include "core/patches/curved_patches.h"
+#include "core/refinement/goals.h"
+
+namespace remesh {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr std::array kElements = {8, 12, 16, 24, 36};
+
+/// Columns that are one width apart, with steps of 1.94 widths, make one triangle per this number of squared widths.
+constexpr double kColumnArea = 0.97;
+/// See experiments.md, Prediction of curved patches, for these numbers. A bound on angles makes this many times as many
+/// faces in patches with columns.
+constexpr double kFacesForAngle = 1.7;
+/// A ball has this many times the faces of equilateral triangles with the longest edges.
+constexpr double kFacesPerIdeal = 1.9, kFacesPerIdealByAngle = 1.6;
+/// Edges of a ball are this part of what its turn allows, because triangles are deeper than their edges.
+constexpr double kEdgeOfBall = 0.866;
+/// A bound on angles makes this many times as many faces of a planar patch beside curved ones.
+constexpr double kFacesForAngleBeside = 3;
+/// A refined area has this number of faces per equilateral triangle of the size asked for.
+constexpr double kFacesPerSize = 1.45;
+
+/// Returns the angle between two unit vectors; 0 if one of them is null.
+double angle_between(const Vec3& a, const Vec3& b) {
+  if (a == Vec3{} || b == Vec3{}) return 0;
+  return 2 * std::asin(std::min(1.0, 0.5 * norm(a - b)));
+}
+
+double distance_from_axis(const AnalyticSurface& shape, const Vec3& p) {
+  const Vec3 way = p - shape.origin;
+  return norm(way - dot(way, shape.axis) * shape.axis);
+}
+
+/// Returns the angle by which a boundary edge on a surface turns, as the cutting of curves counts it.
+double turn_along(const AnalyticSurface& shape, const Vec3& a, const Vec3& b) {
+  const double turn = angle_between(shape.normal(a), shape.normal(b));
+  if (shape.kind != SurfaceKind::kCone && shape.kind != SurfaceKind::kTorus) return turn;
+  const auto out = [&](const Vec3& p) {
+    const Vec3 way = p - shape.origin, across = way - dot(way, shape.axis) * shape.axis;
+    const double length = norm(across);
+    return length > 0 ? (1 / length) * across : Vec3{};
+  };
+  const double around = angle_between(out(a), out(b));
+  // The nearer to the axis the normal is, the less the tolerance allows.
+  return std::max(turn, shape.kind == SurfaceKind::kCone ? around * std::sqrt(std::cos(shape.half_angle)) : around);
+}
+
+/// A part of the boundary of a curved patch between two corners.
+struct Chain {
+  double length = 0;
+  double turn = 0;              ///< the largest turn of the surfaces beside it along the whole chain
+  std::uint64_t edges = 0;      ///< edges of the input
+  double present = 0;           ///< pieces that the present patches have
+  std::vector<PatchId> beside;  ///< each patch once for each side that it has
+  bool is_closed = false;
+};
+
+/// The measures of a patch after facets were joined.
+struct PatchMeasure {
+  double area = 0;
+  double faces_at_one = 0;  ///< curved: faces inside if edges turn by one radian
+  double perimeter = 0;
+};
+
+class CirclePrediction {
+ public:
+  CirclePrediction(const RecognisedFacets& in, const PresentPatches& present, const Options& options,
+                   RunControl& control)
+      : in_(in), present_(present), options_(options), goals_(goals_of(options, in.diagonal)), check_(control) {
+    Options with_circles = options;
+    with_circles.elements_per_circle = kElements.front();
+    const std::vector<CurvedLimits> limits =
+        curved_limits(in.surface, in.facets, in.surfaces, with_circles, in.plane_tolerance, in.diagonal, control);
+    joined_ = join_curved_facets(in.surface, in.adjacency, in.facets, in.surfaces, options.feature_angle_deg, limits,
+                                 {}, control);
+  }
+
+  std::map<int, std::uint64_t> run() {
+    std::map<int, std::uint64_t> result;
+    if (!joined_.has_any()) return result;
+    measure_patches();
+    find_chains();
+    for (const int elements : kElements)
+      result[elements] = static_cast<std::uint64_t>(std::min(std::ceil(faces_with(elements)), 0x1p62));
+    return result;
+  }
+
+ private:
+  void measure_patches() {
+    measures_.resize(joined_.patches.count());
+    for (std::size_t i = 0; i < measures_.size(); ++i) {
+      const PatchId p(i);
+      const CurvedPatch* curved = joined_.of(p);
+      for (const FaceId f : joined_.patches.faces_of(p)) {
+        check_();
+        const auto corners = in_.surface.face(f);
+        const Vec3& first = in_.surface.positions[corners[0]];
+        Vec3 twice, sum;
+        for (std::size_t k = 0; k < corners.size(); ++k) {
+          const Vec3& a = in_.surface.positions[corners[k]];
+          twice = twice + cross(a - first, in_.surface.positions[corners[(k + 1) % corners.size()]] - first);
+          sum = sum + a;
+        }
+        const double area = 0.5 * norm(twice);
+        measures_[p].area += area;
+        if (curved == nullptr) continue;
+        const Vec3 middle = (1.0 / static_cast<double>(corners.size())) * sum;
+        measures_[p].faces_at_one += faces_at_one(curved->map.shape(), middle, area);
+      }
+    }
+  }
+
+  /// Returns how many faces fill an area if edges turn by one radian. Twice as many edges make four times as many.
+  double faces_at_one(const AnalyticSurface& shape, const Vec3& at, double area) const {
+    const bool by_angle = goals_.min_angle_deg > 0;
+    if (shape.kind == SurfaceKind::kSphere) {
+      const double factor = by_angle ? kFacesPerIdealByAngle : kFacesPerIdeal;
+      return factor * area / equilateral_area(kEdgeOfBall * shape.radius);
+    }
+    // Without a bound on angles, edges run along a ruling from one end of the patch to the other.
+    if (!by_angle && shape.kind != SurfaceKind::kTorus) return 0;
+    double radius = shape.kind == SurfaceKind::kCylinder ? shape.radius : distance_from_axis(shape, at);
+    if (shape.kind == SurfaceKind::kTorus) radius = std::min(radius, shape.minor_radius);
+    if (!(radius > 0)) return 0;
+    return (by_angle ? kFacesForAngle : 1) * area / (kColumnArea * radius * radius);
+  }
+
+  bool is_boundary(EdgeId e) const {
+    return is_patch_boundary(in_.adjacency, joined_.patches, in_.adjacency.half_edges(e)[0]);
+  }
+  PatchId patch_of(std::uint32_t h) const { return joined_.patches.of_face[in_.adjacency.face_of(h)]; }
+
+  /// Finds the chains beside curved patches. A chain ends where another number of boundary edges than two meet.
+  void find_chains() {
+    std::vector<EdgeId> edges;
+    IdVector<VertexId, std::array<std::uint32_t, 2>> at(in_.surface.vertex_count(), {kNone, kNone});
+    IdVector<VertexId, std::uint8_t> degree(in_.surface.vertex_count(), 0);
+    for (std::size_t i = 0; i < in_.adjacency.edge_count(); ++i) {
+      check_();
+      const EdgeId e(i);
+      if (!is_boundary(e)) continue;
+      const std::uint32_t h = in_.adjacency.half_edges(e)[0];
+      for (const VertexId v : {in_.adjacency.from(h), in_.adjacency.to(h)}) {
+        if (degree[v] < 2) at[v][degree[v]] = static_cast<std::uint32_t>(edges.size());
+        if (degree[v] < 3) ++degree[v];
+      }
+      edges.push_back(e);
+    }
+    UnionFind together(edges.size());
+    for (std::size_t i = 0; i < in_.surface.vertex_count(); ++i) {
+      check_();
+      const VertexId v(i);
+      if (degree[v] == 2) together.join(at[v][0], at[v][1]);
+    }
+    std::vector<std::uint32_t> chain_of(edges.size(), kNone);
+    for (std::uint32_t i = 0; i < edges.size(); ++i) {
+      check_();
+      std::uint32_t& c = chain_of[together.find(i)];
+      if (c == kNone) {
+        c = static_cast<std::uint32_t>(chains_.size());
+        chains_.emplace_back();
+        chains_.back().is_closed = true;
+        for (const std::uint32_t h : in_.adjacency.half_edges(edges[i])) chains_.back().beside.push_back(patch_of(h));
+      }
+      add_edge(edges[i], degree, chains_[c]);
+    }
+    std::erase_if(chains_, [&](const Chain& chain) {
+      return std::none_of(chain.beside.begin(), chain.beside.end(),
+                          [&](PatchId p) { return joined_.of(p) != nullptr; });
+    });
+    for (const Chain& chain : chains_)
+      for (const PatchId p : chain.beside) measures_[p].perimeter += chain.length;
+  }
+
+  void add_edge(EdgeId e, const IdVector<VertexId, std::uint8_t>& degree, Chain& chain) const {
+    const auto half_edges = in_.adjacency.half_edges(e);
+    const VertexId from = in_.adjacency.from(half_edges[0]), to = in_.adjacency.to(half_edges[0]);
+    const Vec3 &a = in_.surface.positions[from], &b = in_.surface.positions[to];
+    chain.length += norm(b - a);
+    ++chain.edges;
+    if (degree[from] != 2 || degree[to] != 2) chain.is_closed = false;
+    double turn = 0;
+    for (const std::uint32_t h : half_edges)
+      if (const CurvedPatch* curved = joined_.of(patch_of(h)))
+        turn = std::max(turn, turn_along(curved->map.shape(), a, b));
+    chain.turn += turn;
+    // All half-edges in one direction along a chain tell the same number.
+    double pieces = 0;
+    for (const std::uint32_t h : half_edges)
+      if (present_.essential[in_.adjacency.from(h)])
+        pieces += (1.0 + static_cast<double>(present_.cuts.between(h).size())) / static_cast<double>(half_edges.size());
+    chain.present += pieces;
+  }
+
+  double longest_edge() const { return std::min(goals_.max_edge_length, equilateral_edge(goals_.max_area)); }
+
+  double pieces_of(const Chain& chain, double max_turn) const {
+    double pieces = std::max(std::ceil(chain.turn / max_turn * (1 - 1e-6)), chain.is_closed ? 3.0 : 1.0);
+    if (options_.keep_boundary_vertices) pieces = std::max(pieces, static_cast<double>(chain.edges));
+    if (!goals_.split_boundaries) return pieces;
+    pieces = std::max(pieces, chain.length / longest_edge());
+    // The angle bound cuts the boundary of narrow patches.
+    for (const PatchId p : chain.beside) {
+      if (joined_.of(p) == nullptr || goals_.min_angle_deg == 0 || measures_[p].area == 0) continue;
+      const double width = 2 * measures_[p].area / measures_[p].perimeter;
+      pieces = std::max(pieces, chain.length / width * std::tan(goals_.min_angle_deg * kPi / 180) / 2);
+    }
+    return pieces;
+  }
+
+  double faces_with(int elements) {
+    const double max_turn = 2 * kPi / elements;
+    IdVector<PatchId, double> pieces(joined_.patches.count(), 0), added(joined_.patches.count(), 0);
+    for (const Chain& chain : chains_) {
+      check_();
+      const double now = pieces_of(chain, max_turn);
+      for (const PatchId p : chain.beside) {
+        pieces[p] += now;
+        added[p] += now - chain.present;
+      }
+    }
+    double faces = 0;
+    for (std::size_t i = 0; i < joined_.patches.count(); ++i) {
+      check_();
+      const PatchId p(i);
+      const double least = std::max(1.0, pieces[p] - 2);
+      const double by_size = kFacesPerSize * measures_[p].area / equilateral_area(longest_edge());
+      if (joined_.of(p) == nullptr) {
+        const PatchId q = present_.patches.of_face[joined_.patches.faces_of(p)[0]];
+        if (pieces[p] == 0) {
+          faces += present_.faces[q.value];
+          continue;
+        }
+        const double factor = goals_.min_angle_deg > 0 ? kFacesForAngleBeside : 1;
+        faces += std::max({least, factor * (present_.triangles[q.value] + added[p]), by_size});
+        continue;
+      }
+      faces += std::max({least, measures_[p].faces_at_one / (max_turn * max_turn), by_size});
+    }
+    return faces;
+  }
+
+  const RecognisedFacets& in_;
+  const PresentPatches& present_;
+  const Options& options_;
+  const Goals goals_;
+  StopCheck check_;
+  CurvedPatches joined_;
+  IdVector<PatchId, PatchMeasure> measures_;
+  std::vector<Chain> chains_;
+};
+
+}  // namespace
+
+std::map<int, std::uint64_t> predict_by_elements_per_circle(const RecognisedFacets& facets,
+                                                            const PresentPatches& present, const Options& options,
+                                                            RunControl& control) {
+  if (facets.surfaces.of_patch.empty()) return {};
+  return CirclePrediction(facets, present, options, control).run();
+}
+
+}  // namespace remesh
