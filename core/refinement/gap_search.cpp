@@ -16,6 +16,7 @@
 #include "core/geometry/triangle_intersection.h"
 #include "core/mending/polygon_split.h"
 #include "core/refinement/patch_contacts.h"
+#include "core/refinement/patch_slabs.h"
 #include "core/refinement/steepness.h"
 
 namespace remesh {
@@ -113,13 +114,13 @@ Products products(const Layer& layer, const Corners3& triangle) {
 /// be looked at one by one.
 class HiddenPatches {
  public:
-  HiddenPatches(const PatchContacts& contacts, const Vec3& place, PatchId patch)
-      : contacts_(contacts), place_(place), patch_(patch) {}
+  HiddenPatches(const PatchContacts& contacts, const PatchSlabs& slabs, const Vec3& place, PatchId patch)
+      : contacts_(contacts), slabs_(slabs), place_(place), patch_(patch) {}
 
   /// Returns whether nothing of p counts that is at that distance (given as a square) or farther away.
-  bool operator()(PatchId p, const Slab& slab, double squared) {
+  bool operator()(PatchId p, double squared) {
     Known& known = known_[p.value % known_.size()];
-    if (known.patch != p) known = {p, -1, is_hidden_in_plane(p, slab) ? 0 : HUGE_VAL};
+    if (known.patch != p) known = {p, -1, !slabs_.is_curved(p) && is_hidden_in_plane(p) ? 0 : HUGE_VAL};
     if (squared >= known.hidden) return true;
     if (squared <= known.seen) return false;
     // If something that both patches share is within d of the place, the way over it to anything at the distance d is
@@ -140,7 +141,8 @@ class HiddenPatches {
   /// way through the air is d = (h^2 + t^2)^(1/2) long, and the way over the surface is at most t longer than the way
   /// to the foot. 3 d - t is nowhere less than 8^(1/2) h. So everything is hidden if the way to the foot is no longer
   /// than that.
-  bool is_hidden_in_plane(PatchId p, const Slab& slab) const {
+  bool is_hidden_in_plane(PatchId p) const {
+    const Slab& slab = slabs_[p];
     const double height = slab.distance(place_);
     if (!(height > 0)) return false;
     const Vec3 foot = place_ - slab.plane.distance(place_) * slab.plane.normal;
@@ -148,10 +150,15 @@ class HiddenPatches {
   }
 
   const PatchContacts& contacts_;
+  const PatchSlabs& slabs_;
   const Vec3& place_;
   PatchId patch_;
   std::array<Known, 8> known_;
 };
+
+bool is_curved(const TriangulatedPatches& triangulated, PatchId p) {
+  return triangulated.charts.has_curved() && triangulated.charts[p].curved() != nullptr;
+}
 
 }  // namespace
 
@@ -163,7 +170,8 @@ class GapSearch::Index {
         contacts_(surface, adjacency, patches, control),
         touching_squared_(std::pow(plane_tolerance / surface.unit, 2)) {
     find_triangles(patches, triangulated, control);
-    find_planes(patches, control);
+    slabs_ = PatchSlabs(surface, patches, triangulated != nullptr ? &triangulated->charts : nullptr, triangles_,
+                        triangle_begin_, control);
     find_axes(adjacency, patches, triangulated, control);
     find_solids(adjacency, patches, control);
     find_boxes(control);
@@ -182,6 +190,7 @@ class GapSearch::Index {
   std::optional<double> smallest(RunControl& control) const;
 
   const Axes& axes_of(PatchId p) const { return axes_[p]; }
+  bool is_curved(PatchId p) const { return slabs_.is_curved(p); }
   std::size_t patch_count() const { return triangle_begin_.size() - 1; }
   std::span<const Triangle> triangles_of(PatchId p) const {
     return std::span(triangles_)
@@ -191,7 +200,6 @@ class GapSearch::Index {
  private:
   void find_triangles(const PatchSet& patches, const TriangulatedPatches* triangulated, RunControl& control);
   void add_faces(std::span<const FaceId> faces, RunControl& control);
-  void find_planes(const PatchSet& patches, RunControl& control);
   void find_axes(const Adjacency& adjacency, const PatchSet& patches, const TriangulatedPatches* triangulated,
                  RunControl& control);
   void find_solids(const Adjacency& adjacency, const PatchSet& patches, RunControl& control);
@@ -204,9 +212,19 @@ class GapSearch::Index {
 
   /// Returns whether the way leaves one patch inwards and comes to the other from outside, or the other way round,
   /// where both bound one solid. Then it meets the surface in between; for the two treads of a step, that is the riser.
-  bool is_blocked(const Vec3& way, PatchId from, PatchId to) const {
-    if (solids_[from] == kOpen || solids_[from] != solids_[to]) return false;
-    return dot(way, slabs_[from].plane.normal) * dot(way, slabs_[to].plane.normal) > 0;
+  /// Input: the normal where the way begins, and the place where it ends.
+  bool is_blocked(const Vec3& way, PatchId from, const Vec3& normal, PatchId to, const Vec3& end) const {
+    if (!bound_one_solid(from, to)) return false;
+    return dot(way, normal) * dot(way, slabs_.normal(to, end)) > 0;
+  }
+  bool bound_one_solid(PatchId p, PatchId q) const { return solids_[p] != kOpen && solids_[p] == solids_[q]; }
+
+  /// Returns the slab of the patch that a triangle belongs to. If the patch is curved, it is the triangle's own plane.
+  Slab slab_of(std::size_t slot) const {
+    const PatchId p = tree_[slot].tag.patch;
+    if (!slabs_.is_curved(p)) return slabs_[p];
+    const auto& [a, b, c] = corners(slot);
+    return {{a, normalized(cross(b - a, c - a))}, kRounding};
   }
 
   /// Returns whether the way to everything in the box, over the vertex that its patches and this one share, is at most
@@ -231,7 +249,7 @@ class GapSearch::Index {
   double touching_squared_;                    ///< local units
   std::vector<Triangle> triangles_;            ///< triangles of patch after patch
   std::vector<std::uint32_t> triangle_begin_;  ///< index of each patch's first triangle
-  IdVector<PatchId, Slab> slabs_;
+  PatchSlabs slabs_;
   IdVector<PatchId, Axes> axes_;
   static constexpr std::uint32_t kOpen = 0xffffffffu;
   /// This is the closed, consistently wound component that each patch belongs to, or kOpen.
@@ -247,7 +265,8 @@ void GapSearch::Index::find_triangles(const PatchSet& patches, const Triangulate
   for (std::size_t p = 0; p < patches.count(); ++p) {
     if (p % 1024 == 0) control.check();
     const PatchMesh* patch = triangulated != nullptr ? &triangulated->meshes[PatchId(p)] : nullptr;
-    if (patch == nullptr || patch->mesh.triangle_count() == 0) {
+    // The triangles of a curved patch may lie far from its surface before it is refined. Its facets do not.
+    if (patch == nullptr || patch->mesh.triangle_count() == 0 || remesh::is_curved(*triangulated, PatchId(p))) {
       add_faces(patches.faces_of(PatchId(p)), control);
     } else {
       const auto& [vertices, mesh] = std::tie(patch->vertices, patch->mesh);
@@ -261,20 +280,6 @@ void GapSearch::Index::find_triangles(const PatchSet& patches, const Triangulate
 void GapSearch::Index::add_faces(std::span<const FaceId> faces, RunControl& control) {
   for (const FaceId f : faces)
     visit_triangles(surface_, f, control, [&](const Triangle& t) { triangles_.push_back(t); });
-}
-
-void GapSearch::Index::find_planes(const PatchSet& patches, RunControl& control) {
-  slabs_.resize(patch_count());
-  for_blocks(patch_count(), 1024, control, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t p = begin; p < end; ++p) {
-      Slab& slab = slabs_[PatchId(p)];
-      slab.plane = patches.planes[PatchId(p)];
-      for (const Triangle& t : triangles_of(PatchId(p)))
-        for (const VertexId v : t)
-          slab.half_thickness = std::max(slab.half_thickness, std::fabs(slab.plane.distance(surface_.local[v])));
-      slab.half_thickness += kRounding;
-    }
-  });
 }
 
 void GapSearch::Index::find_axes(const Adjacency& adjacency, const PatchSet& patches,
@@ -356,7 +361,8 @@ double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below,
                                      const Uncounted& uncounted) const {
   const bool is_all = what == What::kAll;
   double best = below;
-  HiddenPatches is_hidden(contacts_, p, patch);
+  const Slab slab = slabs_.at(patch, p);
+  HiddenPatches is_hidden(contacts_, slabs_, p, patch);
   tree_.search(
       best,
       [&](const TriangleBoxes::Entry& e) {
@@ -366,21 +372,21 @@ double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below,
         if (least >= best) return least;
         if (!is_all) {
           const double product = e.tag.layer.product(p);
-          least = squared_steep_distance(slabs_[patch], {product, product}, e.box, e.tag.layer, least);
+          least = squared_steep_distance(slab, {product, product}, e.box, e.tag.layer, least);
           if (least >= best) return least;
         }
         if (is_hidden_by_hub(e, p, patch, least)) return HUGE_VAL;
         // The last test, below, is whether a single triangle is hidden, because cheaper tests exclude most triangles.
         if (!other.is_valid() || tree_.is_slot(e)) return least;
         least = std::max(least, std::pow(slabs_[other].distance(p), 2));
-        return least < best && is_hidden(other, slabs_[other], least) ? HUGE_VAL : least;
+        return least < best && is_hidden(other, least) ? HUGE_VAL : least;
       },
       [&](std::size_t slot) {
         const PatchId other = tree_[slot].tag.patch;
         const Vec3 q = nearest_on_triangle(p, corners(slot));
         const double d = norm_squared(q - p);
-        if (d >= best || d <= touching_squared_ || !(is_all || slabs_[patch].is_steep(q - p)) ||
-            is_blocked(q - p, patch, other) || is_hidden(other, slabs_[other], d))
+        if (d >= best || d <= touching_squared_ || !(is_all || slab.is_steep(q - p)) ||
+            is_blocked(q - p, patch, slab.plane.normal, other, q) || is_hidden(other, d))
           return;
         if (contacts_.has_way(patch, p, other, q, kDetour * std::sqrt(d))) return;
         if (std::binary_search(uncounted.crossing.begin(), uncounted.crossing.end(), other)) return;
@@ -392,12 +398,15 @@ double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below,
 
 /// Returns the square of the result of `beside` in local units, or infinity if it is not below `below`.
 double GapSearch::Index::squared_beside(std::span<const Corners3> pieces, PatchId patch, double below) const {
-  const Slab& slab = slabs_[patch];
+  const auto [slab, steep_squared] = slabs_.around(patch, pieces);
+  const bool is_curved = slabs_.is_curved(patch);
   FloatBox box;
   for (const Corners3& piece : pieces)
     for (const Vec3& p : piece) box.add(p);
   // Returns a lower bound for the squared length of a steep way if no way at all has a smaller square than `squared`.
-  const auto steep = [&](const TriangleBoxes::Entry& e, double squared) {
+  // A curved patch has many normals, so no way is left out.
+  const auto steep = [&, &slab = slab](const TriangleBoxes::Entry& e, double squared) {
+    if (is_curved) return squared;
     Products from{HUGE_VAL, -HUGE_VAL};
     for (const Corners3& piece : pieces) {
       const auto [least, most] = products(e.tag.layer, piece);
@@ -425,8 +434,11 @@ double GapSearch::Index::squared_beside(std::span<const Corners3> pieces, PatchI
           const Vec3 way = shortest_way(piece, there);
           const double d = norm_squared(way);
           // No other way between the two goes higher up, and none is shorter. So no way is steep if `up` is too low.
-          if (d >= best || d <= touching_squared_ || up * up <= kSteep * d) continue;
-          if (is_blocked(way, patch, tree_[slot].tag.patch)) continue;
+          if (d >= best || d <= touching_squared_ || up * up <= steep_squared * d) continue;
+          const PatchId other = tree_[slot].tag.patch;
+          // Where one of the patches is curved, other ways between the two may not be blocked.
+          if (!is_curved && !slabs_.is_curved(other) && is_blocked(way, patch, slab.plane.normal, other, there[0]))
+            continue;
           best = std::min(best, steep(tree_[slot], d));
         }
       });
@@ -461,7 +473,7 @@ void GapSearch::Index::look_between_triangles(SharedLeast& least, RunControl& co
       control.check();
       const FloatBox& box = tree_[slot].box;
       const Common& mine = tree_[slot].tag;
-      const Slab& slab = slabs_[mine.patch];
+      const Slab slab = slab_of(slot);
       const Corners3 here = corners(slot);
       double best = least.get();
       tree_.search(
@@ -479,7 +491,9 @@ void GapSearch::Index::look_between_triangles(SharedLeast& least, RunControl& co
             const Vec3 way = shortest_way(here, corners(other));
             const double d = norm_squared(way);
             if (d >= best || d <= touching_squared_) return;
-            if (is_blocked(way, mine.patch, tree_[other].tag.patch)) return;
+            if (bound_one_solid(mine.patch, tree_[other].tag.patch) &&
+                dot(way, slab.plane.normal) * dot(way, slab_of(other).plane.normal) > 0)
+              return;
             if (!slab.is_steep(way)) return;  // if it is steep for the other patch, it is found from there
             if (!do_intersect(triangle(slot), triangle(other), surface_.local.items())) best = d;
           });
@@ -507,6 +521,7 @@ double GapSearch::beside(std::span<const Corners3> pieces, PatchId patch, double
 }
 std::optional<double> GapSearch::smallest(RunControl& control) const { return index_->smallest(control); }
 std::size_t GapSearch::patch_count() const { return index_->patch_count(); }
+bool GapSearch::is_curved(PatchId patch) const { return index_->is_curved(patch); }
 const Axes& GapSearch::axes_of(PatchId patch) const { return index_->axes_of(patch); }
 std::span<const Triangle> GapSearch::triangles_of(PatchId patch) const { return index_->triangles_of(patch); }
 

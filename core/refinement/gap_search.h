@@ -36,10 +36,14 @@ namespace remesh {
 ///
 /// Where two patches are within the plane tolerance of each other, they touch, so there is no gap. There is never a gap
 /// between two places on the same patch.
+///
+/// The triangles of a curved patch are its facets. At a place of it, the tangent plane of its surface counts instead of
+/// a plane of the patch, and the outside is that of the surface there.
 /// Source: rules.md, Gaps.
 class GapSearch {
  public:
-  /// Builds a tree of boxes over the patches' triangles. `surface`, `adjacency` and `patches` must outlive this object.
+  /// Builds a tree of boxes over the patches' triangles. `surface`, `adjacency`, `patches` and the charts in
+  /// `triangulated` must outlive this object.
   /// Input: The plane tolerance is in model units. `triangulated` has the patches before they are refined; it may be
   ///        null. The input faces of a patch are used if it has no mesh; they are the same places but may be very many.
   GapSearch(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches, double plane_tolerance,
@@ -75,14 +79,17 @@ class GapSearch {
   /// no smallest gap, but it has ends.)
   /// Input: The constructor was given triangulated patches, or patches have few faces. Otherwise this may take as long
   ///        as n^1.5.
-  /// Holds: The result is the same for any number of threads.
+  /// Holds: The result is the same for any number of threads. Between curved patches, the planes of their facets decide
+  ///        what is steep.
   std::optional<double> smallest(RunControl& control) const;
 
   /// These are the triangles that are searched. Other parts that walk over the surface use the same ones. The axes of a
-  /// patch are those of its chart. Without a chart, they lie along the patch's longest edge.
+  /// patch are those of its chart. Without a chart, they lie along the patch's longest edge. A patch is curved if its
+  /// chart is; without charts none is.
   std::size_t patch_count() const;
   std::span<const Triangle> triangles_of(PatchId patch) const;
   const Axes& axes_of(PatchId patch) const;
+  bool is_curved(PatchId patch) const;
 
  private:
   class Index;

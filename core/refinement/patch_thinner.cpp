@@ -7,6 +7,7 @@
 
 #include "core/base/small_blocks.h"
 #include "core/geometry/predicates.h"
+#include "core/refinement/triangle_judge.h"
 
 namespace remesh {
 namespace {
@@ -120,8 +121,19 @@ bool PatchThinner::are_remade_well(double worst_shape) const {
     const TriangleMeasures m = measure_spanned(c, a, b);
     const double shortest = criteria_.min_edge_length / sizes_.chart().scale(a);
     return m.twice_area >= worst_shape * m.squares && m.shortest_squared >= shortest * shortest &&
-           !criteria_.is_sharp(m) && !sizes_.is_too_large(a, b, c, m);
+           !criteria_.is_sharp(m) && !sizes_.is_too_large(a, b, c, m) &&
+           (patch_.in_space.empty() || is_good_in_space(t));
   });
+}
+
+/// Returns whether a triangle of a curved patch meets the bound on angles in space, and no edge of it inside is bent.
+bool PatchThinner::is_good_in_space(std::uint32_t t) const {
+  if (TriangleJudge(sizes_, patch_).shape_of(t).is_sharp) return false;
+  const CurvedChart& curved = *sizes_.chart().curved();
+  for (std::uint32_t h = 3 * t; h < 3 * t + 3; ++h)
+    if (!mesh_.is_constrained(h) && curved.is_bent(patch_.in_space[mesh_.from(h)], patch_.in_space[mesh_.to(h)]))
+      return false;
+  return true;
 }
 
 /// Removes v if the triangles around it are good without it. Returns whether it did.

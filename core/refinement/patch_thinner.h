@@ -48,6 +48,7 @@ class PatchThinner {
   void put_back();
   bool is_inside(std::uint32_t t, Vec2 p) const;
   bool are_remade_well(double worst_shape) const;
+  bool is_good_in_space(std::uint32_t t) const;
   bool leave_out(std::uint32_t v, double worst_shape);
   std::optional<Vec2> place_within(std::span<const std::uint32_t> ring, MinSpacing spacing, double worst_shape) const;
   std::uint32_t merge(std::uint32_t v, std::uint32_t w, double worst_shape);

@@ -36,12 +36,13 @@ constexpr double kSteepest = 0x1p40;
 /// began.
 thread_local std::size_t last_found = 0;
 
-/// This is a convex piece of a triangle: the part of it inside a box that has no end along z.
+/// This is a convex piece of a triangle: the part of it inside a box.
 class Piece {
  public:
-  Piece(const Corners3& triangle, const Box3& box) {
+  /// Input: With two axes, the box has no end along z.
+  Piece(const Corners3& triangle, const Box3& box, int axes) {
     for (const Vec3& p : triangle) corners_[size_++] = p;
-    for (int axis = 0; axis < 2; ++axis) {
+    for (int axis = 0; axis < axes; ++axis) {
       clip(axis, 1, box.min[axis]);
       clip(axis, -1, -box.max[axis]);
     }
@@ -69,9 +70,9 @@ class Piece {
     size_ = count;
   }
 
-  /// There are three corners, and one more for each of four sides. Rounding may make a few more along a side, which can
+  /// There are three corners, and one more for each of six sides. Rounding may make a few more along a side, which can
   /// be left out because they say nothing new.
-  static constexpr std::size_t kMaxCorners = 10;
+  static constexpr std::size_t kMaxCorners = 12;
 
   std::array<Vec3, kMaxCorners> corners_;
   std::size_t size_ = 0;
@@ -102,9 +103,9 @@ class SizeField::Sampler {
   void drop_floor() { floor_ = 0; }
 
  private:
-  /// A cell is the part of a patch in a box along the patch's own axes. Along the third axis the box has no end. With
-  /// these axes, cells do not depend on how the model lies. Boxes are cut rather than triangles, because triangles may
-  /// be needles, with many of them side by side within one gap.
+  /// A cell is the part of a patch in a box along the patch's own axes. For a planar patch, the box has no end along
+  /// the third axis. With these axes, cells do not depend on how the model lies. Boxes are cut rather than triangles,
+  /// because triangles may be needles, with many of them side by side within one gap.
   struct Cell {
     PatchId patch;
     Box3 box;
@@ -122,7 +123,7 @@ class SizeField::Sampler {
   };
 
   void look_at(const GapSearch& gaps, const Cell& cell, bool may_cut, Output& out) const;
-  static void cut(PatchId patch, std::span<const Part> parts, const Box3& box, std::vector<Cell>& cells);
+  static void cut(PatchId patch, std::span<const Part> parts, const Box3& box, int axes, std::vector<Cell>& cells);
   /// Looks at n cells, which cell_at(i) returns, in parallel. The results are in their order.
   template <class CellAt>
   std::vector<Cell> look_at_all(const GapSearch& gaps, std::size_t n, const CellAt& cell_at);
@@ -150,13 +151,15 @@ class SizeField::Sampler {
 void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool may_cut, Output& out) const {
   const auto triangles = gaps.triangles_of(cell.patch);
   const Axes& axes = gaps.axes_of(cell.patch);
+  // A curved patch may lie in several layers on top of each other.
+  const int axis_count = gaps.is_curved(cell.patch) ? 3 : 2;
   std::vector<Vec3> outline;     // corners of all pieces, along the axes
   std::vector<Corners3> pieces;  // the pieces cut into triangles, in space
   std::vector<Part> parts;
   Box3 box;
   for (const std::uint32_t t : cell.triangles) {
     control_.check();
-    const Piece piece(corners(triangles[t], axes), cell.box);
+    const Piece piece(corners(triangles[t], axes), cell.box, axis_count);
     const auto around = piece.corners();
     if (around.empty()) continue;
     Part part{t, {}};
@@ -201,7 +204,7 @@ void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool m
     return reach > coarse_ && is_too_large_for(gaps.nearest(place, cell.patch, limit, on) / surface_.unit, kReach);
   };
   if (may_cut && (is_too_large_for(gap, kReach) || is_too_large_beside())) {
-    cut(cell.patch, parts, box, out.cells);
+    cut(cell.patch, parts, box, axis_count, out.cells);
     return;
   }
   const double size = std::max((gap * (1 + 2 * kNoise) + tolerance_) / proximity_, floor_);
@@ -214,10 +217,13 @@ void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool m
   out.samples.push_back({entry(in_space, size), {cell.patch, along_axes}});
 }
 
-/// Cuts a cell in the middle of its longer side. `box` is the bounding box of all parts.
-void SizeField::Sampler::cut(PatchId patch, std::span<const Part> parts, const Box3& box, std::vector<Cell>& cells) {
+/// Cuts a cell in the middle of its longest side along the first two or three axes. `box` is the bounding box of all
+/// parts.
+void SizeField::Sampler::cut(PatchId patch, std::span<const Part> parts, const Box3& box, int axes,
+                             std::vector<Cell>& cells) {
   const Vec3 size = box.max - box.min;
-  const int axis = size.x >= size.y ? 0 : 1;
+  int axis = size.x >= size.y ? 0 : 1;
+  if (axes > 2 && size.z > size[axis]) axis = 2;
   const double middle = 0.5 * (box.min[axis] + box.max[axis]);
   Cell low{patch, box, {}}, high{patch, box, {}};
   low.box.max[axis] = high.box.min[axis] = middle;
