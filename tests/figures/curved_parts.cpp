@@ -1,5 +1,6 @@
 #include "tests/figures/curved_parts.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <map>
@@ -134,6 +135,49 @@ PolygonMesh make_nut() {
   top.push_back(bore.front());
   part.add(lifted(top, kHeight));
   part.add(lifted({top.rbegin(), top.rend()}, 0));
+  return part.mesh();
+}
+
+PolygonMesh make_flange(int sides) {
+  constexpr double kOuter = 40, kPlate = 8, kBoss = 16, kTop = 24, kChamfer = 4, kBore = 8;
+  constexpr double kHole = 4, kHoleCircle = 28, kStartDeg = 20;
+  const auto at = [&](double radius, double z, int step) {
+    const Vec2 p = on_circle(radius, kStartDeg + 360.0 * (step % sides) / sides);
+    return Vec3{p.x, p.y, z};
+  };
+  Polygons part;
+  // A band between two circles around the axis, seen from outside if the second circle is above the first one.
+  const auto add_band = [&](double radius, double z, double next_radius, double next_z) {
+    for (int k = 0; k < sides; ++k)
+      part.add({at(radius, z, k), at(radius, z, k + 1), at(next_radius, next_z, k + 1), at(next_radius, next_z, k)});
+  };
+  add_band(kOuter, 0, kOuter, kPlate);
+  add_band(kBoss, kPlate, kBoss, kTop - kChamfer);
+  add_band(kBoss, kTop - kChamfer, kBoss - kChamfer, kTop);
+  add_band(kBoss - kChamfer, kTop, kBore, kTop);
+  add_band(kBore, kTop, kBore, 0);
+  // The top and the bottom of the plate are four polygons each. A bridge leads to the hole in each of them.
+  const int eighth = sides / 8;
+  for (int quarter = 0; quarter < 4; ++quarter) {
+    const int middle = 2 * eighth * quarter + sides;
+    const Vec2 centre = on_circle(kHoleCircle, kStartDeg + 90.0 * quarter);
+    const auto on_hole = [&](double z, int step) {
+      const Vec3 p = at(kHole, z, middle + step + sides);
+      return Vec3{centre.x + p.x, centre.y + p.y, z};
+    };
+    for (const bool is_top : {true, false}) {
+      const double z = is_top ? kPlate : 0;
+      std::vector<Vec3> polygon;
+      for (int k = -eighth; k <= 0; ++k) polygon.push_back(at(kOuter, z, middle + k));
+      for (int k = 0; k <= sides; ++k) polygon.push_back(on_hole(z, -k));
+      for (int k = 0; k <= eighth; ++k) polygon.push_back(at(kOuter, z, middle + k));
+      for (int k = eighth; k >= -eighth; --k) polygon.push_back(at(is_top ? kBoss : kBore, z, middle + k));
+      if (!is_top) std::reverse(polygon.begin(), polygon.end());
+      part.add(polygon);
+    }
+    for (int k = 0; k < sides; ++k)
+      part.add({on_hole(0, k + 1), on_hole(0, k), on_hole(kPlate, k), on_hole(kPlate, k + 1)});
+  }
   return part.mesh();
 }
 

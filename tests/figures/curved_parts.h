@@ -23,6 +23,10 @@ PolygonMesh make_flattened_shaft();
 /// Makes a hexagon nut with a round bore. The edges of the six sides lie on a cylinder, too.
 PolygonMesh make_nut();
 
+/// Makes a flange: a round plate with four holes, and a boss with a chamfer and a bore. All circles have the same
+/// number of facets, which is a multiple of 8.
+PolygonMesh make_flange(int sides);
+
 /// Makes an ellipsoid with three different axes.
 PolygonMesh make_ellipsoid();
 

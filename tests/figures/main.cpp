@@ -24,6 +24,7 @@
 #include "core/triangulation/delaunay_flips.h"
 #include "core/triangulation/lexicographic_triangulation.h"
 #include "tests/figures/bracket.h"
+#include "tests/figures/curved_figures.h"
 #include "tests/figures/part.h"
 #include "tests/figures/refined_patch.h"
 #include "tests/figures/render.h"
@@ -63,11 +64,16 @@ Shape shape_of(const Result& result) {
 }
 
 /// Draws the picture on the first screen of the README.
-std::string before_and_after(const Part& part, const Result& result) {
+std::string before_and_after(const PolygonMesh& mesh, const Part& part, RunControl& control) {
+  constexpr int kElements = 16;
+  Options options;
+  options.elements_per_circle = kElements;
+  const Result result = remesh_surface(mesh, options, RunSettings{}, control);
   Panel before("Before", count(part.surface.face_count()) + " triangles, coordinates rounded to six decimals");
   draw(shape_of(part), Paint::kLight, 0.35, before);
-  Panel after("After", count(result.mesh.faces.size()) + " triangles on " + count(result.report.patches.size()) +
-                           " planar patches, constrained Delaunay");
+  const Quality& quality = result.report.output.quality;
+  Panel after("After", count(result.mesh.faces.size()) + " triangles, smallest angle " +
+                           number(std::floor(10 * quality.min_angle_deg) / 10) + "°, 16 edges per full turn");
   draw(shape_of(result), Paint::kLight, 0.55, after);
   return to_svg({before, after}, 480, 450);
 }
@@ -254,9 +260,10 @@ void draw_all(const std::filesystem::path& folder, const std::filesystem::path& 
   write_file(part_file, to_obj(mesh, control));
   Options options;
   options.refine = false;
+  options.surface_tolerance = 0;
   const Result result = remesh_surface(mesh, options, RunSettings{}, control);
   const Part part = make_part(mesh, result.report.plane_tolerance, control);
-  write_file(folder / "before_after.svg", before_and_after(part, result));
+  write_file(folder / "before_after.svg", before_and_after(mesh, part, control));
   write_file(folder / "patches.svg", regions_and_result(part, result));
   PatchFigures patch(part, upper_face_of_base(part), control);
   write_file(folder / "essential_vertices.svg", patch.loops_and_essential_vertices());
@@ -265,6 +272,8 @@ void draw_all(const std::filesystem::path& folder, const std::filesystem::path& 
   write_file(folder / "sharp_corner.svg", sharp_corner(control));
   write_file(folder / "surfaces.svg", recognised_surfaces(mesh, control));
   write_file(folder / "declined_surfaces.svg", declined_surfaces(control));
+  write_file(folder / "elements_per_circle.svg", elements_per_circle(control));
+  write_file(folder / "proven_distance.svg", proven_distance());
   write_file(folder / "three_settings.svg", three_settings(mesh, control));
 }
 

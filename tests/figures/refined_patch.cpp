@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/mesh/pinched_vertices.h"
@@ -48,7 +49,7 @@ class Figure {
   std::string draw() {
     const Goals goals = goals_of(Options{}, 0);
     tangent_ = std::tan(goals.min_angle_deg * std::numbers::pi / 180);
-    const PatchMesh& start = triangulated_.meshes[patch_];
+    const PatchMesh start = triangulated_.meshes[patch_];
     Panel before("before", count(start.mesh.triangle_count()) + " triangles; red: an angle below 25 degrees");
     draw_triangles(start, before);
     draw_points(start, start, start, before);
@@ -96,13 +97,15 @@ class Figure {
   }
 
   PatchMesh refine_all(const Goals& goals, std::uint32_t& rounds) {
-    TriangulatedPatches refined = triangulated_;
+    PatchMeshes before = triangulated_.meshes;
     const SizeField sizes(goals.max_edge_length);
-    const Prediction prediction = predict(refined, goals, sizes, control_);
+    const Prediction prediction = predict(triangulated_, goals, sizes, control_);
     const RefinementInput input{part_.surface, frozen_,    goals,
                                 sizes,         prediction, std::numeric_limits<std::uint64_t>::max()};
-    rounds = refine(input, segments_of(sizes, goals), refined, control_)->rounds;
-    return refined.meshes[patch_];
+    rounds = refine(input, segments_of(sizes, goals), triangulated_, control_)->rounds;
+    PatchMesh refined = std::move(triangulated_.meshes[patch_]);
+    triangulated_.meshes = std::move(before);
+    return refined;
   }
 
   void draw_triangles(const PatchMesh& patch, Panel& panel) const {

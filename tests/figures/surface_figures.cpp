@@ -37,12 +37,13 @@ Colour colour_of(const RecognisedSurface& surface, std::size_t number) {
   return mix(base(), {1, 1, 1}, is_plain ? 0 : 0.2 * static_cast<double>(number % 3));
 }
 
-/// A part with the surfaces of its facets. The facets are the patches of a run without refinement.
+/// A part with the surfaces of its facets. The facets are the patches of a run in which they stay.
 class SurfacePicture {
  public:
   SurfacePicture(const PolygonMesh& mesh, RunControl& control) {
     Options options;
     options.refine = false;
+    options.surface_tolerance = 0;
     Result result = remesh_surface(mesh, options, RunSettings{}, control);
     surfaces_ = std::move(result.report.surfaces);
     shape_.positions = result.mesh.positions.items();
