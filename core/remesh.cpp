@@ -31,12 +31,13 @@
 #include "core/output/volume_ready.h"
 #include "core/output/warnings.h"
 #include "core/patches/coplanar_regions.h"
+#include "core/patches/curved_stage.h"
 #include "core/patches/input_intersections.h"
 #include "core/patches/ladder.h"
 #include "core/patches/partition.h"
 #include "core/patches/patch_meshing.h"
-#include "core/patches/surface_recognition.h"
 #include "core/refinement/chords.h"
+#include "core/refinement/curved_prediction.h"
 #include "core/refinement/gap_search.h"
 #include "core/refinement/goal_refinement.h"
 #include "core/refinement/lifting.h"
@@ -82,7 +83,34 @@ Step step_after(Outcome outcome) {
   return std::find_if(kRetries.begin(), kRetries.end(), [&](const Retry& r) { return r.outcome == outcome; })->next;
 }
 
+/// Predicts the faces for other numbers of elements per circle.
+/// Input: `predicted` has the faces that are predicted for each patch; it is empty if nothing is refined.
+std::map<int, std::uint64_t> predict_by_circles(const RecognisedFacets& facets, const Partition& partition,
+                                                const CurveCuts& cuts, const PatchMeshes& meshes,
+                                                const std::vector<float>& predicted, const Options& options,
+                                                RunControl& control) {
+  PresentPatches present{partition.patches, partition.essential, cuts, {}, {}};
+  for (std::size_t p = 0; p < partition.patches.count(); ++p) {
+    present.triangles.push_back(static_cast<double>(meshes[PatchId(p)].mesh.triangle_count()));
+    present.faces.push_back(!predicted.empty() ? predicted[p]
+                                               : static_cast<double>(partition.summaries.patches[p].output_faces));
+  }
+  return predict_by_elements_per_circle(facets, present, options, control);
+}
+
+/// Takes the distances that were proven into the report.
+void take_bounds(Report& report) {
+  report.distance_bound = report.verified.distance_bound;
+  for (std::size_t p = 0; p < report.patches.size(); ++p) {
+    report.patches[p].bound = report.verified.patch_bounds[p];
+    double& of_surface = report.surfaces.surfaces[report.surfaces.of_patch[PatchId(p)]].bound;
+    of_surface = std::max(of_surface, report.patches[p].bound);
+  }
+}
+
 /// One run on one surface. Its members are what the stages pass on to each other.
+/// This class is larger than the bound because it has a short function for each step of the pipeline, so that the whole
+/// can be read in one place.
 class Run {
  public:
   Run(const PolygonMesh& input, const Options& options, RunControl& control, std::vector<Diagnostic> diagnostics)
@@ -123,10 +151,15 @@ class Run {
                                              : static_cast<double>(partition_.summaries.patches[p.value].output_faces);
                  },
                  RefinedFaces::Are::kPredicted});
-    report_.smallest_gap = refiner_->smallest_gap();
+    report_.predicted_faces_by_elements_per_circle = predict_by_circles(
+        {surface(), adjacency(), curves_.facets(partition_), curves_.recognised(), report_.plane_tolerance,
+         report_.input.bounding_box.diagonal()},
+        partition_, curves_.cuts(), candidate_.triangulated.meshes, refiner_->predicted_of_patch(), options_, control_);
+    // Facets count, not the patches that were joined from them, so proximity does not change the answer.
+    if (curves_.curved() == nullptr) report_.smallest_gap = refiner_->smallest_gap();
     if (!report_.smallest_gap)
-      report_.smallest_gap = GapSearch(surface(), adjacency(), partition_.patches, report_.plane_tolerance, control_,
-                                       &candidate_.triangulated)
+      report_.smallest_gap = GapSearch(surface(), adjacency(), curves_.facets(partition_), report_.plane_tolerance,
+                                       control_, curves_.curved() != nullptr ? nullptr : &candidate_.triangulated)
                                  .smallest(control_);
     summarise();
     report_.timing_ms = watch_.finish();
@@ -135,9 +168,13 @@ class Run {
 
  private:
   const Surface& surface() const { return prepared_.surface; }
+  /// The surface with the vertices between which boundaries were cut anew.
+  const Surface& with_cuts() const { return curves_.with_cuts(surface()); }
   const Adjacency& adjacency() { return prepared_.adjacency(control_); }
-  PatchedSurface patched() { return {surface(), adjacency(), partition_.patches, report_.plane_tolerance}; }
+  PatchedSurface patched() { return {with_cuts(), adjacency(), partition_.patches, report_.plane_tolerance}; }
   const Goals* goals() const { return refiner_->has_goals() ? &refiner_->goals() : nullptr; }
+  /// The goals that the options ask for, if any. Curved patches are refined without any as well.
+  const Goals* asked_goals() const { return options_.refine ? goals() : nullptr; }
 
   void prepare() {
     InputSummary summary;
@@ -154,64 +191,55 @@ class Run {
     regions_ = {};
     ladder_.emplace(surface(), prepared_.without_area);
     if (options_.keep_boundary_vertices) ladder_->forced().assign(surface().vertex_count(), 1);
-    are_input_intersections_known_ = false;
-    report_.surfaces = {};
+    input_intersections_.reset();
+    curves_.reset();
   }
 
   void find_patches() {
-    const PatchSet before = std::move(partition_.patches);
+    const PatchSet before = curves_.take_facets(partition_);
     partition_ = make_partition(prepared_, report_.plane_tolerance, options_, *ladder_, regions_, watch_, control_);
+    // Beyond the 2018 report: find curved surfaces, and join their facets as far as that is asked for.
     watch_.enter(Stage::kSurfaces);
-    if (!report_.surfaces.of_patch.empty())
-      report_.surfaces.follow(before, partition_.patches);
-    else
-      recognise();
-  }
-
-  /// Finds what the facets were made from. The patches are those of the input, before the ladder has split any.
-  void recognise() {
-    std::optional<EssentialVertices> unforced;
-    if (options_.keep_boundary_vertices)
-      unforced = essential_vertices(surface(), adjacency(), partition_.loops,
-                                    IdVector<VertexId, std::uint8_t>(surface().vertex_count(), 0),
-                                    prepared_.pinched(control_), report_.plane_tolerance / surface().unit, control_);
-    report_.surfaces = recognise_surfaces(
-        {surface(), adjacency(), partition_.patches, partition_.loops, unforced ? *unforced : partition_.essential,
-         partition_.summaries.patches},
-        {options_.feature_angle_deg, kRecognitionTolerance * prepared_.rounding_tolerance}, control_);
+    curves_.run(partition_, before, prepared_, *ladder_, options_,
+                {report_.plane_tolerance, report_.input.bounding_box.diagonal()}, control_);
+    refiner_->set_curved(curves_.curved() != nullptr);
+    report_.surfaces = curves_.surfaces();
   }
 
   void triangulate() {
     watch_.enter(Stage::kTriangulation);
     candidate_.clear();
+    const std::optional<CurvedBoundaries> curves = curves_.boundaries();
     candidate_.triangulated =
-        mesh_patches(surface(), adjacency(), partition_.patches, partition_.loops, partition_.essential,
-                     {options_.reference_axis, options_.reference_direction}, control_);
+        mesh_patches(with_cuts(), adjacency(), partition_.patches, partition_.loops, partition_.essential,
+                     {options_.reference_axis, options_.reference_direction}, control_, curves ? &*curves : nullptr);
   }
 
   /// Goes from the patches' triangles to a verdict.
   Outcome attempt() {
-    if (!are_input_intersections_known_) find_input_intersections(Triangulated(surface(), control_));
+    if (!input_intersections_) find_input_intersections(Triangulated(surface(), control_));
     watch_.enter(Stage::kAssembly);
     std::vector<FailedPatch> failed = find_failed_patches(candidate_.triangulated.meshes);
     if (!failed.empty()) return step_up(failed);
     // No edge inside a patch may be the edge of another patch. (If refinement is tried again, this changes nothing.)
     if (!candidate_.has_chords)
-      candidate_.has_chords = !flip_chords(candidate_.triangulated.meshes, surface().vertex_count(), control_);
+      candidate_.has_chords = !flip_chords(candidate_.triangulated.meshes, with_cuts().vertex_count(), control_);
     // All patches together: improve angles and sizes, and resolve the remaining conflicts between patches.
     refine();
     watch_.enter(Stage::kAssembly);
-    assemble(candidate_, surface(), goals(), control_);
+    assemble(candidate_, with_cuts(), asked_goals(), control_);
     if (refiner_->is_over_budget(candidate_.assembled.faces.size())) return Outcome::kTooManyFaces;
     refuse_if_too_large();
     check_candidate();
     if (report_.verified.all_true()) return Outcome::kVerified;
-    if (refiner_->freeze(report_.verified.failed_patches)) return Outcome::kRefinementFailed;
     for (const PatchId p : report_.verified.failed_patches) failed.push_back({p, PatchReason::kVerificationFailed});
     // If the result as a whole is wrong, no single patch is at fault, so all patches take a step.
     if (failed.empty())
       for (std::size_t p = 0; p < partition_.patches.count(); ++p)
         failed.push_back({PatchId(p), PatchReason::kVerificationFailed});
+    // A curved patch cannot be left as it was triangulated: that is too far from its surface.
+    if (curved_at_fault(failed).empty() && refiner_->freeze(report_.verified.failed_patches))
+      return Outcome::kRefinementFailed;
     return step_up(failed);
   }
 
@@ -222,10 +250,10 @@ class Run {
     if (goals() != nullptr)
       refinement = refiner_->refine(patched(), *ladder_, intersections().patches, candidate_.triangulated);
     else
-      split_chords(surface(), candidate_.triangulated, refinement, {}, UnrefinedReason::kSizeFloor, control_);
+      split_chords(with_cuts(), candidate_.triangulated, refinement, {}, UnrefinedReason::kSizeFloor, control_);
     report_.refinement_rounds = refinement.rounds;
     if (refiner_->smallest_gap()) report_.smallest_gap = refiner_->smallest_gap();
-    lift_new_vertices(surface(), partition_.patches, candidate_.triangulated, refinement.first_inner,
+    lift_new_vertices(with_cuts(), partition_.patches, candidate_.triangulated, refinement.first_inner,
                       report_.plane_tolerance, refinement.new_positions, control_);
   }
 
@@ -250,21 +278,30 @@ class Run {
                                  known,
                                  report_.plane_tolerance,
                                  options_.weld_tolerance,
-                                 goals(),
+                                 asked_goals(),
+                                 curves_.curved(),
                                  refiner_->frozen().items(),
                                  prepared_.order()};
     report_.verified = check(candidate_, against, control_);
     if (report_.verified.all_true() ||
-        !separate_new_vertices(surface(), candidate_.triangulated, candidate_.refinement, control_))
+        !separate_new_vertices(with_cuts(), candidate_.triangulated, candidate_.refinement, control_))
       return;
-    assemble(candidate_, surface(), goals(), control_);
+    assemble(candidate_, with_cuts(), asked_goals(), control_);
     report_.verified = check(candidate_, against, control_);
   }
 
-  /// Takes the patches that failed a step up the ladder.
+  std::vector<PatchId> curved_at_fault(const std::vector<FailedPatch>& failed) {
+    return curves_.at_fault(failed, partition_.patches, surface(), adjacency());
+  }
+
+  /// Takes the patches that failed a step up the ladder. If curved ones may be at fault, they take a step of their own.
   Outcome step_up(const std::vector<FailedPatch>& failed) {
     refiner_->thaw();
     watch_.enter(Stage::kPatches);
+    if (const std::vector<PatchId> curved = curved_at_fault(failed); !curved.empty()) {
+      curves_.step_up(curved, partition_.patches);
+      return Outcome::kPatchesFailed;
+    }
     const std::vector<FaceId> exhausted =
         ladder_->step(partition_.patches, partition_.loops, adjacency(), failed, regions_);
     if (exhausted.empty() || exhausted.size() != partition_.face_count_of(failed)) return Outcome::kPatchesFailed;
@@ -315,17 +352,16 @@ class Run {
     input_intersections_ = find_intersections(surface(), faces, partition_.patches,
                                               find_simple_patches(partition_, candidate_.triangulated.meshes),
                                               report_.plane_tolerance, report_.diagnostics, control_);
-    report_.input.intersecting_pairs = input_intersections_.pairs.size();
-    are_input_intersections_known_ = true;
+    report_.input.intersecting_pairs = input_intersections_->pairs.size();
   }
-  InputIntersections intersections() const { return intersecting_patches(input_intersections_, partition_.patches); }
+  InputIntersections intersections() const { return intersecting_patches(*input_intersections_, partition_.patches); }
 
   void examine_input() {
     const Triangulated faces(surface(), control_);
     find_input_intersections(faces);
     // The first triangle of a polygon stands for the polygon.
     std::vector<std::pair<FaceId, FaceId>> pairs;
-    for (const auto& [f, g] : input_intersections_.pairs)
+    for (const auto& [f, g] : input_intersections_->pairs)
       pairs.push_back({FaceId(faces.first_of(f)), FaceId(faces.first_of(g))});
     const auto begins = triangle_begins(faces.corners().size() / 3, control_);
     const Adjacency edges(surface().vertex_count(), begins, faces.corners(), control_);
@@ -341,7 +377,8 @@ class Run {
   void tell_curves(const RefinedFaces& refined) {
     if (!options_.refine) return;
     if (options_.feature_angle_deg > 0)
-      warn_of_curved_surfaces(surface(), partition_.patches, report_.surfaces, refined, report_.diagnostics);
+      warn_of_curved_surfaces(surface(), partition_.patches, report_.surfaces, refined, report_.diagnostics,
+                              curves_.curved());
     else
       warn_of_curves(surface(), partition_.patches, report_.diagnostics);
   }
@@ -357,6 +394,7 @@ class Run {
     candidate_.refinement.before.clear();
     summarise();
     report_.volume_bound = report_.verified.volume_bound;
+    take_bounds(report_);
     for (std::size_t p = 0; p < candidate_.triangulated.meshes.size(); ++p)
       report_.patches[p].output_faces = candidate_.triangulated.meshes[PatchId(p)].mesh.triangle_count();
     prepared_.release();
@@ -403,7 +441,7 @@ class Run {
     Box3 box;
     for (const Vec3& p : positions) box.add(p);
     basis.allowed_move = std::max(report_.plane_tolerance, kAllowedRounding * box.diagonal());
-    basis.is_refined = goals() != nullptr;
+    basis.is_refined = asked_goals() != nullptr;
     basis.goals = refiner_->goals();
     basis.unrefined = std::move(candidate_.unrefined);
     basis.intersections =
@@ -420,11 +458,11 @@ class Run {
   Report report_;
   MendingLimits limits_;
   Prepared prepared_;
-  std::optional<Ladder> ladder_;            ///< belongs to the prepared surface
-  std::optional<GoalRefinement> refiner_;   ///< belongs to the prepared surface
-  FoundIntersections input_intersections_;  ///< belongs to the prepared surface
-  bool are_input_intersections_known_ = false;
+  std::optional<Ladder> ladder_;                           ///< belongs to the prepared surface
+  std::optional<GoalRefinement> refiner_;                  ///< belongs to the prepared surface
+  std::optional<FoundIntersections> input_intersections_;  ///< belongs to the prepared surface; empty until known
   Regions regions_;
+  CurvedStage curves_;  ///< belongs to the prepared surface
   Partition partition_;
   Candidate candidate_;
 };

@@ -58,6 +58,11 @@ Vec3 AnalyticSurface::normal(const Vec3& p) const {
   return {};
 }
 
+bool is_same(const AnalyticSurface& a, const AnalyticSurface& b) {
+  return a.kind == b.kind && a.origin == b.origin && a.axis == b.axis && a.radius == b.radius &&
+         a.minor_radius == b.minor_radius && a.half_angle == b.half_angle;
+}
+
 Vec3 canonical_direction(const Vec3& axis) {
   const double largest = std::max({std::fabs(axis.x), std::fabs(axis.y), std::fabs(axis.z)});
   for (int i = 0; i < 3; ++i)

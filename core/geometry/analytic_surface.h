@@ -35,6 +35,9 @@ struct AnalyticSurface {
   Vec3 normal(const Vec3& p) const;
 };
 
+/// Returns whether all numbers of two surfaces are the same.
+bool is_same(const AnalyticSurface& a, const AnalyticSurface& b);
+
 /// Returns one of the two directions of an axis that has none of its own: the one in which its largest component is
 /// positive. If components are about as large, the first of them counts.
 Vec3 canonical_direction(const Vec3& axis);

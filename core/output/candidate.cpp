@@ -59,11 +59,19 @@ Verdict check(const Candidate& candidate, const CheckedAgainst& against, RunCont
   std::optional<RefinementClaim> refined;
   if (against.goals != nullptr)
     refined = {*against.goals, candidate.unrefined.faces, candidate.unrefined.reasons, against.frozen};
+  std::vector<CurvedClaim> curved;
+  if (against.curved != nullptr)
+    for (const CurvedPatch& patch : against.curved->curved)
+      curved.push_back({patch.map.shape(), patch.limits.tolerance});
+  const bool has_new_vertices = !candidate.refinement.new_positions.empty() || against.curved != nullptr;
   return verify(
       {against.surface, against.patches.of_face, frames, candidate.positions.items(), candidate.assembled.faces.items(),
-       candidate.assembled.face_patch.items(), candidate.assembled.corner_uv, against.plane_tolerance,
-       !candidate.refinement.new_positions.empty(), refined ? &*refined : nullptr, &against.intersections,
-       against.edge_order, &against.input, against.weld_tolerance},
+       candidate.assembled.face_patch.items(), candidate.assembled.corner_uv, against.plane_tolerance, has_new_vertices,
+       refined ? &*refined : nullptr, &against.intersections, against.edge_order, &against.input,
+       against.weld_tolerance,
+       against.curved != nullptr ? std::span<const std::uint32_t>(against.curved->at.items())
+                                 : std::span<const std::uint32_t>(),
+       curved},
       control);
 }
 

@@ -11,6 +11,7 @@
 #include "core/mesh/mesh.h"
 #include "core/mesh/surface.h"
 #include "core/output/assembly.h"
+#include "core/patches/curved_patches.h"
 #include "core/patches/input_intersections.h"
 #include "core/patches/partition.h"
 #include "core/patches/triangulated_patches.h"
@@ -60,6 +61,7 @@ struct CheckedAgainst {
   double plane_tolerance = 0;  ///< in model units
   double weld_tolerance = 0;   ///< in model units
   const Goals* goals = nullptr;
+  const CurvedPatches* curved = nullptr;      ///< null if no patch is curved
   std::span<const std::uint8_t> frozen;       ///< patches that refinement left as they were; see RefinementClaim
   std::span<const std::uint32_t> edge_order;  ///< see Claim::surface_edge_order
 };

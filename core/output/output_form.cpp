@@ -116,6 +116,7 @@ class FloatRounding {
     claim.faces = faces;
     claim.face_patch = result_.face_patch.items();
     claim.normals = basis.normals.items();
+    claim.is_curved = basis.is_curved.items();
     claim.allowed_move = basis.allowed_move;
     claim.intersections = &basis.intersections;
     claim.refinement = basis.is_refined ? &refined : nullptr;
@@ -247,10 +248,19 @@ bool round_output(Storage storage, bool local_origin, Result& result, RunControl
   report.output_rounding = verdict.largest_move;
   if (form.origin != Vec3{}) report.output_origin = form.origin;
   report.verified.deviation += verdict.largest_move;
+  if (report.distance_bound) {
+    report.distance_bound->output_to_input += verdict.largest_move;
+    report.distance_bound->input_to_output += verdict.largest_move;
+  }
   report.verified.volume_bound += verdict.volume_bound;
   report.volume_bound = report.verified.volume_bound;
-  for (std::size_t p = 0; p < std::min(report.patches.size(), verdict.patch_moves.size()); ++p)
+  for (std::size_t p = 0; p < std::min(report.patches.size(), verdict.patch_moves.size()); ++p) {
     report.patches[p].deviation += verdict.patch_moves[p];
+    report.patches[p].bound += verdict.patch_moves[p];
+    if (report.surfaces.of_patch.empty()) continue;
+    RecognisedSurface& surface = report.surfaces.surfaces[report.surfaces.of_patch[PatchId(p)]];
+    surface.bound = std::max(surface.bound, report.patches[p].bound);
+  }
   if (verdict.has_intersections) {
     report.verified.intersections = std::move(verdict.intersections);
     report.verified.are_all_intersections_known = verdict.are_all_intersections_known;

@@ -36,11 +36,27 @@ std::string faces_text(double faces, RefinedFaces::Are are) {
   return "makes about " + grouped_digits(static_cast<std::uint64_t>(std::round(faces / step) * step));
 }
 
+/// Names the options that help: for surfaces whose facets stay flat, and for free regions.
+std::string advice(bool is_any_curved, bool is_any_free) {
+  std::string text;
+  if (is_any_curved)
+    text =
+        "; another surface_tolerance (above 0), elements_per_circle or feature_angle_deg may let curved surfaces be "
+        "remeshed as a whole";
+  if (is_any_free)
+    text +=
+        "; another feature_angle_deg may let a free region be recognised, and surface_tolerance and "
+        "elements_per_circle then apply to it";
+  return text;
+}
+
 }  // namespace
 
 void warn_of_curved_surfaces(const Surface& surface, const PatchSet& patches, const RecognisedSurfaces& recognised,
-                             const RefinedFaces& refined, std::vector<Diagnostic>& diagnostics) {
+                             const RefinedFaces& refined, std::vector<Diagnostic>& diagnostics,
+                             const CurvedPatches* curved) {
   const auto is_curved = [&](PatchId p) {
+    if (curved != nullptr && curved->of(p) != nullptr) return false;
     return recognised.surfaces[recognised.of_patch[p]].shape.kind != SurfaceKind::kPlane;
   };
   std::array<std::uint64_t, kKinds> counts{};
@@ -55,7 +71,7 @@ void warn_of_curved_surfaces(const Surface& surface, const PatchSet& patches, co
     faces += refined.of_patch(PatchId(p));
   }
   const bool is_any_curved = planes + free < recognised.surfaces.size();
-  if (!is_any_curved && facets < kMinFacets) return;
+  if (facets == 0 || (!is_any_curved && facets < kMinFacets)) return;
 
   Diagnostic warning{DiagnosticCode::kCurvedSurface, 0, {}, ""};
   FaceId last;
@@ -67,7 +83,7 @@ void warn_of_curved_surfaces(const Surface& surface, const PatchSet& patches, co
   }
   warning.message = "found " + list_counts(counts) + ", made of " + grouped_digits(facets) +
                     " facets; each stays flat as a patch of its own, and refinement " + faces_text(faces, refined.are) +
-                    " faces of them";
+                    " faces of them" + advice(is_any_curved, free > 0);
   diagnostics.push_back(std::move(warning));
 }
 
@@ -81,7 +97,8 @@ void warn_of_curves(const Surface& surface, const PatchSet& patches, std::vector
   if (2 * alone.size() <= surface.face_count() || surface.face_count() < kMinFacets) return;
   surface.for_each_source(alone, [&](FaceId source) { warning.add(source.value); });
   warning.message =
-      "most facets are a patch of their own, which is typical of a curved surface; refinement makes many faces there";
+      "most facets are a patch of their own, which is typical of a curved surface; refinement makes many faces there; "
+      "a feature_angle_deg above 0 lets curved surfaces be recognised and remeshed as a whole";
   diagnostics.push_back(std::move(warning));
 }
 

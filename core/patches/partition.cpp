@@ -1,5 +1,7 @@
 #include "core/patches/partition.h"
 
+#include <utility>
+
 #include "core/base/blocks.h"
 #include "core/base/tolerance.h"
 #include "core/geometry/patch_reason.h"
@@ -47,6 +49,28 @@ Partition make_partition(Prepared& prepared, double plane_tolerance, const Optio
   result.summaries =
       summarise_patches(surface, adjacency, areas, result.patches, result.loops, result.essential, ladder, control);
   return result;
+}
+
+PatchSet take_joined_patches(Partition& partition, Prepared& prepared, CurvedPatches& joined, double plane_tolerance,
+                             Ladder& ladder, RunControl& control) {
+  const Surface& surface = prepared.surface;
+  const Adjacency& adjacency = prepared.adjacency(control);
+  const double tolerance = plane_tolerance / surface.unit;
+  PatchSet before = std::exchange(partition.patches, std::move(joined.patches));
+  const PatchSet& now = partition.patches;
+  std::vector<double> areas(now.count(), 0);
+  for (std::size_t p = 0; p < before.count(); ++p)
+    areas[now.of_face[before.faces_of(PatchId(p))[0]].value] +=
+        partition.summaries.patches[p].area / surface.unit / surface.unit;
+  for (PatchId& p : partition.with_thin_faces) p = now.of_face[before.faces_of(p)[0]];
+  for (std::size_t p = 0; p < now.count(); ++p)
+    if (joined.of(PatchId(p)) != nullptr) partition.with_thin_faces.push_back(PatchId(p));
+  partition.loops = boundary_loops(surface, adjacency, now, control);
+  partition.essential = essential_vertices(surface, adjacency, partition.loops, ladder.forced(),
+                                           prepared.pinched(control), tolerance, control);
+  partition.summaries =
+      summarise_patches(surface, adjacency, areas, now, partition.loops, partition.essential, ladder, control);
+  return before;
 }
 
 std::vector<std::uint8_t> find_simple_patches(const Partition& partition, const PatchMeshes& meshes) {

@@ -12,6 +12,7 @@
 #include "core/mending/preparation.h"
 #include "core/patches/boundary_loops.h"
 #include "core/patches/coplanar_regions.h"
+#include "core/patches/curved_patches.h"
 #include "core/patches/essential_vertices.h"
 #include "core/patches/ladder.h"
 #include "core/patches/patch_summary.h"
@@ -42,6 +43,13 @@ struct Partition {
 /// Cost:    O(n log n).
 Partition make_partition(Prepared& prepared, double plane_tolerance, const Options& options, Ladder& ladder,
                          Regions& regions, Stopwatch& watch, RunControl& control);
+
+/// Takes patches that were joined from those of a partition in their place, and finds their boundaries.
+/// Output:  the patches before. Curved patches count as patches with thin faces: they may cover a plane twice.
+/// Errors:  kCancelled, kTimeout - asked to stop through `control`.
+/// Cost:    O(n log n).
+PatchSet take_joined_patches(Partition& partition, Prepared& prepared, CurvedPatches& joined, double plane_tolerance,
+                             Ladder& ladder, RunControl& control);
 
 /// Returns which patches cover nothing twice in their plane: their loops do not cross, and none of their faces is so
 /// thin that it may be turned over.

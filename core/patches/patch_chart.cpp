@@ -63,9 +63,13 @@ Axes axes_along(const Vec3& normal, std::span<const Edge3> border) {
   return Axes(make_frame(normal, {}, {}, border, ReferenceAxis::kDominantEdge, {}, 1));
 }
 
-PatchCharts::PatchCharts(const Surface& surface, const PatchSet& patches, const ProjectionRule& rule,
-                         RunControl& control)
+PatchCharts::PatchCharts(const Surface& surface, const PatchSet& patches, const CurvedPatches* curved,
+                         const ProjectionRule& rule, RunControl& control)
     : surface_(&surface), patches_(&patches), rule_(rule) {
+  if (curved != nullptr && curved->has_any()) {
+    curved_at_ = curved->at;
+    for (const CurvedPatch& patch : curved->curved) curved_.emplace_back(patch);
+  }
   stored_at_.resize(patches.count(), kNone);
   triangle_kind_.resize(patches.count());
   std::uint32_t stored = 0;
@@ -99,6 +103,7 @@ IdVector<PatchId, Vec3> PatchCharts::normals(RunControl& control) const {
     for (; i < end; ++i) {
       const PatchId p(i);
       // A projection has the normal of the patch's plane.
+      if (!curved_at_.empty() && curved_at_[p] != kNone) continue;
       const bool is_projection = stored_at_[p] == kNone && triangle_kind_[p] != TriangleKind::kLaidOut;
       normals[p] = is_projection ? patches_->planes[p].normal : (*this)[p].normal({});
     }
@@ -117,7 +122,27 @@ Frame PatchCharts::projection(PatchId p, std::span<const Vec3> points, std::span
   return make_frame(patches_->planes[p].normal, origin, points, edges, rule_.axis, rule_.direction, grid);
 }
 
+/// Makes the chart of a curved patch. All of the patch is in the plane between the vertices on its boundary.
+PatchChart PatchCharts::develop(PatchId p, std::span<const Vec3> points, double grid) {
+  CurvedChart& curved = curved_[curved_at_[p]];
+  Vec2 low{HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL};
+  for (const Vec3& point : points) {
+    const Vec2 q = curved.map().flat(point);
+    low = {std::min(low.x, q.x), std::min(low.y, q.y)};
+    high = {std::max(high.x, q.x), std::max(high.y, q.y)};
+  }
+  curved.middle = 0.5 * (low + high);
+  const Vec2 half = 0.5 * (high - low);
+  const Axes& axes = curved.map().axes();
+  Frame frame{{}, axes.x, axes.y, axes.z, 1, grid};
+  int exponent = 0;
+  std::frexp(std::max(half.x, half.y), &exponent);
+  frame.scale = std::ldexp(1.0, exponent);
+  return stored_[stored_at_[p]] = PatchChart(frame, curved);
+}
+
 PatchChart PatchCharts::project(PatchId p, std::span<const Vec3> points, std::span<const Edge3> edges, double grid) {
+  if (!curved_at_.empty() && curved_at_[p] != kNone) return develop(p, points, grid);
   const Frame frame = projection(p, points, edges, grid);
   if (stored_at_[p] == kNone)
     triangle_kind_[p] = grid == kFineGrid ? TriangleKind::kFineGrid : TriangleKind::kCoarseGrid;

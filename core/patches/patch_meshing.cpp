@@ -30,22 +30,28 @@ PatchReason reason_for(Outcome outcome) {
   return PatchReason::kNotPlanar;
 }
 
+/// The boundaries of patches, as far as vertices stay on them.
+struct Outlines {
+  const BoundaryLoops& loops;
+  const EssentialVertices& essential;
+  const CurveCuts* cuts;  ///< null if no patch is curved
+};
+
 /// Meshes one patch after the other, and reuses its scratch memory.
 class Mesher {
  public:
-  Mesher(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches, const BoundaryLoops& loops,
-         const EssentialVertices& essential, PatchCharts& charts, RunControl& control)
+  Mesher(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches, const Outlines& outlines,
+         PatchCharts& charts, RunControl& control)
       : surface_(surface),
         adjacency_(adjacency),
         patches_(patches),
-        loops_(loops),
-        essential_(essential),
+        outlines_(outlines),
         charts_(charts),
         control_(control) {}
 
   PatchMesh run(PatchId p) {
     PatchMesh result;
-    result.loops = loops_.patch_begin[p.value + 1] - loops_.patch_begin[p.value];
+    result.loops = outlines_.loops.patch_begin[p.value + 1] - outlines_.loops.patch_begin[p.value];
     collect_vertices(p);
     collect_sides(p);
     Outcome outcome = Outcome::kDegenerate;
@@ -76,33 +82,51 @@ class Mesher {
     StopCheck check(control_);
     const auto add = [&](VertexId v) {
       check();
-      if (essential_[v]) corners_.push_back(v);
+      if (outlines_.essential[v]) corners_.push_back(v);
     };
-    if (essential_.are_on_loops) {
-      for (std::uint32_t l = loops_.patch_begin[p.value]; l < loops_.patch_begin[p.value + 1]; ++l)
-        for (const std::uint32_t h : loops_.loop(l)) add(adjacency_.from(h));
+    if (outlines_.essential.are_on_loops) {
+      for (std::uint32_t l = outlines_.loops.patch_begin[p.value]; l < outlines_.loops.patch_begin[p.value + 1]; ++l)
+        for (const std::uint32_t h : outlines_.loops.loop(l)) add(adjacency_.from(h));
+      add_cuts(p, check);
     } else {
       for (const FaceId f : patches_.faces_of(p))
         for (const VertexId v : surface_.face(f)) add(v);
+      add_cuts(p, check);
     }
     vertices_.assign(corners_, control_);
   }
 
-  /// Collects the loops without the vertices that are not essential.
+  /// Adds the vertices between which the patch's boundary was cut anew.
+  void add_cuts(PatchId p, StopCheck& check) {
+    if (outlines_.cuts == nullptr) return;
+    for (std::uint32_t l = outlines_.loops.patch_begin[p.value]; l < outlines_.loops.patch_begin[p.value + 1]; ++l)
+      for (const std::uint32_t h : outlines_.loops.loop(l)) {
+        check();
+        if (!outlines_.essential[adjacency_.from(h)]) continue;
+        for (const VertexId v : outlines_.cuts->between(h)) corners_.push_back(v);
+      }
+  }
+
+  /// Collects the loops without the vertices that are not essential, and with those of new cuts.
   void collect_sides(PatchId p) {
     sides_.clear();
     StopCheck check(control_);
-    for (std::uint32_t l = loops_.patch_begin[p.value]; l < loops_.patch_begin[p.value + 1]; ++l) {
+    for (std::uint32_t l = outlines_.loops.patch_begin[p.value]; l < outlines_.loops.patch_begin[p.value + 1]; ++l) {
       VertexId first, last;
-      for (const std::uint32_t h : loops_.loop(l)) {
+      for (const std::uint32_t h : outlines_.loops.loop(l)) {
         check();
         const VertexId v = adjacency_.from(h);
-        if (!essential_[v]) continue;
+        if (!outlines_.essential[v]) continue;
         if (last.is_valid())
           sides_.push_back({last, v});
         else
           first = v;
         last = v;
+        if (outlines_.cuts == nullptr) continue;
+        for (const VertexId cut : outlines_.cuts->between(h)) {
+          sides_.push_back({last, cut});
+          last = cut;
+        }
       }
       if (last.is_valid()) sides_.push_back({last, first});
     }
@@ -184,8 +208,7 @@ class Mesher {
   const Surface& surface_;
   const Adjacency& adjacency_;
   const PatchSet& patches_;
-  const BoundaryLoops& loops_;
-  const EssentialVertices& essential_;
+  const Outlines outlines_;
   PatchCharts& charts_;
   RunControl& control_;
   std::vector<VertexId> corners_;
@@ -202,10 +225,10 @@ class Mesher {
 
 TriangulatedPatches mesh_patches(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches,
                                  const BoundaryLoops& loops, const EssentialVertices& essential,
-                                 const ProjectionRule& rule, RunControl& control) {
+                                 const ProjectionRule& rule, RunControl& control, const CurvedBoundaries* curves) {
   const std::size_t n = patches.count();
   TriangulatedPatches result;
-  result.charts = PatchCharts(surface, patches, rule, control);
+  result.charts = PatchCharts(surface, patches, curves != nullptr ? &curves->patches : nullptr, rule, control);
   Dropped<PatchMesh> all;
   std::vector<PatchMesh>& meshes = all.items;
   reserve_pages(meshes, n, control);
@@ -216,7 +239,8 @@ TriangulatedPatches mesh_patches(const Surface& surface, const Adjacency& adjace
   std::atomic<std::size_t> done{0};
   const auto run = [&](std::size_t begin, std::size_t end) {
     control.check();
-    Mesher mesher(surface, adjacency, patches, loops, essential, result.charts, control);
+    Mesher mesher(surface, adjacency, patches, {loops, essential, curves != nullptr ? &curves->cuts : nullptr},
+                  result.charts, control);
     for (std::size_t i = begin; i < end; ++i) meshes[by_size.order[i]] = mesher.run(PatchId(by_size.order[i]));
     control.progress(static_cast<double>(done += end - begin) / static_cast<double>(n));
   };

@@ -5,20 +5,30 @@
 #include "core/geometry/patch_set.h"
 #include "core/mesh/surface.h"
 #include "core/patches/boundary_loops.h"
+#include "core/patches/curve_cuts.h"
+#include "core/patches/curved_patches.h"
 #include "core/patches/essential_vertices.h"
 #include "core/patches/patch_chart.h"
 #include "core/patches/triangulated_patches.h"
 
 namespace remesh {
 
+/// The patches that are curved, and the vertices between which boundaries were cut anew for them.
+struct CurvedBoundaries {
+  const CurvedPatches& patches;
+  const CurveCuts& cuts;
+};
+
 /// Triangulates every patch from its essential vertices.
-/// Input:   the surface and the patches must outlive the charts.
+/// Input:   the surface and the patches must outlive the charts. `curves` is null if no patch is curved. Otherwise the
+///          surface has the new vertices of its cuts, too.
 /// Output:  the same for any number of threads.
 /// Holds:   all loop edges are in the mesh. Plane coordinates are multiples of 2^-40, or of 2^-100 if points would meet
 ///          or loops cross on the coarser grid. A patch of one triangle cannot fail.
 /// Cost:    O(n log n); on the caller's TBB arena, by patch, large ones first.
 TriangulatedPatches mesh_patches(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches,
                                  const BoundaryLoops& loops, const EssentialVertices& essential,
-                                 const ProjectionRule& rule, RunControl& control);
+                                 const ProjectionRule& rule, RunControl& control,
+                                 const CurvedBoundaries* curves = nullptr);
 
 }  // namespace remesh

@@ -26,6 +26,7 @@ struct PatchSummary {
   PatchStatus status = PatchStatus::kRemeshed;
   PatchReason reason = PatchReason::kNone;
   double deviation = 0;  ///< largest distance of an input vertex of the patch from its plane
+  double bound = 0;      ///< proven distance between input and output of the patch, both ways, in model units
 };
 
 struct PatchSummaries {

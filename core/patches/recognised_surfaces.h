@@ -35,6 +35,7 @@ std::string_view reason_name(FreeReason reason);
 
 /// A surface from which some facets were made, or a free region, for which no kind of surface was found. All lengths
 /// are in model units.
+/// This class is larger than the bound because it has the members of the contract's `surfaces`.
 struct RecognisedSurface {
   AnalyticSurface shape;
   /// Revolution: the outline that turns around the axis, as a line through (distance from the axis, height above
@@ -49,6 +50,8 @@ struct RecognisedSurface {
   double sweep_deg = 0;       ///< how much of a full turn around the axis the facets cover; 360 if all of it
   double tolerance = 0;       ///< all essential vertices lie within this distance of the surface
   double deviation = 0;       ///< the largest distance of an essential vertex from the surface
+  double allowed = 0;         ///< the surface tolerance in force: how far input and output may be apart on this surface
+  double bound = 0;           ///< the largest proven distance between input and output of one of its patches
   SurfaceSide side = SurfaceSide::kConvex;  ///< it has no meaning for planes and free regions
   Box3 extent;                              ///< the bounding box of the facets
   // The following are for free regions only.

@@ -28,8 +28,8 @@ std::string count_text(double count) {
 }  // namespace
 
 bool GoalRefinement::has_goals() const {
-  return goals_.min_angle_deg > 0 || std::isfinite(goals_.max_edge_length) || std::isfinite(goals_.max_area) ||
-         goals_.proximity > 0 || goals_.gradation > 0;
+  return are_any_curved_ || goals_.min_angle_deg > 0 || std::isfinite(goals_.max_edge_length) ||
+         std::isfinite(goals_.max_area) || goals_.proximity > 0 || goals_.gradation > 0;
 }
 
 std::uint64_t GoalRefinement::predict_faces(const PatchedSurface& on, const TriangulatedPatches& triangulated) {

@@ -106,7 +106,9 @@ void lift_new_vertices(const Surface& surface, const PatchSet& patches, const Tr
     const PatchMesh& mesh = meshes[PatchId(p)];
     const bool has_inner = std::any_of(mesh.vertices.begin(), mesh.vertices.end(),
                                        [&](VertexId v) { return v.value >= surface.vertex_count() + first_inner; });
+    // New vertices of a curved patch are on its surface already.
     if (!has_inner || patches.faces_of(PatchId(p)).size() == 1) return;
+    if (triangulated.charts[PatchId(p)].curved() != nullptr) return;
     PatchLift lift(surface, patches, PatchId(p), mesh, triangulated.charts[PatchId(p)]);
     if (!lift.is_flat(control)) lift.run(first_inner, plane_tolerance, new_positions, control);
   });

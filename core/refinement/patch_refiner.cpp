@@ -5,6 +5,7 @@
 #include <memory_resource>
 #include <utility>
 
+#include "core/refinement/column_fill.h"
 #include "core/refinement/patch_editor.h"
 #include "core/refinement/patch_start.h"
 #include "core/refinement/patch_thinner.h"
@@ -18,7 +19,8 @@ PatchRefiner::PatchRefiner(const PatchToRefine& patch, const Criteria& criteria,
       memory_(first_block(patch.mesh, patch.segments.sides_of_patch(patch.id).size())),
       sizes_(patch, criteria, control),
       scratch_(&scratch),
-      patch_(start_patch(patch, sizes_, cuts, quota, scratch.mesh, &memory_, control), &memory_) {
+      patch_(start_patch(patch, sizes_, cuts, quota, scratch.mesh, &memory_, control), patch, sizes_.chart(),
+             &memory_) {
   begin_turn(scratch);
   PatchEditor editor(sizes_, patch_, scratch);
   editor.judge_all(control);
@@ -27,7 +29,41 @@ PatchRefiner::PatchRefiner(const PatchToRefine& patch, const Criteria& criteria,
     const SegmentId segment = boundary.segment_of_chain(c);
     if (!cuts[segment].empty()) editor.apply_cuts(segment, cuts[segment]);
   }
+  if (!criteria.has_sizes()) fill_columns(editor, quota, control);
   first_refined_ = patch_.mesh.vertex_slots();
+}
+
+/// Inserts the columns of a curved patch, as far as they keep away from its boundary.
+void PatchRefiner::fill_columns(PatchEditor& editor, std::uint64_t quota, RunControl& control) {
+  if (patch_.mesh.triangle_count() == 0 || patch_.impossible.is_valid()) return;
+  const ColumnPlaces filling =
+      column_places(patch_, std::min<std::uint64_t>(quota / 2, std::uint64_t{1} << 27), control);
+  patch_.columns = filling.columns;
+  // Without a bound on angles, edges may run from one end of the patch to the other.
+  if (sizes_.criteria().min_angle_deg == 0) return;
+  std::uint32_t near = 0;
+  for (const auto& [p, spacing] : filling.places) {
+    control.check();
+    while (!patch_.mesh.is_live(near)) near = (near + 1) % patch_.mesh.triangle_slots();
+    const DelaunayMesh::Location at = patch_.mesh.locate(near, p);
+    near = at.half_edge / 3;
+    if (at.is_hidden) continue;
+    const PointPlace place = patch_.look_at(p, near);
+    if (!place.has_room() || is_near_boundary(place, spacing)) continue;
+    const double floor = spacing * patch_.chart.scale(p) * 0x1p-6;
+    editor.insert(place, MinSpacing::above(sizes_.criteria().min_edge_length, floor), Encroachment::kIgnore);
+  }
+}
+
+/// Returns whether a place is so near to the boundary that a point there would make flat triangles.
+bool PatchRefiner::is_near_boundary(const PointPlace& place, double spacing) const {
+  constexpr double kFromVertices = 0.6, kFromEdges = 0.45;
+  const Vec2 p = place.cavity.point;
+  return std::any_of(place.cavity.rim.begin(), place.cavity.rim.end(), [&](const DelaunayMesh::RimEdge& e) {
+    const Vec2 a = patch_.mesh.point(e.from), b = patch_.mesh.point(e.to);
+    if (!patch_.is_free(e.from) && norm(a - p) < kFromVertices * spacing) return true;
+    return DelaunayMesh::is_constrained(e) && std::fabs(cross(b - a, p - a)) < kFromEdges * spacing * norm(b - a);
+  });
 }
 
 /// Returns a number of bytes that most often is enough for everything that is stored for a small patch.
@@ -58,7 +94,7 @@ void PatchRefiner::end_turn() {
 }
 
 bool PatchRefiner::has_work(const PatchMesh& patch, const PatchChart& chart, const Criteria& criteria) {
-  if (!patch.reserved.empty()) return true;
+  if (!patch.reserved.empty() || chart.curved() != nullptr) return true;
   for (std::uint32_t t = 0; t < patch.mesh.triangle_count(); ++t) {
     const Vec2 p[3] = {patch.uv[patch.mesh.from(3 * t)], patch.uv[patch.mesh.from(3 * t + 1)],
                        patch.uv[patch.mesh.from(3 * t + 2)]};

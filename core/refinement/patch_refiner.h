@@ -21,6 +21,8 @@
 
 namespace remesh {
 
+class PatchEditor;
+
 /// A patch while it is refined. It cuts its own segments at once, as the table says, and remembers these cuts. Between
 /// rounds it applies the cuts that other patches made. Between its turns it stores the patch, and no scratch memory.
 /// The work is done by classes that live as long as one call: PatchStart begins it, TriangleTreatment mends triangles,
@@ -81,6 +83,8 @@ class PatchRefiner {
   Refined finish() const;
 
  private:
+  void fill_columns(PatchEditor& editor, std::uint64_t quota, RunControl& control);
+  bool is_near_boundary(const PointPlace& place, double spacing) const;
   static std::size_t first_block(const PatchMesh& patch, std::size_t sides);
   UnrefinedReason reason_of(std::uint32_t t) const;
 

@@ -13,6 +13,9 @@ struct PatchToRefine {
   PatchChart chart;
   PatchId id;
   const SegmentTable& segments;
+
+  /// Returns the position of a vertex of the mesh.
+  const Vec3& position(std::uint32_t v) const { return segments.surface().positions[mesh.vertices[v]]; }
 };
 
 }  // namespace remesh

@@ -323,7 +323,9 @@ class LeastFaces {
       const double scale = chart.scale(a);
       twice += cross(patch.uv[mesh.from(h + 1)] - a, patch.uv[mesh.from(h + 2)] - a) * scale * scale;
     }
-    return twice / 2;
+    // The scale of a curved patch differs inside a triangle, by a factor of 2 at most, and flat faces are smaller.
+    constexpr double kCertainOfCurved = 0.25;
+    return (chart.curved() != nullptr ? kCertainOfCurved : 1) * twice / 2;
   }
 
   static constexpr int kSamples = 6;

@@ -131,6 +131,13 @@ SegmentTable::SegmentTable(const Surface& surface, const TriangulatedPatches& tr
     }
   });
 
+  std::vector<PatchId> beside;
+  const auto segment_of = [&](SegmentId s) {
+    beside.clear();
+    for (const SegmentSide& side : sides(s)) beside.push_back(side.patch);
+    return TracedSegments::Segment{surface.positions[segments_[s].from], surface.positions[segments_[s].to], beside};
+  };
+  traced_ = TracedSegments(segments_.size(), segment_of, triangulated.charts, control);
   by_patch_ = group_by(
       sides_.size(), meshes.size(), [&](std::uint32_t i) { return sides_[i].patch.value; }, control);
 

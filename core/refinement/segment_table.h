@@ -20,6 +20,7 @@
 #include "core/refinement/goals.h"
 #include "core/refinement/segment_end.h"
 #include "core/refinement/size_field.h"
+#include "core/refinement/traced_segments.h"
 
 namespace remesh {
 
@@ -94,6 +95,8 @@ class SegmentTable {
   void plan_cuts(const TriangulatedPatches& triangulated, const SizeField& sizes, const Goals& goals,
                  RunControl& control);
 
+  /// Returns the surface on whose vertices the segments end.
+  const Surface& surface() const { return surface_; }
   std::size_t size() const { return segments_.size(); }
   const BoundarySegment& operator[](SegmentId s) const { return segments_[s]; }
   /// Returns the sides along a segment, ordered by patch and half-edge.
@@ -111,7 +114,11 @@ class SegmentTable {
 
   /// Returns the curve along which a segment runs.
   BoundaryCurve curve(SegmentId s) const {
-    return BoundaryCurve::line(surface_.positions[segments_[s].from], surface_.positions[segments_[s].to]);
+    const Vec3 &from = surface_.positions[segments_[s].from], &to = surface_.positions[segments_[s].to];
+    // Segments that meet at a small angle are cut at the same distances from their common end. So they are straight.
+    const bool has_shells = segments_[s].shell_base[0] > 0 || segments_[s].shell_base[1] > 0;
+    const CurveTrace* const trace = has_shells ? nullptr : traced_.of(s);
+    return trace == nullptr ? BoundaryCurve::line(from, to) : BoundaryCurve::traced(from, to, *trace);
   }
   Vec3 position(SegmentId s, double t) const { return curve(s).position(t); }
 
@@ -143,6 +150,7 @@ class SegmentTable {
   IdVector<SegmentId, BoundarySegment> segments_;
   std::vector<SegmentSide> sides_;
   std::vector<std::uint32_t> begin_;
+  TracedSegments traced_;
   Grouping by_patch_;  ///< indices of sides
   CornerShells corner_shells_;
 };

@@ -83,12 +83,17 @@ SteinerPlaces::Outcome SteinerPlaces::outcome(const DelaunayMesh::Cavity& cavity
     if (!DelaunayMesh::is_constrained(e) && !is_bad(e.outside / 3)) return false;
     return sizes_.is_too_long(mesh_.point(e.from), mesh_.point(e.to));
   };
+  const CurvedChart* const curved = sizes_.chart().curved();
+  const SpacePoint in_space = curved != nullptr ? curved->space_point(sizes_.chart().to_space(p)) : SpacePoint{};
+  const auto is_bent_spoke = [&](std::uint32_t v) {
+    return curved != nullptr && curved->is_bent(in_space, patch_.in_space[v]);
+  };
   for (std::size_t i = 0; i < rim.size() && found.more_bad <= max_more_bad; ++i) {
     const DelaunayMesh::RimEdge& e = rim[i];
     const TriangleMeasures m = measure_spanned(p, mesh_.point(e.from), mesh_.point(e.to));
     next = i + 1 < rim.size() ? std::nullopt : first;
     found.more_bad +=
-        criteria_.is_sharp(m) || sizes_.is_too_large_anywhere(p, m) ||
+        criteria_.is_sharp(m) || sizes_.is_too_large_anywhere(p, m) || is_bent_spoke(e.from) || is_bent_spoke(e.to) ||
         (sizes_.do_vary() && (is_long_spoke(e.from, here) || is_long_spoke(e.to, next) || is_long_edge(e)));
     found.worst_shape = std::min(found.worst_shape, m.shape());
     if (i == 0) first = here;
@@ -123,8 +128,9 @@ Vec2 SteinerPlaces::best_for_size(Vec2 off_centre, std::uint32_t shortest) {
                           0.5 * (a + c)};
   Vec2 best = off_centre;
   Outcome best_outcome{std::numeric_limits<int>::max(), 0};
-  for (const Vec2 at : places) {
+  for (Vec2 at : places) {
     if (!std::isfinite(at.x) || !std::isfinite(at.y)) continue;
+    at = patch_.in_column(at);
     const PointPlace place = patch_.look_at(sizes_.chart().on_grid(at), shortest / 3);
     if (!place.has_room() || is_encroaching(place.cavity)) continue;
     const Outcome next = outcome(place.cavity, best_outcome.more_bad);

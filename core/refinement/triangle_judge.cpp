@@ -4,6 +4,29 @@
 
 namespace remesh {
 
+/// Measures a triangle of a curved patch in space. Its lengths are converted to those in the plane.
+TriangleJudge::Shape TriangleJudge::shape_in_space(std::uint32_t t) const {
+  const DelaunayMesh& mesh = patch_.mesh;
+  const std::uint32_t h = 3 * t;
+  const Vec2 at = mesh.point(mesh.from(h));
+  const Vec3 a = patch_.in_space[mesh.from(h)].position, b = patch_.in_space[mesh.from(h + 1)].position,
+             c = patch_.in_space[mesh.from(h + 2)].position;
+  const double inverse = 1 / sizes_.chart().scale(at);
+  const Vec3 side[3] = {inverse * (b - a), inverse * (c - b), inverse * (a - c)};
+  const double squared[3] = {norm_squared(side[0]), norm_squared(side[1]), norm_squared(side[2])};
+  Shape shape;
+  std::uint32_t k = squared[1] < squared[0] ? 1 : 0;
+  if (squared[2] < squared[k]) k = 2;
+  shape.shortest = h + k;
+  shape.measures = {squared[0] + squared[1] + squared[2], squared[k], std::max({squared[0], squared[1], squared[2]}),
+                    norm(cross(side[0], side[1]))};
+  shape.is_sharp = sizes_.criteria().is_sharp(shape.measures);
+  shape.is_too_large = sizes_.is_too_large_anywhere(at, shape.measures) ||
+                       (sizes_.do_vary() && (is_too_long(h) || is_too_long(h + 1) || is_too_long(h + 2))) ||
+                       is_bent(h) || is_bent(h + 1) || is_bent(h + 2);
+  return shape;
+}
+
 bool TriangleJudge::is_at_input_angle(std::uint32_t shortest) const {
   const DelaunayMesh& mesh = patch_.mesh;
   const std::uint32_t left = DelaunayMesh::next(shortest), right = DelaunayMesh::previous(shortest);
@@ -21,7 +44,8 @@ bool TriangleJudge::is_at_input_angle(std::uint32_t shortest) const {
 bool TriangleJudge::is_across_input_angle(std::uint32_t a, std::uint32_t b) const {
   if (patch_.is_free(a) || patch_.is_free(b)) return false;
   const Vec2 at = patch_.mesh.point(a);
-  const double distance = norm(at - patch_.mesh.point(b)) * sizes_.chart().scale(at);
+  const double distance = patch_.in_space.empty() ? norm(at - patch_.mesh.point(b)) * sizes_.chart().scale(at)
+                                                  : norm(patch_.in_space[a].position - patch_.in_space[b].position);
   return patch_.boundary.is_across_input_angle({a, patch_.places[a]}, {b, patch_.places[b]}, distance);
 }
 

@@ -32,6 +32,7 @@ class TriangleJudge {
   /// Input: The triangles beside it that count as good are good.
   Shape shape_of(std::uint32_t t) const {
     const DelaunayMesh& mesh = patch_.mesh;
+    if (!patch_.in_space.empty()) return shape_in_space(t);
     const std::uint32_t h = 3 * t;
     const Vec2 a = mesh.point(mesh.from(h)), b = mesh.point(mesh.from(h + 1)), c = mesh.point(mesh.from(h + 2));
     const double squared[3] = {dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)};
@@ -61,6 +62,13 @@ class TriangleJudge {
   std::optional<UnrefinedReason> why_it_stays_large(std::uint32_t t) const;
 
  private:
+  Shape shape_in_space(std::uint32_t t) const;
+  bool is_bent(std::uint32_t h) const {
+    const DelaunayMesh& mesh = patch_.mesh;
+    // The boundary was cut before. An edge of a good triangle is not bent.
+    if (mesh.is_constrained(h) || patch_.states[mesh.twin(h) / 3].is_good()) return false;
+    return sizes_.chart().curved()->is_bent(patch_.in_space[mesh.from(h)], patch_.in_space[mesh.to(h)]);
+  }
   bool is_too_long(std::uint32_t h) const {
     const DelaunayMesh& mesh = patch_.mesh;
     // An edge of a good triangle is no longer than it may be, so it need not be measured again.

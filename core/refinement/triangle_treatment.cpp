@@ -32,6 +32,7 @@ void TriangleTreatment::treat_angle(const TriangleTask& task, const TriangleJudg
   const std::uint32_t t = task.half_edge / 3;
   Attempt attempt;
   if (const Vec2 p = places_.off_centre(shape); is_finite(p)) {
+    if (insert_in_column(p, t, shape, spacing)) return;
     PointPlace place = patch_.look_at(p, t);
     if (place.has_room() && sizes_.criteria().are_lower_places_tried) {
       const Vec2 lower = places_.lowered(place.cavity, shape.shortest);
@@ -75,6 +76,23 @@ void TriangleTreatment::treat_size(std::uint32_t t, const TriangleJudge::Shape& 
   const UnrefinedReason why = patch_.boundary.why_uncut(attempt.encroached, why_near(spacing));
   if (split_too_large(t, spacing)) return;
   patch_.states[t] = TriangleState(why);
+}
+
+/// Puts a point on the column next to a place, if this removes the triangle and makes no edge that is shorter than
+/// those of the triangle. Returns whether it did.
+bool TriangleTreatment::insert_in_column(Vec2 p, std::uint32_t t, const TriangleJudge::Shape& shape,
+                                         MinSpacing spacing) {
+  if (!(patch_.columns.width > 0)) return false;
+  const PointPlace place = patch_.look_at(patch_.in_column(p), t);
+  if (place.is_hidden() || !place.has_room()) return false;
+  const auto& removed = place.cavity.triangles;
+  if (std::find(removed.begin(), removed.end(), t) == removed.end()) return false;
+  const auto makes_short_edge = [&](const DelaunayMesh::RimEdge& e) {
+    const Vec2 way = patch_.mesh.point(e.from) - place.cavity.point;
+    return dot(way, way) < shape.measures.shortest_squared;
+  };
+  if (std::any_of(place.cavity.rim.begin(), place.cavity.rim.end(), makes_short_edge)) return false;
+  return editor_.insert(place, spacing, Encroachment::kForbid).is_done();
 }
 
 /// Cuts sides until rounding leaves no room for a cut. Returns whether any of them was cut.

@@ -29,6 +29,7 @@ class TriangleTreatment {
  private:
   void treat_angle(const TriangleTask& task, const TriangleJudge::Shape& shape, MinSpacing spacing);
   void treat_size(std::uint32_t t, const TriangleJudge::Shape& shape, MinSpacing spacing);
+  bool insert_in_column(Vec2 p, std::uint32_t t, const TriangleJudge::Shape& shape, MinSpacing spacing);
   bool cut_any(std::span<const std::uint32_t> sides);
   bool cut_too_long_side(std::uint32_t t);
   bool split_too_large(std::uint32_t t, MinSpacing spacing);

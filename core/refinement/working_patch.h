@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <memory_resource>
 #include <utility>
@@ -32,19 +33,38 @@ struct PointPlace {
   bool has_room() const { return cavity.has_room; }
 };
 
+/// The columns of a curved patch run along its surface's axis. Two of them are as far apart as edges may turn. So a
+/// point between columns would have neighbours that are too far away, and their edges would have to be divided in turn.
+struct Columns {
+  double start = 0, width = 0;  ///< angles around the axis; without columns the width is 0
+};
+
 /// This is everything that a patch has while it is refined and that it keeps between its turns. The classes that refine
 /// the patch work on it together.
 struct WorkingPatch {
-  WorkingPatch(PatchStart start, std::pmr::memory_resource* memory)
+  /// Input: `chart` must outlive this object.
+  WorkingPatch(PatchStart start, const PatchToRefine& patch, const PatchChart& patch_chart,
+               std::pmr::memory_resource* memory)
       : mesh(std::move(start.mesh)),
         places(std::move(start.places)),
         boundary(std::move(start.boundary)),
+        chart(patch_chart),
+        in_space(memory),
         states(memory),
-        own_cuts(memory) {}
+        own_cuts(memory) {
+    if (chart.curved() == nullptr) return;
+    in_space.reserve(places.size());
+    for (std::uint32_t v = 0; v < places.size(); ++v)
+      in_space.push_back(places[v].is_original() ? chart.curved()->space_point(patch.position(v)) : space_point_of(v));
+  }
 
   DelaunayMesh mesh;
   std::pmr::vector<VertexPlace> places;  ///< one per vertex of the mesh
   PatchBoundary boundary;
+  const PatchChart& chart;
+  /// The vertices in space, one per vertex of the mesh. It is empty unless the patch is curved.
+  std::pmr::vector<SpacePoint> in_space;
+  Columns columns;                         ///< only of a curved patch with an axis
   std::pmr::vector<TriangleState> states;  ///< one per triangle of the mesh
   /// The shorter a triangle's shortest edge is, the higher is its queue. There are eight queues for each octave of the
   /// squared length. Within a queue, the first in is the first out; so where all triangles are alike, they are treated
@@ -64,6 +84,23 @@ struct WorkingPatch {
       places.push_back(place);
     else
       places[v] = place;
+    if (chart.curved() == nullptr) return;
+    in_space.resize(places.size());
+    in_space[v] = space_point_of(v);
+  }
+  /// Returns the place on the nearest column at the same height. Without columns it is the place itself.
+  Vec2 in_column(Vec2 p) const {
+    if (!(columns.width > 0)) return p;
+    const SurfaceMap& map = chart.curved()->map();
+    const SurfaceMap::Around at = map.around(chart.to_space(p));
+    const double column = std::nearbyint((at.angle - columns.start) / columns.width);
+    return chart.to_plane(map.point(SurfaceMap::Around{columns.start + column * columns.width, at.way}));
+  }
+  /// Returns where a vertex of a curved patch is that the patch did not begin with.
+  SpacePoint space_point_of(std::uint32_t v) const {
+    const VertexPlace& place = places[v];
+    return chart.curved()->space_point(place.is_on_segment() ? boundary.position(place.segment(), place.parameter())
+                                                             : chart.to_space(mesh.point(v)));
   }
 
   /// Looks for the cavity of a point. The search begins at a triangle.

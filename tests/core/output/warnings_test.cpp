@@ -14,7 +14,9 @@
 namespace remesh {
 namespace {
 
+using testing::HasSubstr;
 using testing::IsEmpty;
+using testing::Not;
 
 /// Gives each patch a surface of its kind. `kinds` has one entry per surface, and `of_patch` one per patch.
 RecognisedSurfaces recognised(std::initializer_list<SurfaceKind> kinds, const std::vector<std::size_t>& of_patch) {
@@ -59,7 +61,8 @@ TEST_F(a_box, whose_facets_are_pairs_of_triangles_of_a_cylinder_is_warned_of) {
   EXPECT_EQ(found[0].elements, expected);
   EXPECT_EQ(found[0].message,
             "found 1 cylinder, made of 4 facets; each stays flat as a patch of its own, and refinement made 40 faces "
-            "of them");
+            "of them; another surface_tolerance (above 0), elements_per_circle or feature_angle_deg may let curved "
+            "surfaces be remeshed as a whole");
 }
 
 TEST_F(a_box, is_told_with_all_its_kinds_and_what_is_predicted_is_rounded) {
@@ -71,7 +74,9 @@ TEST_F(a_box, is_told_with_all_its_kinds_and_what_is_predicted_is_rounded) {
   EXPECT_EQ(found[0].count, 10u);
   EXPECT_EQ(found[0].message,
             "found 2 cylinders, 1 torus and 1 free region, made of 5 facets; each stays flat as a patch of its own, "
-            "and refinement makes about 6,200 faces of them");
+            "and refinement makes about 6,200 faces of them; another surface_tolerance (above 0), elements_per_circle "
+            "or feature_angle_deg may let curved surfaces be remeshed as a whole; another feature_angle_deg may let a "
+            "free region be recognised, and surface_tolerance and elements_per_circle then apply to it");
 }
 
 TEST_F(a_box, with_a_small_free_region_is_a_polyhedron) {
@@ -88,6 +93,8 @@ TEST(warn_of_curved_surfaces, a_large_free_region_is_warned_of_and_the_first_hun
   EXPECT_EQ(diagnostics[0].count, chain.surface.face_count());
   ASSERT_EQ(diagnostics[0].elements.size(), Diagnostic::kMaxElements);
   EXPECT_EQ(diagnostics[0].elements.back(), Diagnostic::kMaxElements - 1);
+  EXPECT_THAT(diagnostics[0].message, HasSubstr("feature_angle_deg may let a free region be recognised"));
+  EXPECT_THAT(diagnostics[0].message, Not(HasSubstr("may let curved surfaces")));
 }
 
 TEST(warn_of_curves, a_surface_whose_facets_are_patches_of_their_own_is_warned_of) {
@@ -98,6 +105,7 @@ TEST(warn_of_curves, a_surface_whose_facets_are_patches_of_their_own_is_warned_o
   warn_of_curves(round.surface, round.patches, diagnostics);
   ASSERT_EQ(diagnostics.size(), 1u);
   EXPECT_EQ(diagnostics[0].count, round.surface.face_count());
+  EXPECT_THAT(diagnostics[0].message, HasSubstr("a feature_angle_deg above 0"));
 }
 
 TEST(surface_words, a_kind_is_named_by_its_number) {

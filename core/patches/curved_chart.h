@@ -1,0 +1,39 @@
+/// The chart of a curved patch.
+#pragma once
+
+#include "core/base/vec.h"
+#include "core/geometry/surface_map.h"
+#include "core/patches/curved_patches.h"
+
+namespace remesh {
+
+/// A vertex of a curved patch in space, in model units.
+struct SpacePoint {
+  Vec3 position;
+  Vec3 normal;  ///< of the surface at its point that is nearest; null at the apex of a cone, which has none
+  bool is_near_apex = false;
+};
+
+/// A map of a curved patch, and how coarse the patch may become.
+class CurvedChart {
+ public:
+  CurvedChart() = default;
+  explicit CurvedChart(const CurvedPatch& patch);
+
+  const SurfaceMap& map() const { return map_; }
+  /// The middle of the patch in the map's plane.
+  Vec2 middle;
+
+  /// Returns the distance of a point from the surface, positive on the facets' outside.
+  double height(const Vec3& position) const { return map_.side() * map_.shape().distance(position); }
+  SpacePoint space_point(const Vec3& position) const;
+  /// Returns whether the surface turns too far along an edge, or the edge lies too deep below it.
+  bool is_bent(const SpacePoint& a, const SpacePoint& b) const;
+
+ private:
+  SurfaceMap map_;
+  double max_height_ = 0;
+  double max_turn_squared_ = 0;  ///< the square of the distance of two unit normals that are the largest turn apart
+};
+
+}  // namespace remesh

@@ -1,0 +1,91 @@
+#include "core/patches/curved_limits.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "core/base/stoppable.h"
+#include "core/geometry/surface_map.h"
+
+namespace remesh {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+/// Edges turn by at most this angle whatever is allowed, so that a small circle keeps its shape.
+constexpr double kMaxTurn = kPi / 3;
+
+/// A torus is not remeshed if only a smaller part of its tolerance than this is left for the result.
+constexpr double kMinShare = 0.25;
+
+/// Returns the largest distance of each surface's facets from its axis, as seen along the surface's normal: the radius
+/// of the circles around the axis that bend least. For a sphere it is the radius.
+std::vector<double> largest_radii(const Surface& surface, const PatchSet& facets, const RecognisedSurfaces& recognised,
+                                  RunControl& control) {
+  std::vector<double> radii(recognised.surfaces.size(), 0);
+  StopCheck check(control);
+  for (std::size_t i = 0; i < recognised.surfaces.size(); ++i) {
+    const AnalyticSurface& shape = recognised.surfaces[SurfaceId(i)].shape;
+    if (shape.kind == SurfaceKind::kCylinder || shape.kind == SurfaceKind::kSphere) radii[i] = shape.radius;
+    if (shape.kind == SurfaceKind::kTorus) radii[i] = shape.radius + shape.minor_radius;
+  }
+  for (std::size_t p = 0; p < facets.count(); ++p) {
+    const SurfaceId s = recognised.of_patch[PatchId(p)];
+    const AnalyticSurface& shape = recognised.surfaces[s].shape;
+    if (shape.kind != SurfaceKind::kCone) continue;
+    for (const FaceId f : facets.faces_of(PatchId(p)))
+      for (const VertexId v : surface.face(f)) {
+        check();
+        const Vec3 way = surface.positions[v] - shape.origin;
+        const double distance = norm(way - dot(way, shape.axis) * shape.axis) * std::cos(shape.half_angle);
+        radii[s.value] = std::max(radii[s.value], distance);
+      }
+  }
+  return radii;
+}
+
+}  // namespace
+
+std::vector<CurvedLimits> curved_limits(const Surface& surface, const PatchSet& facets,
+                                        const RecognisedSurfaces& recognised, const Options& options,
+                                        double plane_tolerance, double diagonal, RunControl& control) {
+  std::vector<CurvedLimits> limits(recognised.surfaces.size());
+  std::optional<double> asked = options.surface_tolerance;
+  if (options.surface_tolerance_fraction) asked = *options.surface_tolerance_fraction * diagonal;
+  // At the resolution of its own facets, a clean cylinder needs no fewer triangles as a whole than facet by facet. So
+  // facets stay unless a tolerance or a number of elements says that they may get coarser.
+  if (asked ? *asked == 0 : !options.elements_per_circle) return limits;
+  const std::vector<double> radii = largest_radii(surface, facets, recognised, control);
+  for (std::size_t i = 0; i < limits.size(); ++i) {
+    const RecognisedSurface& s = recognised.surfaces[SurfaceId(i)];
+    if (!SurfaceMap::can_map(s.shape)) continue;
+    // Facets that are hardly off their surface are known to the plane tolerance only.
+    const double own = std::max(s.input_chord_height, plane_tolerance);
+    const double turn = options.elements_per_circle ? 2 * kPi / *options.elements_per_circle : kMaxTurn;
+    double tolerance = asked.value_or(own);
+    if (options.elements_per_circle) tolerance += radii[i] * (1 - std::cos(turn / 2));
+    if (tolerance < own) continue;
+    CurvedLimits& of_surface = limits[i];
+    of_surface.tolerance = tolerance;
+    // Vertices of the input are off their surface by rounding. Edges between them are that much deeper, and the
+    // surface's normals at them turn that much more.
+    of_surface.max_height = tolerance + plane_tolerance;
+    if (s.shape.kind == SurfaceKind::kTorus) {
+      // On the inner half of a torus, edges around the axis lie outside of the tube and others inside. So the facets
+      // and the result may be on different sides, and their distances from the surface add up.
+      of_surface.max_height = tolerance + plane_tolerance - own;
+      if (of_surface.max_height < kMinShare * own) {
+        of_surface = {};
+        continue;
+      }
+    }
+    of_surface.boundary_tolerance = tolerance;
+    of_surface.max_turn = std::min(turn, kMaxTurn);
+    const double smallest = s.shape.kind == SurfaceKind::kTorus ? s.shape.minor_radius : radii[i];
+    of_surface.max_turn += 4 * plane_tolerance / smallest;
+  }
+  return limits;
+}
+
+}  // namespace remesh

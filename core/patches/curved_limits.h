@@ -1,0 +1,23 @@
+/// Decides how far the result may be from each curved surface.
+#pragma once
+
+#include <vector>
+
+#include "core/base/options.h"
+#include "core/base/run_control.h"
+#include "core/geometry/patch_set.h"
+#include "core/mesh/surface.h"
+#include "core/patches/curved_patches.h"
+#include "core/patches/recognised_surfaces.h"
+
+namespace remesh {
+
+/// Returns the limits of all surfaces. The tolerance is 0 for planes, for free regions, and for surfaces from which the
+/// input's own facets are farther than is allowed: no coarser result could be proven to be near enough to them.
+/// Input:  `diagonal` is the diagonal of the input's bounding box. The patches are the facets that were recognised.
+/// Cost:   O(n).
+std::vector<CurvedLimits> curved_limits(const Surface& surface, const PatchSet& facets,
+                                        const RecognisedSurfaces& recognised, const Options& options,
+                                        double plane_tolerance, double diagonal, RunControl& control);
+
+}  // namespace remesh

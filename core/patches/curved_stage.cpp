@@ -1,0 +1,127 @@
+#include "core/patches/curved_stage.h"
+
+#include <algorithm>
+#include <numbers>
+#include <utility>
+
+#include "core/base/tolerance.h"
+#include "core/patches/curved_limits.h"
+#include "core/patches/surface_recognition.h"
+
+namespace remesh {
+
+PatchSet CurvedStage::take_facets(Partition& partition) {
+  return curved_.has_any() ? std::move(facets_) : std::move(partition.patches);
+}
+
+void CurvedStage::run(Partition& partition, const PatchSet& facets_before, Prepared& prepared, Ladder& ladder,
+                      const Options& options, const Lengths& lengths, RunControl& control) {
+  if (!recognised_.of_patch.empty())
+    recognised_.follow(facets_before, partition.patches);
+  else
+    recognise(partition, prepared, options, lengths.plane_tolerance, control);
+  const Surface& surface = prepared.surface;
+  const std::vector<CurvedLimits> limits = curved_limits(surface, partition.patches, recognised_, options,
+                                                         lengths.plane_tolerance, lengths.diagonal, control);
+  cuts_ = {};
+  with_cuts_.reset();
+  curved_ = join_curved_facets(surface, prepared.adjacency(control), partition.patches, recognised_,
+                               options.feature_angle_deg, limits, rungs_, control);
+  if (curved_.has_any()) {
+    facets_ = take_joined_patches(partition, prepared, curved_, lengths.plane_tolerance, ladder, control);
+    cut_boundaries(partition, prepared, ladder, options, control);
+  }
+  tell_failures(partition);
+  surfaces_ = curved_.has_any() ? curved_.surfaces : recognised_;
+  for (std::size_t i = 0; i < limits.size(); ++i) surfaces_.surfaces[SurfaceId(i)].allowed = limits[i].tolerance;
+}
+
+/// Notes in the summaries which patches are finer than was asked for, or facets again, because curved patches failed.
+void CurvedStage::tell_failures(Partition& partition) const {
+  if (rungs_.empty()) return;
+  for (std::size_t p = 0; p < partition.patches.count(); ++p) {
+    if (rungs_[partition.patches.faces_of(PatchId(p))[0]] == CurvedRung::kJoined) continue;
+    PatchSummary& summary = partition.summaries.patches[p];
+    if (summary.status != PatchStatus::kRemeshed) continue;
+    summary.status = PatchStatus::kReduced;
+    summary.reason = PatchReason::kVerificationFailed;
+  }
+}
+
+/// Finds what the facets were made from. They are those of the input, before the ladder has split any.
+void CurvedStage::recognise(const Partition& partition, Prepared& prepared, const Options& options,
+                            double plane_tolerance, RunControl& control) {
+  const Surface& surface = prepared.surface;
+  const Adjacency& adjacency = prepared.adjacency(control);
+  std::optional<EssentialVertices> unforced;
+  if (options.keep_boundary_vertices)
+    unforced = essential_vertices(surface, adjacency, partition.loops,
+                                  IdVector<VertexId, std::uint8_t>(surface.vertex_count(), 0),
+                                  prepared.pinched(control), plane_tolerance / surface.unit, control);
+  recognised_ =
+      recognise_surfaces({surface, adjacency, partition.patches, partition.loops,
+                          unforced ? *unforced : partition.essential, partition.summaries.patches},
+                         {options.feature_angle_deg, kRecognitionTolerance * prepared.rounding_tolerance}, control);
+}
+
+/// Cuts the boundaries of curved patches anew. The new vertices follow those of the surface.
+void CurvedStage::cut_boundaries(Partition& partition, Prepared& prepared, Ladder& ladder, const Options& options,
+                                 RunControl& control) {
+  IdVector<PatchId, PatchSurface> surfaces(partition.patches.count());
+  for (std::size_t i = 0; i < surfaces.size(); ++i) {
+    const PatchId p(i);
+    surfaces[p].plane = partition.patches.planes[p];
+    if (const CurvedPatch* patch = curved_.of(p))
+      surfaces[p] = {&patch->map.shape(), {}, patch->limits.boundary_tolerance, patch->limits.max_turn};
+  }
+  if (!options.split_boundaries) {
+    // The boundary stays as it is, so curved patches are remeshed between its vertices.
+    cuts_.essential = partition.essential;
+    return;
+  }
+  cuts_ = cut_curves(
+      {prepared.surface, prepared.adjacency(control), partition.patches, partition.loops, partition.essential,
+       ladder.forced(), prepared.pinched(control)},
+      surfaces,
+      {kRecognitionTolerance * prepared.rounding_tolerance, options.feature_angle_deg * std::numbers::pi / 180},
+      control);
+  partition.essential = cuts_.essential;
+  with_cuts_ = prepared.surface;
+  with_cuts_->positions.change(
+      [&](std::vector<Vec3>& all) { all.insert(all.end(), cuts_.positions.begin(), cuts_.positions.end()); });
+  for (const Vec3& p : cuts_.positions) with_cuts_->local.push_back(with_cuts_->to_local(p));
+}
+
+std::vector<PatchId> CurvedStage::at_fault(const std::vector<FailedPatch>& failed, const PatchSet& patches,
+                                           const Surface& surface, const Adjacency& adjacency) const {
+  std::vector<PatchId> found;
+  if (!curved_.has_any()) return found;
+  const auto add = [&](PatchId p) {
+    if (curved_.of(p) != nullptr) found.push_back(p);
+  };
+  for (const FailedPatch& patch : failed) {
+    add(patch.patch);
+    if (curved_.of(patch.patch) != nullptr) continue;
+    for (const FaceId f : patches.faces_of(patch.patch))
+      for (std::uint32_t h = surface.face_begin[f.value]; h < surface.face_begin[f.value + 1]; ++h)
+        for (const std::uint32_t other : adjacency.half_edges(adjacency.edge_of(h)))
+          add(patches.of_face[adjacency.face_of(other)]);
+  }
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  return found;
+}
+
+void CurvedStage::step_up(const std::vector<PatchId>& at_fault, const PatchSet& patches) {
+  rungs_.resize(patches.of_face.size(), CurvedRung::kJoined);
+  for (const PatchId p : at_fault)
+    for (const FaceId f : patches.faces_of(p))
+      rungs_[f] = rungs_[f] == CurvedRung::kJoined ? CurvedRung::kTightened : CurvedRung::kFacet;
+}
+
+std::optional<CurvedBoundaries> CurvedStage::boundaries() const {
+  if (!curved_.has_any()) return std::nullopt;
+  return CurvedBoundaries{curved_, cuts_};
+}
+
+}  // namespace remesh

@@ -1,0 +1,84 @@
+/// Recognises curved surfaces and remeshes them as a whole, as far as that is asked for and succeeds.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "core/base/ids.h"
+#include "core/base/options.h"
+#include "core/base/run_control.h"
+#include "core/geometry/patch_set.h"
+#include "core/mending/preparation.h"
+#include "core/mesh/surface.h"
+#include "core/patches/curve_cuts.h"
+#include "core/patches/curved_patches.h"
+#include "core/patches/ladder.h"
+#include "core/patches/partition.h"
+#include "core/patches/patch_meshing.h"
+#include "core/patches/recognised_surfaces.h"
+
+namespace remesh {
+
+/// Knows what the facets of a prepared surface were made from, and which of them are joined into curved patches. It
+/// remembers between attempts which curved patches have failed.
+class CurvedStage {
+ public:
+  /// The lengths of a run, in model units.
+  struct Lengths {
+    double plane_tolerance = 0;
+    double diagonal = 0;  ///< of the input's bounding box
+  };
+
+  /// Forgets everything. The next surface is another one.
+  void reset() { *this = {}; }
+
+  /// Takes the patches of the last partition, before any were joined, out of this object or out of the partition.
+  PatchSet take_facets(Partition& partition);
+
+  /// Recognises surfaces, or takes over what was recognised of the facets before. Then joins facets, and cuts the
+  /// boundaries of the patches that come of that.
+  /// Input:   a partition into facets, and the facets of the partition before it, if there was one.
+  /// Output:  a partition whose patches may be curved.
+  /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
+  /// Cost:    O(n log n).
+  void run(Partition& partition, const PatchSet& facets_before, Prepared& prepared, Ladder& ladder,
+           const Options& options, const Lengths& lengths, RunControl& control);
+
+  /// Returns the curved patches among the failed ones, and those beside a failed planar patch, which may be at fault.
+  std::vector<PatchId> at_fault(const std::vector<FailedPatch>& failed, const PatchSet& patches, const Surface& surface,
+                                const Adjacency& adjacency) const;
+  /// Takes curved patches a rung up: first they get finer limits, and then they become facets again.
+  void step_up(const std::vector<PatchId>& at_fault, const PatchSet& patches);
+
+  /// Returns the patches that are curved, or null if none is.
+  const CurvedPatches* curved() const { return curved_.has_any() ? &curved_ : nullptr; }
+  /// Returns the curved patches and the cuts of their boundaries, or nothing if no patch is curved.
+  std::optional<CurvedBoundaries> boundaries() const;
+  /// Returns the surface with the new vertices of the cuts behind its own.
+  const Surface& with_cuts(const Surface& surface) const { return with_cuts_ ? *with_cuts_ : surface; }
+  /// Returns the patches before facets were joined.
+  const PatchSet& facets(const Partition& partition) const { return curved_.has_any() ? facets_ : partition.patches; }
+  /// Returns the new cuts of boundaries; there are none if no patch is curved.
+  const CurveCuts& cuts() const { return cuts_; }
+  /// Returns the surfaces of the facets.
+  const RecognisedSurfaces& recognised() const { return recognised_; }
+  /// Returns the surfaces of the patches, with the tolerances in force.
+  const RecognisedSurfaces& surfaces() const { return surfaces_; }
+
+ private:
+  void recognise(const Partition& partition, Prepared& prepared, const Options& options, double plane_tolerance,
+                 RunControl& control);
+  void tell_failures(Partition& partition) const;
+  void cut_boundaries(Partition& partition, Prepared& prepared, Ladder& ladder, const Options& options,
+                      RunControl& control);
+
+  RecognisedSurfaces recognised_;       ///< those of the facets
+  RecognisedSurfaces surfaces_;         ///< those of the patches
+  IdVector<FaceId, CurvedRung> rungs_;  ///< empty while no curved patch has failed
+  CurvedPatches curved_;
+  CurveCuts cuts_;                    ///< only with curved patches
+  std::optional<Surface> with_cuts_;  ///< only with curved patches
+  PatchSet facets_;                   ///< only with curved patches
+};
+
+}  // namespace remesh

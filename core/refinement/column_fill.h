@@ -1,0 +1,34 @@
+/// Fills a curved patch with columns of points.
+#pragma once
+
+#include <vector>
+
+#include "core/base/run_control.h"
+#include "core/base/vec.h"
+#include "core/refinement/working_patch.h"
+
+namespace remesh {
+
+/// A place for a point, and the distance of its column from the next one there. Both are in the plane of the chart.
+struct ColumnPlace {
+  Vec2 place;
+  double spacing;
+};
+
+struct ColumnPlaces {
+  Columns columns;
+  std::vector<ColumnPlace> places;
+};
+
+/// Returns places for points of a curved patch, column after column. A column runs along the surface's axis, and points
+/// of neighbouring columns are half a step apart. Columns are as far from each other as edges may turn, and steps are
+/// so long that the edges along the columns are still those of a Delaunay triangulation: such triangles are the largest
+/// ones around an axis, with angles of 45 and 90 degrees. Where the boundary is divided into equal pieces around the
+/// axis, columns begin at its vertices.
+/// Input:  a patch whose boundary is cut. `max_points` limits the result.
+/// Output: places on the grid of the chart that may lie outside of the patch or near its boundary. None
+///         if the surface has no axis or if there would be more than `max_points`.
+/// Cost:   O(n) in the vertices of the patch and the points.
+ColumnPlaces column_places(const WorkingPatch& patch, std::size_t max_points, RunControl& control);
+
+}  // namespace remesh
