@@ -14,7 +14,7 @@ namespace remesh {
 namespace {
 
 /// A chord of a chain without a formula may leave its surfaces sideways as well as in depth. So a dropped node may be
-/// off its chord by this share of the tolerance only.
+/// off its chord by this share of the tolerance only, unless another limit is given.
 constexpr double kShareOfThinning = 0.5;
 
 constexpr double kSlack = 1e-9;
@@ -36,6 +36,7 @@ class ChainCutter {
       : chain_(chain), sides_(sides), cutting_(cutting), cuts_(cuts), limits_{HUGE_VAL, HUGE_VAL} {
     for (const PatchSurface& side : sides.curved) {
       limits_.tolerance = std::min(limits_.tolerance, side.tolerance);
+      sideways_ = std::min(sideways_, side.sideways > 0 ? side.sideways : kShareOfThinning * side.tolerance);
       limits_.max_turn = std::min(limits_.max_turn, side.max_turn);
     }
   }
@@ -195,10 +196,10 @@ class ChainCutter {
     const std::vector<Vec3> points = points_of(nodes);
     std::vector<const AnalyticSurface*> surfaces;
     for (const PatchSurface& side : sides_.curved) surfaces.push_back(side.shape);
-    ChainRoom room{std::vector<double>(points.size(), kShareOfThinning * limits_.tolerance), {}, false};
+    ChainRoom room{std::vector<double>(points.size(), sideways_), {}, false};
     std::vector<std::uint32_t> kept = thin_chain(points, surfaces, limits_, room, cutting_.control);
     if (kept.size() + 2 == nodes.size()) return;
-    room = room_along(points, std::min(kShareOfThinning * limits_.tolerance, largest_distance(points, kept)));
+    room = room_along(points, std::min(sideways_, largest_distance(points, kept)));
     if (room.is_limited) {
       // The middles of the pieces beside a node count for it, too.
       for (std::size_t i = 1; i + 1 < points.size(); ++i)
@@ -216,6 +217,7 @@ class ChainCutter {
   const ChainCutting& cutting_;
   std::vector<ChainCut>& cuts_;
   ChainLimits limits_;
+  double sideways_ = HUGE_VAL;  ///< how far a dropped node may be off its chord
   bool is_limited_ = false;
 };
 

@@ -22,6 +22,8 @@ struct PatchSurface {
   Plane plane;                             ///< in local units, as in PatchSet::planes
   double tolerance = 0;                    ///< curved: how far the result may be from the input there, in model units
   double max_turn = 0;                     ///< curved: the angle by which edges may turn, in radians
+  /// Curved: how far a node that is dropped may be off its chord where no formula is known. 0: half of the tolerance.
+  double sideways = 0;
 };
 
 /// The rules by which curves are recognised.

@@ -16,6 +16,13 @@ constexpr double kPi = std::numbers::pi;
 /// Edges turn by at most this angle whatever is allowed, so that a small circle keeps its shape.
 constexpr double kMaxTurn = kPi / 3;
 
+/// At least this share of the tolerance is for the depth of edges.
+constexpr double kDepthShare = 0.9;
+/// This share of what is then left is for the way along the surface.
+constexpr double kSidewaysShare = 0.9;
+/// Rounding must not make one piece more than was asked for.
+constexpr double kRounding = 1e-6;
+
 /// A torus is not remeshed if only a smaller part of its tolerance than this is left for the result.
 constexpr double kMinShare = 0.25;
 
@@ -80,7 +87,12 @@ std::vector<CurvedLimits> curved_limits(const Surface& surface, const PatchSet& 
         continue;
       }
     }
-    of_surface.boundary_tolerance = tolerance;
+    // Where a boundary is cut anew, the result may leave the input both in depth and along the surface. The proven
+    // bound is the root of the sum of their squares.
+    const double depth = std::max(kDepthShare * tolerance, tolerance - asked.value_or(own));
+    of_surface.max_height = std::min(of_surface.max_height, depth + plane_tolerance);
+    of_surface.boundary_tolerance = std::min(tolerance, depth * (1 + kRounding) + plane_tolerance);
+    of_surface.boundary_sideways = kSidewaysShare * std::sqrt(tolerance * tolerance - depth * depth);
     of_surface.max_turn = std::min(turn, kMaxTurn);
     const double smallest = s.shape.kind == SurfaceKind::kTorus ? s.shape.minor_radius : radii[i];
     of_surface.max_turn += 4 * plane_tolerance / smallest;

@@ -406,7 +406,8 @@ class Joining {
 
 CurvedLimits CurvedLimits::tightened() const {
   constexpr double kHeight = 0.6, kTurn = 0.75, kBoundary = 0.5;
-  return {tolerance, kHeight * max_height, kTurn * max_turn, kBoundary * boundary_tolerance};
+  return {tolerance, kHeight * max_height, kTurn * max_turn, kBoundary * boundary_tolerance,
+          kBoundary * boundary_sideways};
 }
 
 CurvedPatches join_curved_facets(const Surface& surface, const Adjacency& adjacency, const PatchSet& facets,

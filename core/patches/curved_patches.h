@@ -24,6 +24,8 @@ struct CurvedLimits {
   double max_turn = 0;  ///< the surface turns along an edge by at most this angle, in radians
   /// Boundaries that are cut anew lie within this distance of the input's and of the surface, in model units.
   double boundary_tolerance = 0;
+  /// New boundaries of no known form leave the input's by at most this in the surface, in model units.
+  double boundary_sideways = 0;
 
   /// Returns finer limits, for a patch that failed with these. The tolerance stays.
   CurvedLimits tightened() const;

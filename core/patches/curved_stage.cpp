@@ -72,7 +72,11 @@ void CurvedStage::cut_boundaries(Partition& partition, Prepared& prepared, Ladde
     const PatchId p(i);
     surfaces[p].plane = partition.patches.planes[p];
     if (const CurvedPatch* patch = curved_.of(p))
-      surfaces[p] = {&patch->map.shape(), {}, patch->limits.boundary_tolerance, patch->limits.max_turn};
+      surfaces[p] = {&patch->map.shape(),
+                     {},
+                     patch->limits.boundary_tolerance,
+                     patch->limits.max_turn,
+                     patch->limits.boundary_sideways};
   }
   if (!options.split_boundaries) {
     // The boundary stays as it is, so curved patches are remeshed between its vertices.
