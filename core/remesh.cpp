@@ -437,6 +437,8 @@ class Run {
   OutputBasis output_basis(const IdVector<VertexId, Vec3>& positions) {
     OutputBasis basis;
     basis.normals = candidate_.triangulated.charts.normals(control_);
+    if (const CurvedPatches* curved = curves_.curved())
+      for (const std::uint32_t at : curved->at) basis.is_curved.push_back(at == kNone ? 0 : 1);
     // The input's bounding box may have corners of faces that were dropped.
     Box3 box;
     for (const Vec3& p : positions) box.add(p);
