@@ -291,7 +291,7 @@ class Run {
   }
 
   std::vector<PatchId> curved_at_fault(const std::vector<FailedPatch>& failed) {
-    return curves_.at_fault(failed, partition_.patches, surface(), adjacency());
+    return curves_.at_fault(failed, partition_.patches, surface(), adjacency(), control_);
   }
 
   /// Takes the patches that failed a step up the ladder. If curved ones may be at fault, they take a step of their own.

@@ -247,14 +247,15 @@ class Joining {
     return norm(sum) > kClear * area ? normalized(sum) : normalized(smallest_corner(sheet) - shape.origin);
   }
 
+  /// Returns the area of a facet, in squared local units. In these, the rounding is the same at every scale.
   double area_of(PatchId p) {
     Vec3 twice;
     for (const FaceId f : facets_.faces_of(p)) {
       check_();
       const auto face = surface_.face(f);
       for (std::size_t i = 2; i < face.size(); ++i)
-        twice += cross(surface_.positions[face[i - 1]] - surface_.positions[face[0]],
-                       surface_.positions[face[i]] - surface_.positions[face[0]]);
+        twice += cross(surface_.local[face[i - 1]] - surface_.local[face[0]],
+                       surface_.local[face[i]] - surface_.local[face[0]]);
     }
     return norm(twice) / 2;
   }

@@ -4,6 +4,7 @@
 #include <numbers>
 #include <utility>
 
+#include "core/base/stoppable.h"
 #include "core/base/tolerance.h"
 #include "core/patches/curved_limits.h"
 #include "core/patches/surface_recognition.h"
@@ -97,21 +98,26 @@ void CurvedStage::cut_boundaries(Partition& partition, Prepared& prepared, Ladde
 }
 
 std::vector<PatchId> CurvedStage::at_fault(const std::vector<FailedPatch>& failed, const PatchSet& patches,
-                                           const Surface& surface, const Adjacency& adjacency) const {
+                                           const Surface& surface, const Adjacency& adjacency,
+                                           const RunControl& control) const {
   std::vector<PatchId> found;
   if (!curved_.has_any()) return found;
   const auto add = [&](PatchId p) {
     if (curved_.of(p) != nullptr) found.push_back(p);
   };
+  StopCheck check(control);
   for (const FailedPatch& patch : failed) {
+    check();
     add(patch.patch);
     if (curved_.of(patch.patch) != nullptr) continue;
     for (const FaceId f : patches.faces_of(patch.patch))
       for (std::uint32_t h = surface.face_begin[f.value]; h < surface.face_begin[f.value + 1]; ++h)
-        for (const std::uint32_t other : adjacency.half_edges(adjacency.edge_of(h)))
+        for (const std::uint32_t other : adjacency.half_edges(adjacency.edge_of(h))) {
+          check();
           add(patches.of_face[adjacency.face_of(other)]);
+        }
   }
-  std::sort(found.begin(), found.end());
+  sort_stoppable(found.begin(), found.end(), control);
   found.erase(std::unique(found.begin(), found.end()), found.end());
   return found;
 }

@@ -45,8 +45,9 @@ class CurvedStage {
            const Options& options, const Lengths& lengths, RunControl& control);
 
   /// Returns the curved patches among the failed ones, and those beside a failed planar patch, which may be at fault.
+  /// Errors: kCancelled, kTimeout - asked to stop through `control`.
   std::vector<PatchId> at_fault(const std::vector<FailedPatch>& failed, const PatchSet& patches, const Surface& surface,
-                                const Adjacency& adjacency) const;
+                                const Adjacency& adjacency, const RunControl& control) const;
   /// Takes curved patches a rung up: first they get finer limits, and then they become facets again.
   void step_up(const std::vector<PatchId>& at_fault, const PatchSet& patches);
 

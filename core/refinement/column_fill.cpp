@@ -25,8 +25,10 @@ class ColumnLayout {
       : patch_(patch), chart_(*patch.chart.curved()), check_(control) {
     double largest = 0;
     const auto radius = [&](std::uint32_t v) { return chart_.map().radius(patch.in_space[v].position); };
-    for (std::uint32_t v = 0; v < patch.mesh.vertex_slots(); ++v)
+    for (std::uint32_t v = 0; v < patch.mesh.vertex_slots(); ++v) {
+      check_();
       if (patch.mesh.is_live_vertex(v)) largest = std::max(largest, radius(v));
+    }
     for (std::uint32_t v = 0; v < patch.mesh.vertex_slots(); ++v) {
       check_();
       // Towards the apex of a cone, columns come too near to each other.

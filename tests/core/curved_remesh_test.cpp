@@ -326,7 +326,7 @@ TEST(curved_remesh, a_scaling_by_a_power_of_two_scales_the_result) {
   for (const Model& model : {primitives::cylinder(72, 10, 30), primitives::globe(36, 18, 3), primitives::tee(48),
                              primitives::torus(48, 48, 24, 5, 2), primitives::countersunk_plate(48)}) {
     const Result result = remeshed(model.mesh, with_circle(12));
-    for (const double factor : {0x1p-40, 0x1p7, 0x1p100}) {
+    for (const double factor : {0x1p-300, 0x1p7, 0x1p300}) {
       SCOPED_TRACE(testing::Message() << model.name << " times " << factor);
       const Result other = remeshed(shapes::scaled(model.mesh, factor), with_circle(12));
       EXPECT_EQ(other.mesh.faces, result.mesh.faces);
