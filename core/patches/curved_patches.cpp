@@ -50,7 +50,20 @@ Gap largest_gap(std::vector<Covered>& covered, const RunControl& control) {
   return gap;
 }
 
-/// Joins the facets of one run of pieces. All lengths are in model units.
+/// Returns the area of a flat facet, in squared local units. In these, the rounding is the same at every scale.
+double area_of(const Surface& surface, std::span<const FaceId> faces, StopCheck& check) {
+  Vec3 twice;
+  for (const FaceId f : faces) {
+    check();
+    const auto face = surface.face(f);
+    for (std::size_t i = 2; i < face.size(); ++i)
+      twice +=
+          cross(surface.local[face[i - 1]] - surface.local[face[0]], surface.local[face[i]] - surface.local[face[0]]);
+  }
+  return norm(twice) / 2;
+}
+
+/// Joins the facets of curved surfaces. All lengths are in model units.
 class Joining {
  public:
   Joining(const Surface& surface, const Adjacency& adjacency, const PatchSet& facets,
@@ -239,25 +252,13 @@ class Joining {
     Vec3 sum;
     for (const PatchId p : sheet) {
       const double size = norm(middle_of(p) - shape.origin);
-      if (size > 0) sum += area_of(p) * ((1 / size) * (middle_of(p) - shape.origin));
+      if (size > 0)
+        sum += area_of(surface_, facets_.faces_of(p), check_) * ((1 / size) * (middle_of(p) - shape.origin));
     }
     double area = 0;
-    for (const PatchId p : sheet) area += area_of(p);
+    for (const PatchId p : sheet) area += area_of(surface_, facets_.faces_of(p), check_);
     constexpr double kClear = 0.05;
     return norm(sum) > kClear * area ? normalized(sum) : normalized(smallest_corner(sheet) - shape.origin);
-  }
-
-  /// Returns the area of a facet, in squared local units. In these, the rounding is the same at every scale.
-  double area_of(PatchId p) {
-    Vec3 twice;
-    for (const FaceId f : facets_.faces_of(p)) {
-      check_();
-      const auto face = surface_.face(f);
-      for (std::size_t i = 2; i < face.size(); ++i)
-        twice += cross(surface_.local[face[i - 1]] - surface_.local[face[0]],
-                       surface_.local[face[i]] - surface_.local[face[0]]);
-    }
-    return norm(twice) / 2;
   }
 
   void divide_sphere(const std::vector<PatchId>& sheet, const AnalyticSurface& shape) {
@@ -378,7 +379,7 @@ class Joining {
     Plane mean;
     double area = 0;
     for (const PatchId p : piece) {
-      const double share = area_of(p);
+      const double share = area_of(surface_, facets_.faces_of(p), check_);
       mean.normal += share * facets_.planes[p].normal;
       mean.origin += share * facets_.planes[p].origin;
       area += share;
