@@ -45,7 +45,7 @@ class SectionCurve {
                                                 const Plane& plane, double fit_tolerance);
   bool begin_at(const Vec3& p);
 
-  Vec3 centre_;  ///< of the circle; if the curve is ruled, of a circle about the axis on the surface
+  Vec3 centre_;  ///< the centre of the circle; if the curve is ruled, that of a circle about the axis
   Vec3 axis_;    ///< unit normal of the circle
   Vec3 x_, y_;   ///< unit vectors across the axis; angle 0 is along x
   double radius_ = 0;

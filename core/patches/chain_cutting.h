@@ -36,7 +36,7 @@ struct CurveRules {
 /// The patches beside a chain. Each of them is named once.
 struct ChainSides {
   std::vector<PatchSurface> curved;  ///< ordered by their shapes
-  std::vector<Plane> planes;         ///< of the planar patches, in model units; in the order of `planar`
+  std::vector<Plane> planes;         ///< those of the planar patches, in model units, in the order of `planar`
   std::vector<PatchId> planar;       ///< ordered by their planes
 };
 

@@ -64,7 +64,7 @@ class ChainGaps {
 
   const Surface& surface_;
   const BoundaryChains& chains_;
-  IdVector<VertexId, std::uint32_t> chain_of_;  ///< of vertices inside of chains; kNone for others
+  IdVector<VertexId, std::uint32_t> chain_of_;  ///< the chain that a vertex is inside of, or kNone
   IdVector<PatchId, std::uint32_t> of_patch_;   ///< index into `searched_`, or kNone
   std::vector<PatchPieces> searched_;
 };

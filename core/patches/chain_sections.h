@@ -83,7 +83,7 @@ class SectionChain {
 
   SectionCurve curve_;
   std::span<const Vec3> points_;
-  std::vector<double> angles_;  ///< of the points, from 0 to `total_`
+  std::vector<double> angles_;  ///< one angle per point, from 0 to `total_`
   double sign_ = 1;             ///< the direction of the chain about the axis
   double total_ = 0;
 };

@@ -103,8 +103,8 @@ class ChainThinner {
   std::span<const Vec3> points_;
   const ChainRoom& room_;
   const RunControl& control_;
-  double max_difference_ = 0;  ///< of unit normals that turn by the largest angle allowed
-  std::vector<Vec3> normals_;  ///< of all points on the first surface, then on the second one, and so on
+  double max_difference_ = 0;  ///< how far apart unit normals are that turn by the largest angle allowed
+  std::vector<Vec3> normals_;  ///< those at all points on the first surface, then on the second one, and so on
 };
 
 }  // namespace
