@@ -162,7 +162,7 @@ class Joining {
       }
   }
 
-  /// Returns the mean of the corners of a facet's faces.
+  /// Returns the middle of a facet's bounding box.
   Vec3 middle_of(PatchId p) {
     Box3 box;
     for_each_corner(p, [&](const Vec3& corner) { box.add(corner); });
