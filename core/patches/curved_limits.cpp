@@ -23,8 +23,8 @@ constexpr double kSidewaysShare = 0.9;
 /// Rounding must not make one piece more than was asked for.
 constexpr double kRounding = 1e-6;
 
-/// A torus is not remeshed if what its tolerance leaves for the result is less than this part of the chord height of the
-/// input's facets.
+/// A torus is not remeshed if what its tolerance leaves for the result is less than this part of the chord height of
+/// the input's facets.
 constexpr double kMinShare = 0.25;
 
 /// Returns the largest distance of each surface's facets from its axis, as seen along the surface's normal: the radius
