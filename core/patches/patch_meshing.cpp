@@ -15,6 +15,7 @@
 #include "core/base/stoppable.h"
 #include "core/geometry/patch_reason.h"
 #include "core/geometry/projection.h"
+#include "core/patches/rulings.h"
 #include "core/triangulation/patch_triangulation.h"
 
 namespace remesh {
@@ -163,11 +164,42 @@ class Mesher {
       check();
       segments_.push_back({rank_of(a), rank_of(b)});
     }
-    PatchTriangulation triangulation = triangulate_patch(result.uv, segments_, control_);
+    PatchTriangulation triangulation;
+    result.has_rulings = chart.curved() != nullptr && triangulate_strips(*chart.curved(), result, triangulation);
+    if (!result.has_rulings) triangulation = triangulate_patch(result.uv, segments_, control_);
     result.mesh = std::move(triangulation.mesh);
     if (triangulation.outcome == Outcome::kDone && result.mesh.triangle_count() == 0)
       return Outcome::kInconsistentLoops;
     return triangulation.outcome;
+  }
+
+  /// Triangulates a curved patch whose rulings divide it into strips, in which no edge turns too far.
+  /// Output: whether they do.
+  bool triangulate_strips(const CurvedChart& chart, const PatchMesh& patch, PatchTriangulation& triangulation) {
+    StopCheck check(control_);
+    positions_.clear();
+    for (const VertexId v : patch.vertices) {
+      check();
+      positions_.push_back(surface_.positions[v]);
+    }
+    const std::vector<Segment> rulings = find_rulings(chart, {positions_, patch.uv, segments_}, control_);
+    if (rulings.empty()) return false;
+    std::vector<Segment> edges = segments_;
+    for (const auto& [a, b] : rulings) {
+      check();
+      edges.push_back({a, b});
+      edges.push_back({b, a});
+    }
+    triangulation = triangulate_patch(patch.uv, edges, control_);
+    if (triangulation.outcome != Outcome::kDone) return false;
+    const Triangulation2d& mesh = triangulation.mesh;
+    for (std::uint32_t h = 0; h < mesh.half_edge_count(); ++h) {
+      check();
+      if (mesh.is_constrained(h) || mesh.twin(h) < h) continue;
+      if (chart.is_bent(chart.space_point(positions_[mesh.from(h)]), chart.space_point(positions_[mesh.to(h)])))
+        return false;
+    }
+    return true;
   }
 
   /// The number of a vertex in the order of plane coordinates.
@@ -214,7 +246,7 @@ class Mesher {
   std::vector<VertexId> corners_;
   RankedIds<VertexId> vertices_;
   std::vector<Side> sides_;
-  std::vector<Vec3> points_;
+  std::vector<Vec3> points_, positions_;
   std::vector<Edge3> edges_;
   std::vector<Flat> order_;
   std::vector<std::uint32_t> rank_;

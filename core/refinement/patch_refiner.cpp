@@ -29,7 +29,7 @@ PatchRefiner::PatchRefiner(const PatchToRefine& patch, const Criteria& criteria,
     const SegmentId segment = boundary.segment_of_chain(c);
     if (!cuts[segment].empty()) editor.apply_cuts(segment, cuts[segment]);
   }
-  if (!criteria.has_sizes()) fill_columns(editor, quota, control);
+  if (!criteria.has_sizes() && !patch.mesh.has_rulings) fill_columns(editor, quota, control);
   first_refined_ = patch_.mesh.vertex_slots();
 }
 

@@ -134,6 +134,8 @@ class SegmentTable {
   std::vector<double> size_cuts(SegmentId s, const SizeField& sizes) const;
 
  private:
+  double depth_of(SegmentId s, const PatchCharts& charts) const;
+  void straighten_near_features(RunControl& control);
   void cut_at_corners(SegmentId s, std::span<const double> at_from, std::span<const double> at_to,
                       const SizeField& sizes, std::vector<double>& cuts) const;
   void cut_between_parts(SegmentId s, const SizeField& sizes, std::vector<double>& cuts) const;

@@ -40,6 +40,8 @@ class TracedSegments {
   const CurveTrace* of(SegmentId s) const {
     return at_.empty() || at_[s.value] == kNone ? nullptr : &traces_[at_[s.value]];
   }
+  /// Forgets the trace of a segment.
+  void straighten(SegmentId s) { at_[s.value] = kNone; }
 
  private:
   void add(const Segment& segment, const PatchCharts& charts);

@@ -301,15 +301,61 @@ TEST(curved_remesh, the_planes_beside_a_curved_surface_stay_exactly_plane) {
   EXPECT_GE(low, 10u);
 }
 
-TEST(curved_remesh, the_volume_is_that_of_the_prism) {
+TEST(curved_remesh, a_cylinder_becomes_a_prism_of_even_strips) {
   const Model model = primitives::cylinder(72, 10, 30);
   for (const double elements : kElements) {
-    const Report report = remeshed(model.mesh, with_circle(elements)).report;
-    // Inner vertices lie on the cylinder, so the side is not a prism's, and the volume lies between the two.
-    const double least = 30 * elements * 50 * std::sin(2 * kPi / elements);
-    EXPECT_GE(*report.output.volume, 0.98 * least) << elements;
-    EXPECT_LE(*report.output.volume, 30 * kPi * 100) << elements;
+    const Result result = remeshed(model.mesh, with_circle(elements));
+    // All vertices lie on rulings through the corners of the caps, so the volume is exactly that of a prism.
+    const double prism = 30 * elements * 50 * std::sin(2 * kPi / elements);
+    EXPECT_NEAR(*result.report.output.volume, prism, 1e-12 * prism) << elements;
+    if (elements == 12) {
+      EXPECT_LE(result.mesh.faces.size(), 100u);
+    }
   }
+}
+
+TEST(curved_remesh, a_turned_cylinder_has_as_many_faces) {
+  const Model model = primitives::cylinder(72, 10, 30);
+  for (const double elements : kElements) {
+    const std::size_t faces = faces_of(model.mesh, with_circle(elements));
+    for (const double angle : {17.0, 71.0, 140.0}) {
+      const PolygonMesh turned = shapes::rotated(model.mesh, {1, 2, -3}, angle);
+      EXPECT_NEAR(static_cast<double>(faces_of(turned, with_circle(elements))), static_cast<double>(faces),
+                  0.03 * static_cast<double>(faces))
+          << elements << " elements, turned by " << angle;
+    }
+  }
+}
+
+TEST(curved_remesh, by_default_facets_stay_unless_they_have_sharp_corners) {
+  Options exact;
+  exact.surface_tolerance = 0;
+  for (const Model& model : {primitives::cylinder(72, 10, 30), primitives::icosphere(2, 3), primitives::nut(6, 36)}) {
+    EXPECT_TRUE(joined_patches(model, remeshed(model.mesh, {})).empty()) << model.name;
+    EXPECT_EQ(bytes(remeshed(model.mesh, {})), bytes(remeshed(model.mesh, exact))) << model.name;
+  }
+  // The triangles around the poles of a globe have angles of 10 degrees, and so has the point of a cone.
+  for (const Model& model : {primitives::globe(36, 18, 3), primitives::cone(48, 4, 7)}) {
+    SCOPED_TRACE(model.name);
+    const Result result = remeshed(model.mesh, {});
+    expect_sound({}, result);
+    EXPECT_FALSE(joined_patches(model, result).empty());
+    EXPECT_LT(listed(result.report), listed(remeshed(model.mesh, exact).report));
+    EXPECT_LE(steps_off(model, result), 4);
+  }
+}
+
+TEST(curved_remesh, what_must_stay_is_not_joined_by_default) {
+  const Model model = primitives::globe(36, 18, 3);
+  Options options;
+  options.keep_boundary_vertices = true;
+  EXPECT_TRUE(joined_patches(model, remeshed(model.mesh, options)).empty());
+  options = {};
+  options.split_boundaries = false;
+  EXPECT_TRUE(joined_patches(model, remeshed(model.mesh, options)).empty());
+  options = {};
+  options.refine = false;
+  EXPECT_TRUE(joined_patches(model, remeshed(model.mesh, options)).empty());
 }
 
 TEST(curved_remesh, any_number_of_workers_gives_the_same_bytes) {
