@@ -7,7 +7,6 @@
 #include "core/base/stoppable.h"
 #include "core/base/tolerance.h"
 #include "core/patches/curved_limits.h"
-#include "core/patches/sharp_facets.h"
 #include "core/patches/surface_recognition.h"
 
 namespace remesh {
@@ -17,41 +16,25 @@ PatchSet CurvedStage::take_facets(Partition& partition) {
 }
 
 void CurvedStage::run(Partition& partition, const PatchSet& facets_before, Prepared& prepared, Ladder& ladder,
-                      const Options& options, const Bounds& bounds, RunControl& control) {
+                      const Options& options, const Lengths& lengths, RunControl& control) {
   if (!recognised_.of_patch.empty())
     recognised_.follow(facets_before, partition.patches);
   else
-    recognise(partition, prepared, options, bounds.plane_tolerance, control);
+    recognise(partition, prepared, options, lengths.plane_tolerance, control);
   const Surface& surface = prepared.surface;
-  is_asked_ = options.surface_tolerance || options.surface_tolerance_fraction || options.elements_per_circle;
-  const std::vector<CurvedLimits> limits = limits_of(partition, prepared, options, bounds, control);
+  const std::vector<CurvedLimits> limits = curved_limits(surface, partition.patches, recognised_, options,
+                                                         lengths.plane_tolerance, lengths.diagonal, control);
   cuts_ = {};
   with_cuts_.reset();
   curved_ = join_curved_facets(surface, prepared.adjacency(control), partition.patches, recognised_,
                                options.feature_angle_deg, limits, rungs_, control);
   if (curved_.has_any()) {
-    facets_ = take_joined_patches(partition, prepared, curved_, bounds.plane_tolerance, ladder, control);
+    facets_ = take_joined_patches(partition, prepared, curved_, lengths.plane_tolerance, ladder, control);
     cut_boundaries(partition, prepared, ladder, options, control);
   }
   tell_failures(partition);
   surfaces_ = curved_.has_any() ? curved_.surfaces : recognised_;
   for (std::size_t i = 0; i < limits.size(); ++i) surfaces_.surfaces[SurfaceId(i)].allowed = limits[i].tolerance;
-}
-
-/// Returns the limits of all surfaces: those that the user asks for, or else those of surfaces whose facets cannot be
-/// refined well.
-std::vector<CurvedLimits> CurvedStage::limits_of(const Partition& partition, Prepared& prepared, const Options& options,
-                                                 const Bounds& bounds, RunControl& control) const {
-  if (is_asked_)
-    return curved_limits(prepared.surface, partition.patches, recognised_, options, bounds.plane_tolerance,
-                         bounds.diagonal, control);
-  // Boundaries that must stay include those between facets.
-  const bool may_join = bounds.min_angle_deg > 0 && options.split_boundaries && !options.keep_boundary_vertices;
-  if (!may_join) return std::vector<CurvedLimits>(recognised_.surfaces.size());
-  const auto is_sharp = find_sharp_facets(prepared.surface, prepared.adjacency(control), partition.patches,
-                                          partition.loops, partition.essential, bounds.min_angle_deg, control);
-  return limits_where_facets_are_sharp(prepared.surface, prepared.adjacency(control), partition.patches, recognised_,
-                                       is_sharp, bounds.plane_tolerance, control);
 }
 
 /// Notes in the summaries which patches are finer than was asked for, or facets again, because curved patches failed.
@@ -143,7 +126,7 @@ void CurvedStage::step_up(const std::vector<PatchId>& at_fault, const PatchSet& 
   rungs_.resize(patches.of_face.size(), CurvedRung::kJoined);
   for (const PatchId p : at_fault)
     for (const FaceId f : patches.faces_of(p))
-      rungs_[f] = is_asked_ && rungs_[f] == CurvedRung::kJoined ? CurvedRung::kTightened : CurvedRung::kFacet;
+      rungs_[f] = rungs_[f] == CurvedRung::kJoined ? CurvedRung::kTightened : CurvedRung::kFacet;
 }
 
 std::optional<CurvedBoundaries> CurvedStage::boundaries() const {

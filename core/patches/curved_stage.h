@@ -23,11 +23,10 @@ namespace remesh {
 /// remembers between attempts which curved patches have failed.
 class CurvedStage {
  public:
-  /// The lengths of a run, in model units, and its bound on angles.
-  struct Bounds {
+  /// The lengths of a run, in model units.
+  struct Lengths {
     double plane_tolerance = 0;
-    double diagonal = 0;       ///< of the input's bounding box
-    double min_angle_deg = 0;  ///< 0: there is no bound
+    double diagonal = 0;  ///< of the input's bounding box
   };
 
   /// Forgets everything. The next surface is another one.
@@ -43,14 +42,13 @@ class CurvedStage {
   /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
   /// Cost:    O(n log n).
   void run(Partition& partition, const PatchSet& facets_before, Prepared& prepared, Ladder& ladder,
-           const Options& options, const Bounds& bounds, RunControl& control);
+           const Options& options, const Lengths& lengths, RunControl& control);
 
   /// Returns the curved patches among the failed ones, and those beside a failed planar patch, which may be at fault.
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
   std::vector<PatchId> at_fault(const std::vector<FailedPatch>& failed, const PatchSet& patches, const Surface& surface,
                                 const Adjacency& adjacency, const RunControl& control) const;
-  /// Takes curved patches a rung up: first they get finer limits if a tolerance was asked for, and then they become
-  /// facets again.
+  /// Takes curved patches a rung up: first they get finer limits, and then they become facets again.
   void step_up(const std::vector<PatchId>& at_fault, const PatchSet& patches);
 
   /// Returns the patches that are curved, or null if none is.
@@ -71,15 +69,10 @@ class CurvedStage {
  private:
   void recognise(const Partition& partition, Prepared& prepared, const Options& options, double plane_tolerance,
                  RunControl& control);
-  std::vector<CurvedLimits> limits_of(const Partition& partition, Prepared& prepared, const Options& options,
-                                      const Bounds& bounds, RunControl& control) const;
   void tell_failures(Partition& partition) const;
   void cut_boundaries(Partition& partition, Prepared& prepared, Ladder& ladder, const Options& options,
                       RunControl& control);
 
-  /// The options ask for a tolerance or a number of elements. Otherwise the limits are those of the input's own facets,
-  /// and finer ones would only make more faces.
-  bool is_asked_ = false;
   RecognisedSurfaces recognised_;       ///< those of the facets
   RecognisedSurfaces surfaces_;         ///< those of the patches
   IdVector<FaceId, CurvedRung> rungs_;  ///< empty while no curved patch has failed

@@ -186,7 +186,11 @@ SegmentTable::SegmentTable(const Surface& surface, const TriangulatedPatches& tr
       rounding = std::max(rounding, seen[i].grid_step);
     }
   });
-  straighten_near_features(control);
+  if (triangulated.charts.has_curved()) {
+    std::vector<double> distances;
+    for (const Seen& of_side : seen) distances.push_back(of_side.distance);
+    straighten_near_planes(distances, triangulated.charts, control);
+  }
   const auto end_at_start = [&](const SegmentSide& side) {
     const PatchMesh& patch = meshes[side.patch];
     const bool is_from = patch.vertices[patch.mesh.from(side.half_edge)] == segments_[side.segment].from;
@@ -228,15 +232,16 @@ SegmentTable::SegmentTable(const Surface& surface, const TriangulatedPatches& tr
     // Shells at an angle below 60 degrees are nearer to each other than to the corner.
     const double shortest_piece = goals.min_edge_length / std::min(1.0, 2 * std::sin(angle / 2));
     const double of_features = std::max(kFloorShare * size, noise / std::sin(angle));
-    segment.floor = std::max({shortest_piece, of_features, depth_of(s, triangulated.charts)});
+    // If pieces were shorter than a straight segment is deep below its surface, they would be near to the new vertices
+    // of the curved patch in its plane and far from them in space. No triangle there would have good angles.
+    constexpr double kPerDepth = 2;
+    segment.floor = std::max({shortest_piece, of_features, kPerDepth * depth_of(s, triangulated.charts)});
     segment.is_floor_asked = shortest_piece > of_features;
     segment.is_floor_raised = segment.floor > kFloorShare * size;
   });
 }
 
-/// Returns how far a straight segment lies off the surface of a curved patch beside it. Cuts that are nearer to each
-/// other would be far from the new vertices of that patch, which lie on the surface, and so no triangle there would have
-/// good angles.
+/// Returns how far a segment lies off the surfaces of the curved patches beside it.
 double SegmentTable::depth_of(SegmentId s, const PatchCharts& charts) const {
   double depth = 0;
   if (!charts.has_curved()) return depth;
@@ -245,24 +250,24 @@ double SegmentTable::depth_of(SegmentId s, const PatchCharts& charts) const {
     if (chart.curved() == nullptr) continue;
     for (const double t : {0.0, 0.25, 0.5, 0.75, 1.0}) depth = std::max(depth, std::fabs(chart.height(position(s, t))));
   }
-  return 2 * depth;
+  return depth;
 }
 
-/// Makes the segments straight that would move too near to a feature if they were cut on their curves. Beside a sliver
-/// that is thinner than that, its boundaries would cross.
-void SegmentTable::straighten_near_features(RunControl& control) {
+/// Makes the segments straight that would move too near to another boundary of a planar patch if they were cut on their
+/// curves. Beside a sliver that is thinner than that, its boundaries would cross.
+/// Input: the distance to the nearest feature for each side.
+void SegmentTable::straighten_near_planes(std::span<const double> distances, const PatchCharts& charts,
+                                          RunControl& control) {
   constexpr double kShareOfRoom = 0.25;
   StopCheck check(control);
-  for (std::size_t i = 0; i < segments_.size(); ++i) {
+  for (std::uint32_t i = 0; i < sides_.size(); ++i) {
     check();
-    const SegmentId s(i);
-    if (traced_.of(s) == nullptr) continue;
+    const SegmentId s = sides_[i].segment;
+    if (traced_.of(s) == nullptr || charts[sides_[i].patch].curved() != nullptr) continue;
     const Vec3 &from = surface_.positions[segments_[s].from], &to = surface_.positions[segments_[s].to];
-    for (const double t : {0.25, 0.5, 0.75})
-      if (norm(position(s, t) - (from + t * (to - from))) > kShareOfRoom * feature_[i]) {
-        traced_.straighten(s);
-        break;
-      }
+    double moved = 0;
+    for (const double t : {0.25, 0.5, 0.75}) moved = std::max(moved, norm(position(s, t) - (from + t * (to - from))));
+    if (moved > kShareOfRoom * distances[i]) traced_.straighten(s);
   }
 }
 

@@ -135,7 +135,7 @@ class SegmentTable {
 
  private:
   double depth_of(SegmentId s, const PatchCharts& charts) const;
-  void straighten_near_features(RunControl& control);
+  void straighten_near_planes(std::span<const double> distances, const PatchCharts& charts, RunControl& control);
   void cut_at_corners(SegmentId s, std::span<const double> at_from, std::span<const double> at_to,
                       const SizeField& sizes, std::vector<double>& cuts) const;
   void cut_between_parts(SegmentId s, const SizeField& sizes, std::vector<double>& cuts) const;

@@ -327,37 +327,6 @@ TEST(curved_remesh, a_turned_cylinder_has_as_many_faces) {
   }
 }
 
-TEST(curved_remesh, by_default_facets_stay_unless_they_have_sharp_corners) {
-  Options exact;
-  exact.surface_tolerance = 0;
-  for (const Model& model : {primitives::cylinder(72, 10, 30), primitives::icosphere(2, 3), primitives::nut(6, 36)}) {
-    EXPECT_TRUE(joined_patches(model, remeshed(model.mesh, {})).empty()) << model.name;
-    EXPECT_EQ(bytes(remeshed(model.mesh, {})), bytes(remeshed(model.mesh, exact))) << model.name;
-  }
-  // The triangles around the poles of a globe have angles of 10 degrees, and so has the point of a cone.
-  for (const Model& model : {primitives::globe(36, 18, 3), primitives::cone(48, 4, 7)}) {
-    SCOPED_TRACE(model.name);
-    const Result result = remeshed(model.mesh, {});
-    expect_sound({}, result);
-    EXPECT_FALSE(joined_patches(model, result).empty());
-    EXPECT_LT(listed(result.report), listed(remeshed(model.mesh, exact).report));
-    EXPECT_LE(steps_off(model, result), 4);
-  }
-}
-
-TEST(curved_remesh, what_must_stay_is_not_joined_by_default) {
-  const Model model = primitives::globe(36, 18, 3);
-  Options options;
-  options.keep_boundary_vertices = true;
-  EXPECT_TRUE(joined_patches(model, remeshed(model.mesh, options)).empty());
-  options = {};
-  options.split_boundaries = false;
-  EXPECT_TRUE(joined_patches(model, remeshed(model.mesh, options)).empty());
-  options = {};
-  options.refine = false;
-  EXPECT_TRUE(joined_patches(model, remeshed(model.mesh, options)).empty());
-}
-
 TEST(curved_remesh, any_number_of_workers_gives_the_same_bytes) {
   for (const Model& model : {primitives::cylinder(72, 10, 30), primitives::torus(48, 48, 24, 5, 2), primitives::tee(48),
                              primitives::rounded_box({4, 3, 2}, 1, 6), primitives::countersunk_plate(48)})

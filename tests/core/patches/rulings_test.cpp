@@ -23,7 +23,7 @@ struct Half {
   /// Input: the functions give the place of a vertex from its angle.
   Half(const AnalyticSurface& shape, int lower, int upper, const std::function<Vec3(double)>& below,
        const std::function<Vec3(double)>& top)
-      : chart(CurvedPatch{SurfaceId(0), SurfaceMap(shape, {below(kPi / 2), false}), {1, 1, kPi / 4, 1, 1}}),
+      : chart(CurvedPatch{SurfaceId(0), SurfaceMap(shape, {below(kPi / 2), false}), {1, 0.05, kPi / 4, 1, 1}}),
         above(static_cast<std::size_t>(lower) + 1) {
     for (int i = 0; i <= lower; ++i) positions.push_back(below(kPi * i / lower));
     for (int i = upper; i >= 0; --i) positions.push_back(top(kPi * i / upper));
