@@ -36,11 +36,13 @@ CurvedChart::CurvedChart(const CurvedPatch& patch)
 SpacePoint CurvedChart::space_point(const Vec3& position) const {
   const AnalyticSurface& shape = map_.shape();
   if (shape.kind != SurfaceKind::kCone) return {position, map_.side() * shape.normal(position)};
-  // So near to its apex, a cone is within the tolerance of edges that turn by more than is asked.
   const double radius = map_.radius(position);
   constexpr double kAtApex = 1e-3;
   if (radius < kAtApex * max_height_) return {position, {}, true};
-  return {position, map_.side() * shape.normal(position), radius < max_height_};
+  // So near to its apex, a cone is within the tolerance of edges that turn by a sixth of a circle.
+  constexpr double kHeightOfSixth = 0.134;
+  const bool is_near_apex = radius * kHeightOfSixth * std::cos(shape.half_angle) < max_height_;
+  return {position, map_.side() * shape.normal(position), is_near_apex};
 }
 
 bool CurvedChart::is_bent(const SpacePoint& a, const SpacePoint& b) const {

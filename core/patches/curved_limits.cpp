@@ -27,8 +27,7 @@ constexpr double kRounding = 1e-6;
 /// the input's facets.
 constexpr double kMinShare = 0.25;
 
-/// Returns the largest distance of each surface's facets from its axis, as seen along the surface's normal: the radius
-/// of the circles around the axis that bend least. For a sphere it is the radius.
+/// Returns the largest distance of each surface's facets from its axis. For a sphere it is the radius.
 std::vector<double> largest_radii(const Surface& surface, const PatchSet& facets, const RecognisedSurfaces& recognised,
                                   RunControl& control) {
   std::vector<double> radii(recognised.surfaces.size(), 0);
@@ -46,8 +45,7 @@ std::vector<double> largest_radii(const Surface& surface, const PatchSet& facets
       for (const VertexId v : surface.face(f)) {
         check();
         const Vec3 way = surface.positions[v] - shape.origin;
-        const double distance = norm(way - dot(way, shape.axis) * shape.axis) * std::cos(shape.half_angle);
-        radii[s.value] = std::max(radii[s.value], distance);
+        radii[s.value] = std::max(radii[s.value], norm(way - dot(way, shape.axis) * shape.axis));
       }
   }
   return radii;
@@ -88,12 +86,20 @@ std::vector<CurvedLimits> curved_limits(const Surface& surface, const PatchSet& 
         continue;
       }
     }
+    // A chord of a circle around the axis of a cone lies below the surface by a part of its distance from the circle.
+    // The rest of that distance is along the surface.
+    const bool is_cone = s.shape.kind == SurfaceKind::kCone;
+    const double below = is_cone ? std::cos(s.shape.half_angle) : 1, along = is_cone ? std::sin(s.shape.half_angle) : 0;
     // Where a boundary is cut anew, the result may leave the input both in depth and along the surface. The proven
-    // bound is the root of the sum of their squares.
-    const double depth = std::max(kDepthShare * tolerance, tolerance - asked.value_or(own));
+    // bound is the root of the sum of their squares. Boundaries that stay are as deep as the input's facets.
+    const double of_circles = std::max(kDepthShare * tolerance, tolerance - asked.value_or(own));
+    const double depth = std::max(below * of_circles, std::min(own, kDepthShare * tolerance));
+    const double sideways = std::sqrt(tolerance * tolerance - depth * depth);
     of_surface.max_height = std::min(of_surface.max_height, depth + plane_tolerance);
-    of_surface.boundary_tolerance = std::min(tolerance, depth * (1 + kRounding) + plane_tolerance);
-    of_surface.boundary_sideways = kSidewaysShare * std::sqrt(tolerance * tolerance - depth * depth);
+    of_surface.boundary_tolerance = std::min(tolerance, of_circles * (1 + kRounding) + plane_tolerance);
+    if (along > 0) of_surface.boundary_tolerance = std::min(of_surface.boundary_tolerance, sideways / along);
+    of_surface.boundary_sideways =
+        kSidewaysShare * std::min(sideways, below * std::sqrt(tolerance * tolerance - of_circles * of_circles));
     of_surface.max_turn = std::min(turn, kMaxTurn);
     const double smallest = s.shape.kind == SurfaceKind::kTorus ? s.shape.minor_radius : radii[i];
     of_surface.max_turn += 4 * plane_tolerance / smallest;

@@ -29,16 +29,24 @@ class ColumnLayout {
       check_();
       if (patch.mesh.is_live_vertex(v)) largest = std::max(largest, radius(v));
     }
+    // Towards the apex of a cone, columns come too near to each other.
+    constexpr double kNearApex = 0.25;
+    bool has_apex = false;
     for (std::uint32_t v = 0; v < patch.mesh.vertex_slots(); ++v) {
       check_();
-      // Towards the apex of a cone, columns come too near to each other.
-      constexpr double kNearApex = 0.25;
-      if (!patch.mesh.is_live_vertex(v) || radius(v) < kNearApex * largest) continue;
+      if (!patch.mesh.is_live_vertex(v)) continue;
+      if (radius(v) < kNearApex * largest) {
+        has_apex = chart_.map().shape().kind == SurfaceKind::kCone;
+        continue;
+      }
       const Around at = chart_.map().around(patch.in_space[v].position);
       if (!std::isfinite(at.way)) continue;
       low_ = {std::min(low_.angle, at.angle), std::min(low_.way, at.way)};
       high_ = {std::max(high_.angle, at.angle), std::max(high_.way, at.way)};
     }
+    // No other vertex may be between the rim and the apex. So columns begin where they are far enough apart.
+    if (has_apex)
+      low_.way = std::min(low_.way, high_.way + std::log(kNearApex) / std::sin(chart_.map().shape().half_angle));
   }
 
   ColumnPlaces places(std::size_t max_points) {
