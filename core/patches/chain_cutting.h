@@ -35,8 +35,8 @@ struct CurveRules {
   /// The largest distance of an essential vertex from the surfaces on which it is said to lie, in model units.
   double fit_tolerance = 0;
   double feature_angle = 0;  ///< a chain without a formula has a corner where it bends by more, in radians
-  /// New pieces are no longer than this many times the width of a curved patch beside them, because triangles over longer
-  /// ones would have smaller angles than is allowed.
+  /// New pieces are no longer than this many times the width of a curved patch beside them, because triangles over
+  /// longer ones would have smaller angles than is allowed.
   double max_length_per_width = HUGE_VAL;
 };
 

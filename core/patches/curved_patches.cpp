@@ -124,14 +124,11 @@ class Joining {
       const SurfaceId s = recognised_.of_patch[piece.front()];
       const AnalyticSurface& shape = recognised_.surfaces[s].shape;
       const int side = geometry_.side_of(piece, shape);
-      if (getenv("HACK"))
-        fprintf(stderr, "HACKJ piece %zu side %d map %d\n", piece.size(), side,
       if (side == 0 || !geometry_.has_map(piece, shape)) continue;
       for (const PatchId p : piece) first[p] = piece.front();
       curved_of[piece.front()] = static_cast<std::uint32_t>(curved.size());
       const bool is_tight =
-          std::any_of(piece.begin(), piece.end(), [&](PatchId p) {
-          return rung_of(p) == CurvedRung::kTightened; });
+          std::any_of(piece.begin(), piece.end(), [&](PatchId p) { return rung_of(p) == CurvedRung::kTightened; });
       curved.push_back({s, SurfaceMap(shape, {geometry_.middle_of_piece(piece, shape), side < 0}),
                         is_tight ? limits_[s.value].tightened() : limits_[s.value], geometry_.area_of(piece)});
       planes.push_back(geometry_.mean_plane(piece));

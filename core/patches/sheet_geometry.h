@@ -28,17 +28,17 @@ class SheetGeometry {
   SheetGeometry(const Surface& surface, const PatchSet& facets, const RunControl& control)
       : surface_(surface), facets_(facets), control_(control), check_(control) {}
 
-  /// Returns whether a facet itself goes around the axis, as the flat ring does where a torus is highest if no corner is
-  /// there. Such a facet has no place in a map.
+  /// Returns whether a facet itself goes around the axis. If no corner is where a torus is highest, a flat ring of it
+  /// does. Such a facet has no place in a map.
   bool goes_around(PatchId facet, const AnalyticSurface& shape);
 
   /// Returns the sector of each facet of a sheet, which is 0 everywhere if the sheet has a map as it is. Sectors begin
   /// at the angle of a corner. If corners are even, facets end where sectors do.
   std::vector<std::uint8_t> sectors(const Sheet& sheet, const AnalyticSurface& shape);
 
-  /// Returns the corner at which a sheet is divided. It is found by what does not change if the model is turned: it is a
-  /// corner that is farthest from the middle of the sheet. If several are alike, it is one of those of which there are
-  /// the fewest, where corners with facets of the same area count as one kind. Only then the smallest one is taken.
+  /// Returns the corner at which a sheet is divided. It is found by what does not change if the model is turned: it is
+  /// a corner that is farthest from the middle of the sheet. If several are alike, it is one of those of which there
+  /// are the fewest, where corners with facets of the same area count as one kind. Only then the smallest one is taken.
   /// Output: a corner on the axis, such as the apex of a cone, is never taken.
   /// Cost:   O(n log n).
   Vec3 dividing_corner(const Sheet& sheet, const AnalyticSurface& shape);
