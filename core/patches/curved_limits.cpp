@@ -27,6 +27,10 @@ constexpr double kRounding = 1e-6;
 /// the input's facets.
 constexpr double kMinShare = 0.25;
 
+/// Edges at a torus are no deeper than this part of the tube's radius, whatever its distance from the axis allows.
+/// Otherwise a thin tube would vanish, and its normals would turn too far between old and new places.
+constexpr double kMaxPartOfTube = 0.25;
+
 /// Returns the largest distance of each surface's facets from its axis. For a sphere it is the radius.
 std::vector<double> largest_radii(const Surface& surface, const PatchSet& facets, const RecognisedSurfaces& recognised,
                                   RunControl& control) {
@@ -80,7 +84,7 @@ std::vector<CurvedLimits> curved_limits(const Surface& surface, const PatchSet& 
     if (s.shape.kind == SurfaceKind::kTorus) {
       // On the inner half of a torus, edges around the axis lie outside of the tube and others inside. So the facets
       // and the result may be on different sides, and their distances from the surface add up.
-      of_surface.max_height = tolerance + plane_tolerance - own;
+      of_surface.max_height = std::min(tolerance + plane_tolerance - own, kMaxPartOfTube * s.shape.minor_radius);
       if (of_surface.max_height < kMinShare * own) {
         of_surface = {};
         continue;
@@ -98,6 +102,8 @@ std::vector<CurvedLimits> curved_limits(const Surface& surface, const PatchSet& 
     of_surface.max_height = std::min(of_surface.max_height, depth + plane_tolerance);
     of_surface.boundary_tolerance = std::min(tolerance, of_circles * (1 + kRounding) + plane_tolerance);
     if (along > 0) of_surface.boundary_tolerance = std::min(of_surface.boundary_tolerance, sideways / along);
+    if (s.shape.kind == SurfaceKind::kTorus)
+      of_surface.boundary_tolerance = std::min(of_surface.boundary_tolerance, kMaxPartOfTube * s.shape.minor_radius);
     of_surface.boundary_sideways =
         kSidewaysShare * std::min(sideways, below * std::sqrt(tolerance * tolerance - of_circles * of_circles));
     of_surface.max_turn = std::min(turn, kMaxTurn);

@@ -45,8 +45,7 @@ struct ChainGap {
 /// way across the axis. An angle deviates from a linear one by no more than an eighth of the square of that length over
 /// rho. From the ends of a piece, this bounds the way along the rulings and the turn w about the axis. The gap is the
 /// root of the sum of the squares of the former and of (r + h cos a) w, with the largest distance r of the nearest
-/// points from the axis, and h the largest depth, as
-/// curved_patch.h proves.
+/// points from the axis and the largest depth h, as curved_patch.h proves.
 ///
 /// Input:  `input`, `output` - at least two points each, in the model's scale, in the same direction; `uses` - the
 ///         faces along the chain.
