@@ -55,6 +55,19 @@ std::vector<double> largest_radii(const Surface& surface, const PatchSet& facets
   return radii;
 }
 
+/// Limits how far boundaries of a torus move. Where the chord of a circle around the axis moves along the tube, the
+/// tube's normal turns, and the proven bound grows with this turn. A fillet far from its axis has such circles at one
+/// end and deep chords at the other, so that the tolerance has to serve for both.
+void limit_on_tube(const AnalyticSurface& torus, double own, CurvedLimits& limits) {
+  const double tube = torus.minor_radius, share = limits.tolerance / tube;
+  limits.boundary_tolerance = std::min(limits.boundary_tolerance, kMaxPartOfTube * tube);
+  constexpr double kFarFromAxis = 3, kFewTurns = 0.1, kDepth = 0.6, kAlong = 0.7;
+  if (torus.radius < kFarFromAxis * tube || share < kFewTurns) return;
+  limits.max_height = std::min(limits.max_height, std::max(kDepth * limits.tolerance - own, own));
+  limits.boundary_tolerance =
+      std::min(limits.boundary_tolerance, kAlong * limits.tolerance / ((1 + share) * (1 + share)));
+}
+
 }  // namespace
 
 std::vector<CurvedLimits> curved_limits(const Surface& surface, const PatchSet& facets,
@@ -102,8 +115,7 @@ std::vector<CurvedLimits> curved_limits(const Surface& surface, const PatchSet& 
     of_surface.max_height = std::min(of_surface.max_height, depth + plane_tolerance);
     of_surface.boundary_tolerance = std::min(tolerance, of_circles * (1 + kRounding) + plane_tolerance);
     if (along > 0) of_surface.boundary_tolerance = std::min(of_surface.boundary_tolerance, sideways / along);
-    if (s.shape.kind == SurfaceKind::kTorus)
-      of_surface.boundary_tolerance = std::min(of_surface.boundary_tolerance, kMaxPartOfTube * s.shape.minor_radius);
+    if (s.shape.kind == SurfaceKind::kTorus) limit_on_tube(s.shape, own, of_surface);
     of_surface.boundary_sideways =
         kSidewaysShare * std::min(sideways, below * std::sqrt(tolerance * tolerance - of_circles * of_circles));
     of_surface.max_turn = std::min(turn, kMaxTurn);

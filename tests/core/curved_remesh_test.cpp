@@ -308,6 +308,50 @@ TEST(curved_remesh, cones_are_as_coarse_as_asked_at_once_and_their_rims_have_equ
   }
 }
 
+TEST(curved_remesh, the_side_of_a_cylinder_has_hardly_more_faces_than_columns_make) {
+  // The half of a step at each end of a column, and a row of triangles at each rim, come on top.
+  const Model model = primitives::cylinder(72, 10, 30);
+  for (const double elements : {16.0, 24.0, 36.0}) {
+    const Result result = remeshed(model.mesh, with_circle(elements));
+    std::size_t faces = 0;
+    for (const PatchId p : result.face_patch) {
+      const SurfaceId s = result.report.surfaces.of_patch[p];
+      faces += result.report.surfaces.surfaces[s].shape.kind == SurfaceKind::kCylinder ? 1 : 0;
+    }
+    const double width = 2 * 10 * std::sin(kPi / elements), ideal = 2 * kPi * 10 * 30 / (0.97 * width * width);
+    EXPECT_LE(static_cast<double>(faces), 1.05 * ideal + elements) << elements;
+  }
+}
+
+TEST(curved_remesh, the_seams_of_a_tube_have_the_points_of_columns) {
+  // Where the halves of a cylinder meet, the pieces between the rims are as long as the steps of columns, and equal.
+  const double radius = 10, height = 30;
+  const Model model = primitives::cylinder(72, radius, height);
+  for (const double elements : {12.0, 16.0, 24.0}) {
+    const Result result = remeshed(model.mesh, with_circle(elements));
+    std::map<std::pair<VertexId, VertexId>, PatchId> patch_at;
+    for (std::size_t f = 0; f < result.mesh.faces.size(); ++f)
+      for (int i = 0; i < 3; ++i) {
+        const Triangle& t = result.mesh.faces[FaceId(f)];
+        patch_at[{t[i], t[(i + 1) % 3]}] = result.face_patch[FaceId(f)];
+      }
+    const auto is_side = [&](PatchId p) {
+      return result.report.surfaces.surfaces[result.report.surfaces.of_patch[p]].shape.kind == SurfaceKind::kCylinder;
+    };
+    std::vector<double> lengths;
+    for (const auto& [edge, patch] : patch_at) {
+      const PatchId other = patch_at.at({edge.second, edge.first});
+      if (patch < other && is_side(patch) && is_side(other))
+        lengths.push_back(norm(result.mesh.positions[edge.first] - result.mesh.positions[edge.second]));
+    }
+    const double step = 1.94 * 2 * kPi / elements * radius;
+    const double rows = std::ceil(height / (step / 2) * (1 - 1e-9));
+    EXPECT_EQ(lengths.size(), static_cast<std::size_t>(2 * std::ceil(rows / 2))) << elements;
+    const double longest = *std::max_element(lengths.begin(), lengths.end());
+    EXPECT_NEAR(longest, 2 * height / rows, 1e-9) << elements;
+  }
+}
+
 TEST(curved_remesh, a_cone_with_its_apex_has_few_faces) {
   // The area of a triangle between columns grows with the square of the distance from the apex. So each factor of that
   // distance takes as many triangles. Beyond a tenth of it or so, edges may turn by more than elsewhere.

@@ -253,7 +253,9 @@ TEST(curved_patches, sheets_are_divided_alike_however_a_model_is_turned) {
       joined.expect_holds();
       const std::vector<std::size_t> sizes = joined.sizes();
       for (const std::size_t size : sizes) EXPECT_EQ(size, sizes.front());
-      if (model.surfaces.size() == 1) EXPECT_TRUE(are_sides_apart(model, joined));
+      if (model.surfaces.size() == 1) {
+        EXPECT_TRUE(are_sides_apart(model, joined));
+      }
     }
 }
 

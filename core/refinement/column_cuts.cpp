@@ -1,0 +1,97 @@
+#include "core/refinement/column_cuts.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "core/base/stoppable.h"
+#include "core/refinement/column_fill.h"
+
+namespace remesh {
+namespace {
+
+/// A segment runs along a column if its ends differ by less than this part of a column around the axis, and if its
+/// angle is that of the column up to this part.
+constexpr double kAlong = 1e-3;
+/// A point is at the apex of a cone if it is nearer to the axis than this part of the other end.
+constexpr double kAtApex = 1e-3;
+/// A cut is at least this many rows away from both ends of its segment.
+constexpr double kMinRows = 0.7;
+/// A patch never asks for more cuts of one segment than this.
+constexpr double kMaxRows = 1 << 20;
+
+/// Returns the cuts of a segment that runs along a column.
+std::vector<double> cuts_in_rows(const BoundaryCurve& curve, const SurfaceMap& map, const ColumnGrid& grid) {
+  Vec3 inner = curve.position(0), outer = curve.position(1);
+  if (map.radius(inner) > map.radius(outer)) std::swap(inner, outer);
+  const SurfaceMap::Around from = map.around(inner), to = map.around(outer);
+  const double column = (to.angle - grid.start) / grid.width, nearest = std::nearbyint(column);
+  // The apex of a cone is at every angle.
+  const bool is_at_apex = map.radius(inner) < kAtApex * map.radius(outer);
+  const bool is_along = is_at_apex || std::fabs(to.angle - from.angle) < kAlong * grid.width;
+  if (!is_along || std::fabs(column - nearest) > kAlong) return {};
+  const double begin = is_at_apex ? -kMinRows : (from.way - grid.low) / grid.row;
+  const double end = (to.way - grid.low) / grid.row;
+  const double low = std::min(begin, end) + kMinRows, high = std::max(begin, end) - kMinRows;
+  if (!std::isfinite(low) || !std::isfinite(high) || !(high - low < kMaxRows)) return {};
+  const double shift = std::fmod(std::fabs(nearest), 2);
+  std::vector<double> cuts;
+  for (double i = 2 * std::ceil((low - shift) / 2) + shift; i <= high; i += 2) {
+    const Vec3 place = map.point(SurfaceMap::Around{to.angle, grid.low + i * grid.row});
+    cuts.push_back(norm(place - curve.position(0)) / curve.length());
+  }
+  std::sort(cuts.begin(), cuts.end());
+  return cuts;
+}
+
+/// Returns whether all pieces are as long as the segment's floor asks for.
+bool are_long_enough(const std::vector<double>& cuts, const BoundarySegment& segment) {
+  double before = 0;
+  for (std::size_t i = 0; i <= cuts.size(); ++i) {
+    const double here = i < cuts.size() ? cuts[i] : 1;
+    if (!((here - before) * segment.length > segment.floor) || !(here > before)) return false;
+    before = here;
+  }
+  return true;
+}
+
+}  // namespace
+
+std::map<SegmentId, std::vector<double>> column_cuts(const TriangulatedPatches& triangulated, const SegmentTable& table,
+                                                     const Goals& goals, RunControl& control) {
+  std::map<SegmentId, std::vector<double>> result;
+  if (!triangulated.charts.has_curved() || goals.min_angle_deg == 0) return result;
+  StopCheck check(control);
+  for (PatchId p(0); p.value < triangulated.size(); ++p.value) {
+    check();
+    const PatchChart chart = triangulated.charts[p];
+    if (chart.curved() == nullptr || !chart.curved()->map().has_axis()) continue;
+    const PatchMesh& patch = triangulated.meshes[p];
+    std::vector<Vec3> vertices;
+    for (const VertexId v : patch.vertices) vertices.push_back(table.surface().positions[v]);
+    std::vector<std::array<Vec3, 2>> sides;
+    const auto own = table.sides_of_patch(p);
+    for (const std::uint32_t i : own) {
+      check();
+      const std::uint32_t h = table.all_sides()[i].half_edge;
+      sides.push_back({vertices[patch.mesh.from(h)], vertices[patch.mesh.to(h)]});
+    }
+    const ColumnGrid grid = column_grid(*chart.curved(), vertices, sides, control);
+    if (!(grid.width > 0) || !(grid.last - grid.first > 1)) continue;
+    for (const std::uint32_t i : own) {
+      check();
+      const SegmentId s = table.all_sides()[i].segment;
+      const BoundarySegment& segment = table[s];
+      if (segment.is_locked() || segment.shell_base[0] > 0 || segment.shell_base[1] > 0) continue;
+      std::vector<double> cuts = cuts_in_rows(table.curve(s), chart.curved()->map(), grid);
+      if (cuts.empty() || !are_long_enough(cuts, segment)) continue;
+      std::vector<double>& known = result[s];
+      const bool is_better = cuts.size() != known.size() ? cuts.size() > known.size() : cuts < known;
+      if (is_better) known = std::move(cuts);
+    }
+  }
+  return result;
+}
+
+}  // namespace remesh
