@@ -14,31 +14,29 @@ namespace {
 /// A segment runs along a column if its ends differ by less than this part of a column around the axis, and if its
 /// angle is that of the column up to this part.
 constexpr double kAlong = 1e-3;
-/// A point is at the apex of a cone if it is nearer to the axis than this part of the other end.
-constexpr double kAtApex = 1e-3;
 /// A cut is at least this many rows away from both ends of its segment.
 constexpr double kMinRows = 0.7;
 /// A patch never asks for more cuts of one segment than this.
 constexpr double kMaxRows = 1 << 20;
 
+bool is_ruled(const AnalyticSurface& shape) {
+  return shape.kind == SurfaceKind::kCylinder || shape.kind == SurfaceKind::kCone;
+}
+
 /// Returns the cuts of a segment that runs along a column.
 std::vector<double> cuts_in_rows(const BoundaryCurve& curve, const SurfaceMap& map, const ColumnGrid& grid) {
-  Vec3 inner = curve.position(0), outer = curve.position(1);
-  if (map.radius(inner) > map.radius(outer)) std::swap(inner, outer);
-  const SurfaceMap::Around from = map.around(inner), to = map.around(outer);
-  const double column = (to.angle - grid.start) / grid.width, nearest = std::nearbyint(column);
-  // The apex of a cone is at every angle.
-  const bool is_at_apex = map.radius(inner) < kAtApex * map.radius(outer);
-  const bool is_along = is_at_apex || std::fabs(to.angle - from.angle) < kAlong * grid.width;
+  const SurfaceMap::Around from = map.around(curve.position(0)), to = map.around(curve.position(1));
+  const double column = (0.5 * (from.angle + to.angle) - grid.start) / grid.width, nearest = std::nearbyint(column);
+  const bool is_along = std::fabs(to.angle - from.angle) < kAlong * grid.width;
   if (!is_along || std::fabs(column - nearest) > kAlong) return {};
-  const double begin = is_at_apex ? -kMinRows : (from.way - grid.low) / grid.row;
-  const double end = (to.way - grid.low) / grid.row;
+  const double begin = (from.way - grid.low) / grid.row, end = (to.way - grid.low) / grid.row;
   const double low = std::min(begin, end) + kMinRows, high = std::max(begin, end) - kMinRows;
-  if (!std::isfinite(low) || !std::isfinite(high) || !(high - low < kMaxRows)) return {};
+  // Segments that end at the apex of a cone get no cuts. The apex is far below the lowest row.
+  if (!(low > -1) || !(high - low < kMaxRows)) return {};
   const double shift = std::fmod(std::fabs(nearest), 2);
   std::vector<double> cuts;
   for (double i = 2 * std::ceil((low - shift) / 2) + shift; i <= high; i += 2) {
-    const Vec3 place = map.point(SurfaceMap::Around{to.angle, grid.low + i * grid.row});
+    const Vec3 place = map.point(SurfaceMap::Around{from.angle, grid.low + i * grid.row});
     cuts.push_back(norm(place - curve.position(0)) / curve.length());
   }
   std::sort(cuts.begin(), cuts.end());
@@ -66,7 +64,8 @@ std::map<SegmentId, std::vector<double>> column_cuts(const TriangulatedPatches& 
   for (PatchId p(0); p.value < triangulated.size(); ++p.value) {
     check();
     const PatchChart chart = triangulated.charts[p];
-    if (chart.curved() == nullptr || !chart.curved()->map().has_axis()) continue;
+    // Boundaries along the tube of a torus are curves that have been divided.
+    if (chart.curved() == nullptr || !is_ruled(chart.curved()->map().shape())) continue;
     const PatchMesh& patch = triangulated.meshes[p];
     std::vector<Vec3> vertices;
     for (const VertexId v : patch.vertices) vertices.push_back(table.surface().positions[v]);
