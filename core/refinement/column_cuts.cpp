@@ -16,6 +16,9 @@ namespace {
 constexpr double kAlong = 1e-3;
 /// A cut is at least this many rows away from both ends of its segment.
 constexpr double kMinRows = 0.7;
+/// Beside a plane, the points serve the curved patch alone. They save more triangles there than they make in the plane
+/// if it has at least this many columns.
+constexpr double kManyColumns = 6;
 /// A patch never asks for more cuts of one segment than this.
 constexpr double kMaxRows = 1 << 20;
 
@@ -83,6 +86,12 @@ std::map<SegmentId, std::vector<double>> column_cuts(const TriangulatedPatches& 
       const SegmentId s = table.all_sides()[i].segment;
       const BoundarySegment& segment = table[s];
       if (segment.is_locked() || segment.shell_base[0] > 0 || segment.shell_base[1] > 0) continue;
+      // A plane needs no vertices there.
+      const auto beside = table.sides(s);
+      const bool has_plane = std::any_of(beside.begin(), beside.end(), [&](const SegmentSide& side) {
+        return triangulated.charts[side.patch].curved() == nullptr;
+      });
+      if (has_plane && grid.last - grid.first < kManyColumns) continue;
       std::vector<double> cuts = cuts_in_rows(table.curve(s), chart.curved()->map(), grid);
       if (cuts.empty() || !are_long_enough(cuts, segment)) continue;
       std::vector<double>& known = result[s];

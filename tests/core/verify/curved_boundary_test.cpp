@@ -119,6 +119,8 @@ TEST(verify, the_rims_of_a_cone_move_into_it_and_along_it_by_the_height_of_their
         EXPECT_LE(e.verify().patch_bounds[p], height * (1 + 2e-3));
         EXPECT_GE(e.verify().patch_bounds[p], true_distance(e, PatchId(p), 0.02 * height) * (1 - 1e-9));
       }
+      if (before != 16) continue;
+      // Each second vertex of the input is opposite the middle of a new chord.
       Example strict = e;
       for (auto& surface : strict.curved) surface.tolerance = 0.97 * height;
       EXPECT_FALSE(is_verified(strict));
