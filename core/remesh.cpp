@@ -201,7 +201,9 @@ class Run {
     // Beyond the 2018 report: find curved surfaces, and join their facets as far as that is asked for.
     watch_.enter(Stage::kSurfaces);
     curves_.run(partition_, before, prepared_, *ladder_, options_,
-                {report_.plane_tolerance, report_.input.bounding_box.diagonal()}, control_);
+                {report_.plane_tolerance, report_.input.bounding_box.diagonal(),
+                 options_.refine ? refiner_->goals().min_angle_deg : 0},
+                control_);
     refiner_->set_curved(curves_.curved() != nullptr);
     report_.surfaces = curves_.surfaces();
   }

@@ -33,11 +33,12 @@ double bend(const Vec3& a, const Vec3& b, const Vec3& c) {
 class ChainCutter {
  public:
   ChainCutter(std::uint32_t chain, const ChainSides& sides, const ChainCutting& cutting, std::vector<ChainCut>& cuts)
-      : chain_(chain), sides_(sides), cutting_(cutting), cuts_(cuts), limits_{HUGE_VAL, HUGE_VAL} {
+      : chain_(chain), sides_(sides), cutting_(cutting), cuts_(cuts), limits_{HUGE_VAL, HUGE_VAL, {}, 1} {
     for (const PatchSurface& side : sides.curved) {
       limits_.tolerance = std::min(limits_.tolerance, side.tolerance);
       sideways_ = std::min(sideways_, side.sideways > 0 ? side.sideways : kShareOfThinning * side.tolerance);
       limits_.max_turn = std::min(limits_.max_turn, side.max_turn);
+      limits_.depths.push_back({side.shape, side.max_depth});
     }
   }
 
@@ -73,12 +74,24 @@ class ChainCutter {
     const std::optional<SectionChain> chain = section_through(points);
     if (!chain) return false;
     const auto room = [&](double limit) { return room_along(points, limit); };
+    limits_.min_pieces = pieces_for_width(nodes);
     SectionChain::Division division = chain->divide(limits_, cutting_.rules.fit_tolerance, room, cutting_.control);
     is_limited_ = is_limited_ || division.is_limited;
     if (!division.is_changed) return true;
     cuts_.push_back({{nodes.begin(), nodes.end()}, std::move(division.kept), std::move(division.points), {}, true});
     cuts_.back().middle = chain->place(0.5);
     return true;
+  }
+
+  /// Returns the least number of pieces that are short enough for the width of each curved patch beside the chain. The
+  /// width is the patch's area over the chain's length.
+  double pieces_for_width(std::span<const ChainNode> nodes) const {
+    double length = 0, area = HUGE_VAL;
+    for (std::size_t i = 1; i < nodes.size(); ++i)
+      length += norm(cutting_.surface.local[nodes[i].vertex] - cutting_.surface.local[nodes[i - 1].vertex]);
+    for (const PatchSurface& side : sides_.curved) area = std::min(area, side.area);
+    const double longest = cutting_.rules.max_length_per_width * area / length;
+    return longest > 0 ? std::ceil(length / longest * (1 - kSlack)) : 1;
   }
 
   /// Finds a surface and a plane whose section the chain is.

@@ -1,6 +1,7 @@
 /// Cuts one chain of a patch boundary anew, so that its pieces are as long as the curved patches beside it allow.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -24,6 +25,9 @@ struct PatchSurface {
   double max_turn = 0;                     ///< curved: the angle by which edges may turn, in radians
   /// Curved: how far a node that is dropped may be off its chord where no formula is known. 0: half of the tolerance.
   double sideways = 0;
+  /// Curved: how far new pieces of a curve with a formula may be from the surface, in model units.
+  double max_depth = HUGE_VAL;
+  double area = HUGE_VAL;  ///< curved: area of the patch, in squared local units
 };
 
 /// The rules by which curves are recognised.
@@ -31,6 +35,9 @@ struct CurveRules {
   /// The largest distance of an essential vertex from the surfaces on which it is said to lie, in model units.
   double fit_tolerance = 0;
   double feature_angle = 0;  ///< a chain without a formula has a corner where it bends by more, in radians
+  /// New pieces are no longer than this many times the width of a curved patch beside them, because triangles over
+  /// longer ones would have smaller angles than is allowed.
+  double max_length_per_width = HUGE_VAL;
 };
 
 /// The patches beside a chain. Each of them is named once.
@@ -66,7 +73,8 @@ struct ChainCutting {
 /// Holds:  - a chain with a formula has equal pieces, as seen from its axis. There are so few of them that each turns
 ///           by at most the smallest `max_turn` and that both polylines are within the smallest `tolerance` of each
 ///           other, but three at least in a closed chain. If the turn is not limited to a third of a circle, each of
-///           them turns by at most a sixth. If the input's pieces are no larger and no more, they stay.
+///           them turns by at most a sixth. Where a curved patch is narrow, there are so many that they are no longer
+///           than `max_length_per_width` allows. If the input's pieces are no larger and no more, they stay.
 ///         - a chain without a formula keeps some of its nodes. Each node that is dropped is within the tolerance of
 ///           its chord, in order along it, and the normals of each curved surface turn by at most `max_turn` between
 ///           two nodes that stay, unless these are neighbours in the input.

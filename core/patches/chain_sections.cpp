@@ -89,8 +89,11 @@ SectionChain::Misfit SectionChain::misfit(std::span<const Vec3> division, const 
     result.largest = std::max(result.largest, distance);
   };
   for (std::size_t j = 0; j < pieces; ++j)
-    for (const double part : kHeightPlaces)
+    for (const double part : kHeightPlaces) {
       note(distance_to(place((static_cast<double>(j) + part) / count), division[j], division[j + 1]), limits.tolerance);
+      const Vec3 on_chord = division[j] + part * (division[j + 1] - division[j]);
+      for (const auto& [surface, max_depth] : limits.depths) note(std::fabs(surface->distance(on_chord)), max_depth);
+    }
   const auto compare = [&](const Vec3& p, double angle, double limit) {
     const auto j = std::min(pieces - 1, static_cast<std::size_t>(angle / total_ * count));
     note(distance_to(p, division[j], division[j + 1]), limit);
@@ -144,7 +147,9 @@ SectionChain::Division SectionChain::divide(const ChainLimits& limits, double fi
   const double turn = turn_limit(limits.max_turn), wanted = std::ceil(total_ / turn * (1 - kSlack));
   if (!(wanted <= kMaxPieces)) return result;
   const std::size_t of_input = piece_count();
-  const std::size_t first = std::max(static_cast<std::size_t>(is_closed() ? 3 : 1), static_cast<std::size_t>(wanted));
+  const std::size_t by_turn = std::max(static_cast<std::size_t>(is_closed() ? 3 : 1), static_cast<std::size_t>(wanted));
+  const std::size_t first =
+      std::max(by_turn, static_cast<std::size_t>(std::min(limits.min_pieces, static_cast<double>(of_input))));
   const bool may_stay = turn >= largest_turn() * (1 - kSlack);
   const std::size_t max = may_stay ? of_input - 1 : std::max(first, of_input);
   std::optional<ChainRoom> known;
@@ -172,6 +177,7 @@ SectionChain::Division SectionChain::divide(const ChainLimits& limits, double fi
     }
   }
   result.is_limited = known && known->is_limited && (!result.is_changed || n != without_room);
+  result.is_limited = result.is_limited || (result.is_changed && first > by_turn);
   return result;
 }
 

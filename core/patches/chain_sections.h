@@ -10,14 +10,23 @@
 
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
+#include "core/geometry/analytic_surface.h"
 #include "core/geometry/section_curve.h"
 
 namespace remesh {
+
+/// A surface beside a chain, and how far the middles of new pieces may be from it, in model units.
+struct DepthLimit {
+  const AnalyticSurface* surface = nullptr;
+  double max_depth = 0;
+};
 
 /// How far the new pieces of a chain may be from the input, and how much they may turn.
 struct ChainLimits {
   double tolerance = 0;  ///< in model units
   double max_turn = 0;   ///< in radians
+  std::vector<DepthLimit> depths = {};
+  double min_pieces = 1;  ///< there are at least this many pieces, or as many as in the input if that is less
 };
 
 /// The tolerance at the nodes of a chain and in the middles of its pieces. It is less than elsewhere where another
@@ -50,7 +59,7 @@ class SectionChain {
   /// The outcome of a division: everything stays, or there are new points or fewer nodes between the ends.
   struct Division {
     bool is_changed = false;
-    bool is_limited = false;  ///< there are more pieces than without `room`
+    bool is_limited = false;  ///< there are more pieces than without `room` and without a least number of them
     std::vector<std::uint32_t> kept;
     std::vector<Vec3> points;
   };

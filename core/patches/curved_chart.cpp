@@ -36,11 +36,13 @@ CurvedChart::CurvedChart(const CurvedPatch& patch)
 SpacePoint CurvedChart::space_point(const Vec3& position) const {
   const AnalyticSurface& shape = map_.shape();
   if (shape.kind != SurfaceKind::kCone) return {position, map_.side() * shape.normal(position)};
-  // So near to its apex, a cone is within the tolerance of edges that turn by more than is asked.
   const double radius = map_.radius(position);
   constexpr double kAtApex = 1e-3;
   if (radius < kAtApex * max_height_) return {position, {}, true};
-  return {position, map_.side() * shape.normal(position), radius < max_height_};
+  // So near to its apex, a cone is within the tolerance of edges that turn by a sixth of a circle.
+  constexpr double kHeightOfSixth = 0.134;
+  const bool is_near_apex = radius * kHeightOfSixth * std::cos(shape.half_angle) < max_height_;
+  return {position, map_.side() * shape.normal(position), is_near_apex};
 }
 
 bool CurvedChart::is_bent(const SpacePoint& a, const SpacePoint& b) const {
@@ -49,9 +51,11 @@ bool CurvedChart::is_bent(const SpacePoint& a, const SpacePoint& b) const {
   const double max_squared = a.is_near_apex || b.is_near_apex ? std::max(max_turn_squared_, 1.0) : max_turn_squared_;
   if (!is_at_apex && norm_squared(a.normal - b.normal) > max_squared) return true;
   const AnalyticSurface& shape = map_.shape();
-  const double at_half = shape.distance(0.5 * (a.position + b.position));
-  if (std::fabs(at_half) > max_height_) return true;
-  return highest_of_parabola(shape.distance(a.position), at_half, shape.distance(b.position)) > max_height_;
+  const double at_a = shape.distance(a.position), at_b = shape.distance(b.position);
+  // Some boundaries are straight and deeper than that. Smaller edges at a vertex of them would be as deep.
+  const double at_ends = std::max(std::fabs(at_a), std::fabs(at_b));
+  const double limit = std::max(max_height_, at_ends * kRoundingFactor);
+  return highest_of_parabola(at_a, shape.distance(0.5 * (a.position + b.position)), at_b) > limit;
 }
 
 }  // namespace remesh

@@ -27,8 +27,11 @@ constexpr double kRounding = 1e-6;
 /// the input's facets.
 constexpr double kMinShare = 0.25;
 
-/// Returns the largest distance of each surface's facets from its axis, as seen along the surface's normal: the radius
-/// of the circles around the axis that bend least. For a sphere it is the radius.
+/// Edges at a torus are no deeper than this part of the tube's radius, whatever its distance from the axis allows.
+/// Otherwise a thin tube would vanish, and its normals would turn too far between old and new places.
+constexpr double kMaxPartOfTube = 0.25;
+
+/// Returns the largest distance of each surface's facets from its axis. For a sphere it is the radius.
 std::vector<double> largest_radii(const Surface& surface, const PatchSet& facets, const RecognisedSurfaces& recognised,
                                   RunControl& control) {
   std::vector<double> radii(recognised.surfaces.size(), 0);
@@ -46,11 +49,23 @@ std::vector<double> largest_radii(const Surface& surface, const PatchSet& facets
       for (const VertexId v : surface.face(f)) {
         check();
         const Vec3 way = surface.positions[v] - shape.origin;
-        const double distance = norm(way - dot(way, shape.axis) * shape.axis) * std::cos(shape.half_angle);
-        radii[s.value] = std::max(radii[s.value], distance);
+        radii[s.value] = std::max(radii[s.value], norm(way - dot(way, shape.axis) * shape.axis));
       }
   }
   return radii;
+}
+
+/// Limits how far boundaries of a torus move. Where the chord of a circle around the axis moves along the tube, the
+/// tube's normal turns, and the proven bound grows with this turn. A fillet far from its axis has such circles at one
+/// end and deep chords at the other, so that the tolerance has to serve for both.
+void limit_on_tube(const AnalyticSurface& torus, double own, CurvedLimits& limits) {
+  const double tube = torus.minor_radius, share = limits.tolerance / tube;
+  limits.boundary_tolerance = std::min(limits.boundary_tolerance, kMaxPartOfTube * tube);
+  constexpr double kFarFromAxis = 3, kFewTurns = 0.1, kDepth = 0.6, kAlong = 0.7;
+  if (torus.radius < kFarFromAxis * tube || share < kFewTurns) return;
+  limits.max_height = std::min(limits.max_height, std::max(kDepth * limits.tolerance - own, own));
+  limits.boundary_tolerance =
+      std::min(limits.boundary_tolerance, kAlong * limits.tolerance / ((1 + share) * (1 + share)));
 }
 
 }  // namespace
@@ -82,18 +97,27 @@ std::vector<CurvedLimits> curved_limits(const Surface& surface, const PatchSet& 
     if (s.shape.kind == SurfaceKind::kTorus) {
       // On the inner half of a torus, edges around the axis lie outside of the tube and others inside. So the facets
       // and the result may be on different sides, and their distances from the surface add up.
-      of_surface.max_height = tolerance + plane_tolerance - own;
+      of_surface.max_height = std::min(tolerance + plane_tolerance - own, kMaxPartOfTube * s.shape.minor_radius);
       if (of_surface.max_height < kMinShare * own) {
         of_surface = {};
         continue;
       }
     }
+    // A chord of a circle around the axis of a cone lies below the surface by a part of its distance from the circle.
+    // The rest of that distance is along the surface.
+    const bool is_cone = s.shape.kind == SurfaceKind::kCone;
+    const double below = is_cone ? std::cos(s.shape.half_angle) : 1, along = is_cone ? std::sin(s.shape.half_angle) : 0;
     // Where a boundary is cut anew, the result may leave the input both in depth and along the surface. The proven
-    // bound is the root of the sum of their squares.
-    const double depth = std::max(kDepthShare * tolerance, tolerance - asked.value_or(own));
+    // bound is the root of the sum of their squares. Boundaries that stay are as deep as the input's facets.
+    const double of_circles = std::max(kDepthShare * tolerance, tolerance - asked.value_or(own));
+    const double depth = std::max(below * of_circles, std::min(own, kDepthShare * tolerance));
+    const double sideways = std::sqrt(tolerance * tolerance - depth * depth);
     of_surface.max_height = std::min(of_surface.max_height, depth + plane_tolerance);
-    of_surface.boundary_tolerance = std::min(tolerance, depth * (1 + kRounding) + plane_tolerance);
-    of_surface.boundary_sideways = kSidewaysShare * std::sqrt(tolerance * tolerance - depth * depth);
+    of_surface.boundary_tolerance = std::min(tolerance, of_circles * (1 + kRounding) + plane_tolerance);
+    if (along > 0) of_surface.boundary_tolerance = std::min(of_surface.boundary_tolerance, sideways / along);
+    if (s.shape.kind == SurfaceKind::kTorus) limit_on_tube(s.shape, own, of_surface);
+    of_surface.boundary_sideways =
+        kSidewaysShare * std::min(sideways, below * std::sqrt(tolerance * tolerance - of_circles * of_circles));
     of_surface.max_turn = std::min(turn, kMaxTurn);
     const double smallest = s.shape.kind == SurfaceKind::kTorus ? s.shape.minor_radius : radii[i];
     of_surface.max_turn += 4 * plane_tolerance / smallest;

@@ -43,6 +43,7 @@ struct CurvedPatch {
   SurfaceId surface;
   SurfaceMap map;  ///< one-to-one on the patch
   CurvedLimits limits;
+  double area = 0;  ///< of its facets, in squared local units
 };
 
 /// The patches of a surface after the facets of curved surfaces were joined.

@@ -1,6 +1,7 @@
 #include "core/patches/curved_stage.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <utility>
 
@@ -16,21 +17,21 @@ PatchSet CurvedStage::take_facets(Partition& partition) {
 }
 
 void CurvedStage::run(Partition& partition, const PatchSet& facets_before, Prepared& prepared, Ladder& ladder,
-                      const Options& options, const Lengths& lengths, RunControl& control) {
+                      const Options& options, const Measures& measures, RunControl& control) {
   if (!recognised_.of_patch.empty())
     recognised_.follow(facets_before, partition.patches);
   else
-    recognise(partition, prepared, options, lengths.plane_tolerance, control);
+    recognise(partition, prepared, options, measures.plane_tolerance, control);
   const Surface& surface = prepared.surface;
   const std::vector<CurvedLimits> limits = curved_limits(surface, partition.patches, recognised_, options,
-                                                         lengths.plane_tolerance, lengths.diagonal, control);
+                                                         measures.plane_tolerance, measures.diagonal, control);
   cuts_ = {};
   with_cuts_.reset();
   curved_ = join_curved_facets(surface, prepared.adjacency(control), partition.patches, recognised_,
                                options.feature_angle_deg, limits, rungs_, control);
   if (curved_.has_any()) {
-    facets_ = take_joined_patches(partition, prepared, curved_, lengths.plane_tolerance, ladder, control);
-    cut_boundaries(partition, prepared, ladder, options, control);
+    facets_ = take_joined_patches(partition, prepared, curved_, measures.plane_tolerance, ladder, control);
+    cut_boundaries(partition, prepared, ladder, options, measures.min_angle_deg, control);
   }
   tell_failures(partition);
   surfaces_ = curved_.has_any() ? curved_.surfaces : recognised_;
@@ -67,7 +68,7 @@ void CurvedStage::recognise(const Partition& partition, Prepared& prepared, cons
 
 /// Cuts the boundaries of curved patches anew. The new vertices follow those of the surface.
 void CurvedStage::cut_boundaries(Partition& partition, Prepared& prepared, Ladder& ladder, const Options& options,
-                                 RunControl& control) {
+                                 double min_angle_deg, RunControl& control) {
   IdVector<PatchId, PatchSurface> surfaces(partition.patches.count());
   for (std::size_t i = 0; i < surfaces.size(); ++i) {
     const PatchId p(i);
@@ -77,19 +78,24 @@ void CurvedStage::cut_boundaries(Partition& partition, Prepared& prepared, Ladde
                      {},
                      patch->limits.boundary_tolerance,
                      patch->limits.max_turn,
-                     patch->limits.boundary_sideways};
+                     patch->limits.boundary_sideways,
+                     patch->limits.max_height,
+                     patch->area};
   }
   if (!options.split_boundaries) {
     // The boundary stays as it is, so curved patches are remeshed between its vertices.
     cuts_.essential = partition.essential;
     return;
   }
-  cuts_ = cut_curves(
-      {prepared.surface, prepared.adjacency(control), partition.patches, partition.loops, partition.essential,
-       ladder.forced(), prepared.pinched(control)},
-      surfaces,
-      {kRecognitionTolerance * prepared.rounding_tolerance, options.feature_angle_deg * std::numbers::pi / 180},
-      control);
+  // Two legs of a right angle enclose the smallest angle that is allowed.
+  const double max_length_per_width =
+      min_angle_deg > 0 ? 1 / std::tan(min_angle_deg * std::numbers::pi / 180) : HUGE_VAL;
+  cuts_ = cut_curves({prepared.surface, prepared.adjacency(control), partition.patches, partition.loops,
+                      partition.essential, ladder.forced(), prepared.pinched(control)},
+                     surfaces,
+                     {kRecognitionTolerance * prepared.rounding_tolerance,
+                      options.feature_angle_deg * std::numbers::pi / 180, max_length_per_width},
+                     control);
   partition.essential = cuts_.essential;
   with_cuts_ = prepared.surface;
   with_cuts_->positions.change(

@@ -23,10 +23,11 @@ namespace remesh {
 /// remembers between attempts which curved patches have failed.
 class CurvedStage {
  public:
-  /// The lengths of a run, in model units.
-  struct Lengths {
+  /// The measures of a run. Lengths are in model units.
+  struct Measures {
     double plane_tolerance = 0;
-    double diagonal = 0;  ///< of the input's bounding box
+    double diagonal = 0;       ///< of the input's bounding box
+    double min_angle_deg = 0;  ///< the bound on angles; 0 without refinement
   };
 
   /// Forgets everything. The next surface is another one.
@@ -42,7 +43,7 @@ class CurvedStage {
   /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
   /// Cost:    O(n log n).
   void run(Partition& partition, const PatchSet& facets_before, Prepared& prepared, Ladder& ladder,
-           const Options& options, const Lengths& lengths, RunControl& control);
+           const Options& options, const Measures& measures, RunControl& control);
 
   /// Returns the curved patches among the failed ones, and those beside a failed planar patch, which may be at fault.
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
@@ -71,7 +72,7 @@ class CurvedStage {
                  RunControl& control);
   void tell_failures(Partition& partition) const;
   void cut_boundaries(Partition& partition, Prepared& prepared, Ladder& ladder, const Options& options,
-                      RunControl& control);
+                      double min_angle_deg, RunControl& control);
 
   RecognisedSurfaces recognised_;       ///< those of the facets
   RecognisedSurfaces surfaces_;         ///< those of the patches

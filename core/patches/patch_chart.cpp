@@ -29,6 +29,20 @@ double unit_of(const std::array<Vec3, 3>& sides) {
   return std::ldexp(1.0, std::clamp(exponent, -kMax, kMax));
 }
 
+/// Doubles the scale of a frame if there is too little room beside its points. Beside a curved patch, boundaries may be
+/// cut again later, on arcs outside of the straight lines between the points. An edge turns by at most a sixth of a
+/// circle, so its arc is no farther from it than 0.134 of its length.
+void make_room_for_curves(Frame& frame, std::span<const Vec3> points) {
+  constexpr double kRoom = 1.25;
+  for (const Vec3& p : points) {
+    const Vec3 way = p - frame.origin;
+    const double reach = std::max(std::fabs(dot(way, frame.x_axis)), std::fabs(dot(way, frame.y_axis)));
+    if (!(kRoom * reach > frame.scale)) continue;
+    frame.scale *= 2;
+    return;
+  }
+}
+
 /// Returns whether two unit vectors point clearly along different lines. Null vectors do not.
 bool is_across(const Vec3& a, const Vec3& b) {
   constexpr double kClearly = 1e-3;
@@ -119,7 +133,9 @@ Frame PatchCharts::projection(PatchId p, std::span<const Vec3> points, std::span
                               double grid) const {
   // The origin is a vertex, in model units, because differences of the input's own coordinates are nearly exact.
   const Vec3 origin = *std::min_element(points.begin(), points.end());
-  return make_frame(patches_->planes[p].normal, origin, points, edges, rule_.axis, rule_.direction, grid);
+  Frame frame = make_frame(patches_->planes[p].normal, origin, points, edges, rule_.axis, rule_.direction, grid);
+  if (has_curved()) make_room_for_curves(frame, points);
+  return frame;
 }
 
 /// Makes the chart of a curved patch. All of the patch is in the plane between the vertices on its boundary.

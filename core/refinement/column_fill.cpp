@@ -17,49 +17,52 @@ using Around = SurfaceMap::Around;
 constexpr double kStepOfColumns = 0.97;
 /// Pieces of the boundary run around the axis if their ends differ by less than this part of a column along it.
 constexpr double kAcross = 1e-3;
+/// Rounding must not decide whether a column is on the border of the patch.
+constexpr double kRounding = 1e-9;
 
-/// The columns and rows of a patch.
+/// Finds the columns and rows of a patch.
 class ColumnLayout {
  public:
-  ColumnLayout(const WorkingPatch& patch, RunControl& control)
-      : patch_(patch), chart_(*patch.chart.curved()), check_(control) {
+  ColumnLayout(const CurvedChart& chart, std::span<const Vec3> vertices, RunControl& control)
+      : chart_(chart), check_(control) {
     double largest = 0;
-    const auto radius = [&](std::uint32_t v) { return chart_.map().radius(patch.in_space[v].position); };
-    for (std::uint32_t v = 0; v < patch.mesh.vertex_slots(); ++v) {
+    for (const Vec3& v : vertices) {
       check_();
-      if (patch.mesh.is_live_vertex(v)) largest = std::max(largest, radius(v));
+      largest = std::max(largest, chart_.map().radius(v));
     }
-    for (std::uint32_t v = 0; v < patch.mesh.vertex_slots(); ++v) {
+    // Towards the apex of a cone, columns come too near to each other.
+    constexpr double kNearApex = 0.25;
+    bool has_apex = false;
+    for (const Vec3& v : vertices) {
       check_();
-      // Towards the apex of a cone, columns come too near to each other.
-      constexpr double kNearApex = 0.25;
-      if (!patch.mesh.is_live_vertex(v) || radius(v) < kNearApex * largest) continue;
-      const Around at = chart_.map().around(patch.in_space[v].position);
+      if (chart_.map().radius(v) < kNearApex * largest) {
+        has_apex = chart_.map().shape().kind == SurfaceKind::kCone;
+        continue;
+      }
+      const Around at = chart_.map().around(v);
       if (!std::isfinite(at.way)) continue;
       low_ = {std::min(low_.angle, at.angle), std::min(low_.way, at.way)};
       high_ = {std::max(high_.angle, at.angle), std::max(high_.way, at.way)};
     }
+    // No other vertex may be between the rim and the apex. So columns begin where they are far enough apart.
+    if (has_apex)
+      low_.way = std::min(low_.way, high_.way + std::log(kNearApex) / std::sin(chart_.map().shape().half_angle));
   }
 
-  ColumnPlaces places(std::size_t max_points) {
-    ColumnPlaces result;
+  ColumnGrid grid(std::span<const std::array<Vec3, 2>> sides) {
+    ColumnGrid result;
     if (!(low_.angle < high_.angle && low_.way < high_.way)) return result;
     const double widest = widest_turn();
-    fit_to_boundary(widest);
-    result.columns = {start_, width_};
+    fit_to_boundary(widest, sides);
     const double step = longest_step();
+    result.start = start_;
+    result.width = width_;
+    result.first = std::ceil((low_.angle - start_) / width_ - kRounding);
+    result.last = std::floor((high_.angle - start_) / width_ + kRounding);
     // Rows fit between the lowest and the highest place. A column has every second row.
-    const double rows = std::max(1.0, std::ceil((high_.way - low_.way) / (step / 2) * (1 - 1e-9)));
-    const double row = (high_.way - low_.way) / rows;
-    const double first = std::ceil((low_.angle - start_) / width_), last = std::floor((high_.angle - start_) / width_);
-    if (!((last - first + 1) * (rows / 2 + 1) <= static_cast<double>(max_points))) return result;
-    for (double column = first; column <= last; ++column)
-      for (double i = std::fmod(std::fabs(column), 2); i <= rows; i += 2) {
-        check_();
-        const Vec3 position = chart_.map().point(Around{start_ + column * width_, low_.way + i * row});
-        const Vec2 place = patch_.chart.to_plane(position);
-        result.places.push_back({place, width_ * chart_.map().radius(position) / patch_.chart.scale(place)});
-      }
+    result.rows = std::max(1.0, std::ceil((high_.way - low_.way) / (step / 2) * (1 - 1e-9)));
+    result.row = (high_.way - low_.way) / result.rows;
+    result.low = low_.way;
     return result;
   }
 
@@ -99,16 +102,13 @@ class ColumnLayout {
   }
 
   /// Chooses the columns' width and where they start. Pieces of the boundary around the axis decide it.
-  void fit_to_boundary(double widest) {
+  void fit_to_boundary(double widest, std::span<const std::array<Vec3, 2>> sides) {
     width_ = widest;
     start_ = low_.angle;
     double longest = 0;
     Vec3 at;
-    for (std::uint32_t side = 0; side < patch_.mesh.side_count(); ++side) {
+    for (const auto& [a, b] : sides) {
       check_();
-      const std::uint32_t h = patch_.mesh.half_edge_of_side(side);
-      const Vec3& a = patch_.in_space[patch_.mesh.from(h)].position;
-      const Vec3& b = patch_.in_space[patch_.mesh.to(h)].position;
       const Around from = chart_.map().around(a), to = chart_.map().around(b);
       const double turn = std::fabs(to.angle - from.angle);
       if (!(std::fabs(to.way - from.way) < kAcross * turn) || turn > widest * (1 + 1e-9)) continue;
@@ -123,11 +123,13 @@ class ColumnLayout {
       width_ = (high_.angle - low_.angle) / std::ceil((high_.angle - low_.angle) / widest * (1 - 1e-9));
       return;
     }
-    start_ = chart_.map().around(at).angle;
     width_ = longest * std::floor(widest / longest * (1 + 1e-9));
+    // The columns at both borders of a closed tube's half are numbered alike if their number is even. So the two halves
+    // agree on the rows of the points there.
+    start_ = chart_.map().around(at).angle;
+    start_ += std::ceil((low_.angle - start_) / width_ - kRounding) * width_;
   }
 
-  const WorkingPatch& patch_;
   const CurvedChart& chart_;
   StopCheck check_;
   Around low_{HUGE_VAL, HUGE_VAL}, high_{-HUGE_VAL, -HUGE_VAL};
@@ -136,9 +138,40 @@ class ColumnLayout {
 
 }  // namespace
 
+ColumnGrid column_grid(const CurvedChart& chart, std::span<const Vec3> vertices,
+                       std::span<const std::array<Vec3, 2>> sides, RunControl& control) {
+  return chart.map().has_axis() ? ColumnLayout(chart, vertices, control).grid(sides) : ColumnGrid{};
+}
+
 ColumnPlaces column_places(const WorkingPatch& patch, std::size_t max_points, RunControl& control) {
-  if (patch.chart.curved() == nullptr || !patch.chart.curved()->map().has_axis()) return {};
-  return ColumnLayout(patch, control).places(max_points);
+  ColumnPlaces result;
+  const CurvedChart* const chart = patch.chart.curved();
+  if (chart == nullptr) return result;
+  StopCheck check(control);
+  const auto position = [&](std::uint32_t v) { return patch.in_space[v].position; };
+  std::vector<Vec3> vertices;
+  for (std::uint32_t v = 0; v < patch.mesh.vertex_slots(); ++v) {
+    check();
+    if (patch.mesh.is_live_vertex(v)) vertices.push_back(position(v));
+  }
+  std::vector<std::array<Vec3, 2>> sides;
+  for (std::uint32_t side = 0; side < patch.mesh.side_count(); ++side) {
+    check();
+    const std::uint32_t h = patch.mesh.half_edge_of_side(side);
+    sides.push_back({position(patch.mesh.from(h)), position(patch.mesh.to(h))});
+  }
+  const ColumnGrid grid = column_grid(*chart, vertices, sides, control);
+  if (!(grid.width > 0)) return result;
+  result.columns = {grid.start, grid.width};
+  if (!((grid.last - grid.first + 1) * (grid.rows / 2 + 1) <= static_cast<double>(max_points))) return result;
+  for (double column = grid.first; column <= grid.last; ++column)
+    for (double i = std::fmod(std::fabs(column), 2); i <= grid.rows; i += 2) {
+      check();
+      const Vec3 at = chart->map().point(Around{grid.start + column * grid.width, grid.low + i * grid.row});
+      const Vec2 place = patch.chart.to_plane(at);
+      result.places.push_back({place, grid.width * chart->map().radius(at) / patch.chart.scale(place)});
+    }
+  return result;
 }
 
 }  // namespace remesh

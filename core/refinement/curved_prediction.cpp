@@ -51,9 +51,7 @@ double turn_along(const AnalyticSurface& shape, const Vec3& a, const Vec3& b) {
     const double length = norm(across);
     return length > 0 ? (1 / length) * across : Vec3{};
   };
-  const double around = angle_between(out(a), out(b));
-  // The nearer to the axis the normal is, the less the tolerance allows.
-  return std::max(turn, shape.kind == SurfaceKind::kCone ? around * std::sqrt(std::cos(shape.half_angle)) : around);
+  return std::max(turn, angle_between(out(a), out(b)));
 }
 
 /// A part of the boundary of a curved patch between two corners.

@@ -37,6 +37,16 @@ struct ChainGap {
 /// across N. That part is at most the part across n plus |v| |N - n|, which bounds |N - n|. The difference v is linear
 /// on a piece, so the part of it across a fixed normal is largest at an end.
 ///
+/// At a cylinder or a cone, the way of the nearest point is measured along the rulings and around the axis instead.
+/// There, the nearest point of a point at the height z over the apex and the distance rho from the axis is z cos a +
+/// rho sin a along its ruling, at the same angle about the axis. On a straight way, z is linear, the angle changes in
+/// one direction, and rho is convex: it lies below a linear function by no more than an eighth of its second
+/// derivative, which is p^2 / rho^3, where p is the distance of the way's line from the axis times the length of the
+/// way across the axis. An angle deviates from a linear one by no more than an eighth of the square of that length over
+/// rho. From the ends of a piece, this bounds the way along the rulings and the turn w about the axis. The gap is the
+/// root of the sum of the squares of the former and of (r + h cos a) w, with the largest distance r of the nearest
+/// points from the axis and the largest depth h, as curved_patch.h proves.
+///
 /// Input:  `input`, `output` - at least two points each, in the model's scale, in the same direction; `uses` - the
 ///         faces along the chain.
 /// Cost:   O((vertices of both) * uses). Edges of the input are cut into no more than 64 parts.

@@ -24,6 +24,10 @@
 ///    2. Hence |x - y|^2 = |q - q' + d N - d' N'|^2 <= g^2 + (d - d')^2 + h^2 c^2 g^2 + 2 h c g^2 <= D^2 + ((1 + h c)
 ///    g)^2. PatchGap::on_surface is a bound on (1 + h c) g. Near an apex, where c is not bounded, the triangle
 ///    inequality gives D + 2 g' with the distance g' between the chains themselves (PatchGap::near_pole).
+///  - At a cylinder, or a cone of the half angle a, the normal does not turn along a ruling, so less is added. Let the
+///    way be l long along the rulings, turn by w around the axis, and be no farther than r from it. Then |q - q'|^2 <=
+///    l^2 + (r w)^2, |N - N'| <= w cos a, and the parts of q - q' along N and N' are at most r w^2 cos(a) / 2. The same
+///    sum gives |x - y|^2 <= D^2 + l^2 + ((r + h cos a) w)^2, and PatchGap::on_surface bounds the root of the last two.
 ///  - Corners near a cone's apex are moved to it first, and the largest of these moves counts twice.
 ///  - Faces lower than the plane tolerance may face anywhere, because noise decides that. If they do not face as they
 ///    should, their height is added to (1 + h c) g: that close to them, other faces are as said.

@@ -140,9 +140,14 @@ Vec3 CurvedShape::normal(const Vec3& p) const {
   return cos_ * outwards - sin_ * axis_;
 }
 
+RuledPoint CurvedShape::ruled(const Vec3& p) const {
+  const Local at = local(p);
+  const double radius = at.radius();
+  return {at.height * cos_ + radius * sin_, radius, at.across};
+}
+
 double CurvedShape::turning_length(const Vec3& way) const {
-  const bool is_ruled = kind_ == SurfaceKind::kCylinder || kind_ == SurfaceKind::kCone;
-  return is_ruled ? length({dot(way, x_), dot(way, y_)}) : norm(way);
+  return is_ruled() ? length({dot(way, x_), dot(way, y_)}) : norm(way);
 }
 
 double CurvedShape::turn_rate(const Vec3& centre, double radius) const {

@@ -35,6 +35,13 @@ struct CurvedFace {
   double snapped = 0;  ///< the largest distance by which a corner was moved to the apex of a cone
 };
 
+/// A point at a cylinder or a cone, relative to the axis.
+struct RuledPoint {
+  double along = 0;   ///< of the nearest point of the surface: its place on its ruling, seen from the apex of a cone
+  double radius = 0;  ///< distance of the point from the axis
+  Vec2 across;        ///< the point's place in the plane across the axis
+};
+
 /// A cylinder, cone, sphere or torus in the model's scale. Distances are positive outside, and normals point there.
 class CurvedShape {
  public:
@@ -65,6 +72,15 @@ class CurvedShape {
   /// cylinder or a cone, both are measured across the axis.
   /// Output: infinity if the ball reaches a place that has no nearest point, for example the axis of a cylinder.
   double turn_rate(const Vec3& centre, double radius) const;
+
+  /// True for a cylinder and a cone. The next four functions are for these.
+  bool is_ruled() const { return kind_ == SurfaceKind::kCylinder || kind_ == SurfaceKind::kCone; }
+  RuledPoint ruled(const Vec3& p) const;
+  /// The surface's distance from the axis at a place on a ruling.
+  double ruled_radius(double along) const { return kind_ == SurfaceKind::kCylinder ? radius_ : along * sin_; }
+  /// The sine and the cosine of the angle between rulings and axis.
+  double sine() const { return sin_; }
+  double cosine() const { return cos_; }
 
   /// Measures a flat polygon.
   /// Input:  `corners` - they may be changed; `snap` - corners of a cone's face count as being at the apex if their

@@ -89,8 +89,12 @@ Part turned(Part part, const Vec3& axis, double degrees, const Vec3& by) {
 struct Asked {
   double tolerance = 0;
   double max_turn = kPi;
+  double max_depth = HUGE_VAL;
+  double max_length_per_width = HUGE_VAL;
 };
-Asked elements(int n, double radius, double own) { return {radius * (1 - std::cos(kPi / n)) + own, 2 * kPi / n}; }
+Asked elements(int n, double radius, double own) {
+  return {radius * (1 - std::cos(kPi / n)) + own, 2 * kPi / n, HUGE_VAL, HUGE_VAL};
+}
 
 /// A part with its boundaries cut.
 class CutPart {
@@ -121,10 +125,11 @@ class CutPart {
     for (std::size_t p = 0; p < shapes_.size(); ++p) {
       PatchSurface s;
       s.plane = patches.planes[PatchId(p)];
-      if (shapes_[p].kind != SurfaceKind::kPlane) s = {&shapes_[p], {}, asked.tolerance, asked.max_turn};
+      if (shapes_[p].kind != SurfaceKind::kPlane)
+        s = {&shapes_[p], {}, asked.tolerance, asked.max_turn, 0, asked.max_depth, area_of(PatchId(p))};
       surfaces.push_back(s);
     }
-    rules = {fit_tolerance > 0 ? fit_tolerance : 1e-9 * unit, kPi / 6};
+    rules = {fit_tolerance > 0 ? fit_tolerance : 1e-9 * unit, kPi / 6, asked.max_length_per_width};
     cuts = cut_curves({surface, adjacency, patches, loops, essential, forced, pinched}, surfaces, rules, control);
   }
 
@@ -180,6 +185,18 @@ class CutPart {
   CurveCuts cuts;
 
  private:
+  double area_of(PatchId p) const {
+    double area = 0;
+    for (const FaceId f : patches.faces_of(p)) {
+      const std::vector<Vec3> corners = corners_of(f);
+      Vec3 twice;
+      for (std::size_t i = 1; i + 1 < corners.size(); ++i)
+        twice += cross(corners[i] - corners[0], corners[i + 1] - corners[0]);
+      area += norm(twice) / 2;
+    }
+    return area;
+  }
+
   std::vector<Vec3> positions(const std::vector<VertexId>& vertices) const {
     std::vector<Vec3> places;
     for (const VertexId v : vertices) places.push_back(position(v));
@@ -284,6 +301,41 @@ TEST(curve_cuts, the_rims_of_a_cylinder_get_as_many_equal_pieces_as_were_asked_f
         EXPECT_EQ(p.z, patch == kTop ? kHeight : 0);
         EXPECT_NEAR(std::hypot(p.x, p.y), kRadius, 4 * 0x1p-49);  // 2^-49 is a step of numbers from 8 to 16
       }
+    }
+  }
+}
+
+TEST(curve_cuts, pieces_are_no_deeper_below_their_surfaces_than_is_allowed) {
+  // A chord of a circle of a cone is below the surface by the cosine of the half angle of its height.
+  const double lower = 4, upper = 1, along = 7, cosine = std::cos(std::atan2(lower - upper, along));
+  const Part part = part_of(primitives::frustum(72, lower, upper, along));
+  for (const double depth : {0.3, 0.1, 0.03, 0.01}) {
+    const CutPart cut(part, {lower, kPi, depth, HUGE_VAL});
+    std::multiset<std::size_t> rims, expected;
+    for (const double radius : {lower, upper}) {
+      std::size_t pieces = 6;
+      while (height(radius, static_cast<double>(pieces)) * cosine > depth) ++pieces;
+      expected.insert(pieces);
+    }
+    for (std::uint32_t p = 0; p < part.shapes.size(); ++p)
+      if (part.shapes[p].kind == SurfaceKind::kPlane) rims.insert(cut.points(cut.first_loop(p)).size());
+    EXPECT_EQ(rims, expected) << depth;
+  }
+}
+
+TEST(curve_cuts, rims_of_a_narrow_patch_have_pieces_that_are_as_short_as_its_width_asks_for) {
+  for (const double width : {4.0, 12.0, 30.0}) {
+    const Part part = part_of(primitives::cylinder(72, kRadius, width));
+    for (const double ratio : {0.5, 1.0, 2.0}) {
+      Asked asked = elements(8, kRadius, height(kRadius, 72));
+      asked.max_length_per_width = ratio;
+      const CutPart cut(part, asked);
+      // The input's circle is a polygon, too.
+      const double circle = 72 * chord(kRadius, 72);
+      const double expected = std::clamp(std::ceil(circle / (ratio * width) * (1 - 1e-9)), 8.0, 72.0);
+      for (const std::uint32_t patch : {kTop, kBottom})
+        EXPECT_EQ(cut.points(cut.first_loop(patch)).size(), static_cast<std::size_t>(expected))
+            << width << " " << ratio;
     }
   }
 }

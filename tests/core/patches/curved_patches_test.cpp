@@ -229,6 +229,43 @@ TEST(curved_patches, a_ball_is_two_hemispheres_and_a_torus_four_pieces) {
   EXPECT_EQ(elbow.curved(), 2u) << "it is closed around the tube alone";
 }
 
+/// Returns whether all faces of a patch are on the same side of the plane z = 0 of the model as it was made.
+bool are_sides_apart(const Model& made, const Joined& joined) {
+  std::map<PatchId, int> side_of;
+  for (std::size_t f = 0; f < made.mesh.face_count(); ++f) {
+    Vec3 sum;
+    for (const VertexId v : made.mesh.face(FaceId(f))) sum += made.mesh.positions[v];
+    const int side = sum.z > 0 ? 1 : -1;
+    if (side_of.emplace(joined.patch_of(f), side).first->second != side) return false;
+  }
+  return true;
+}
+
+TEST(curved_patches, sheets_are_divided_alike_however_a_model_is_turned) {
+  // Balls and rings are divided where they are symmetric.
+  for (const Model& model :
+       {primitives::globe(24, 12, 3), primitives::torus(36, 36, 16, 5, 2), primitives::torus(36, 9, 16, 5, 2),
+        primitives::frustum(24, 4, 1, 7), primitives::cone(24, 4, 7), primitives::cylinder(24, 10, 30)})
+    for (const primitives::Variant& variant : primitives::variants()) {
+      SCOPED_TRACE(model.name + ", " + variant.name);
+      if (variant.storage != primitives::Storage::kDoubles) continue;
+      const Joined joined(primitives::varied(model, variant, nullptr));
+      joined.expect_holds();
+      const std::vector<std::size_t> sizes = joined.sizes();
+      for (const std::size_t size : sizes) EXPECT_EQ(size, sizes.front());
+      if (model.surfaces.size() == 1) {
+        EXPECT_TRUE(are_sides_apart(model, joined));
+      }
+    }
+}
+
+TEST(curved_patches, a_flat_ring_around_a_torus_stays_a_facet_and_the_rest_is_joined) {
+  const Joined joined(primitives::torus_with_flat_rings(48, 24, 5, 2));
+  joined.expect_holds();
+  EXPECT_EQ(joined.curved(), 4u) << "two halves outside of the rings and two inside";
+  EXPECT_EQ(joined.planar(), 2u);
+}
+
 TEST(curved_patches, pieces_of_fillets_are_one_patch_each) {
   const Joined joined(primitives::rounded_box({4, 3, 2}, 1, 6));
   joined.expect_holds();

@@ -84,6 +84,49 @@ TEST(verify, a_shaft_with_another_number_of_sides_is_verified_with_the_height_of
   }
 }
 
+/// Makes a frustum between the heights 1 and 3 over the apex of its cone: two caps and two halves of its side.
+PatchedMesh frustum(const CurvedPlace& cone, int n, int rows) {
+  PatchedMesh mesh;
+  const auto at = [&](int k, double v) { return cone.point(2 * kPi * (static_cast<double>(k % n) / n), v); };
+  std::vector<Vec3> top, bottom;
+  for (int k = 0; k < n; ++k) {
+    top.push_back(at(k, 3));
+    bottom.push_back(at(k, 1));
+  }
+  std::reverse(bottom.begin(), bottom.end());
+  mesh.add_fan(PatchId(0), bottom);
+  mesh.add_fan(PatchId(1), top);
+  for (int k = 0; k < n; ++k)
+    for (int r = 0; r < rows; ++r) {
+      const PatchId patch(k < n / 2 ? 2 : 3);
+      const double low = 1 + 2.0 * r / rows, high = 1 + 2.0 * (r + 1) / rows;
+      mesh.add(patch, at(k, low), at(k + 1, low), at(k + 1, high));
+      mesh.add(patch, at(k, low), at(k + 1, high), at(k, high));
+    }
+  return mesh;
+}
+
+TEST(verify, the_rims_of_a_cone_move_into_it_and_along_it_by_the_height_of_their_chords_in_all) {
+  for (const double degrees : {10.0, 30.0, 45.0, 70.0})
+    for (const auto& [before, after] : {std::pair(16, 8), std::pair(72, 8), std::pair(8, 24), std::pair(36, 12)}) {
+      SCOPED_TRACE(testing::Message() << degrees << " degrees, from " << before << " to " << after);
+      const CurvedPlace cone{SurfaceKind::kCone, 0, 0, degrees * kPi / 180};
+      const double height = 3 * std::tan(cone.half_angle) * chord_height(std::min(before, after));
+      const Example e = curved_example(frustum(cone, before, 3), frustum(cone, after, 2),
+                                       {kPlane, kPlane, cone.shape(), cone.shape()}, height * (1 + 2e-3));
+      ASSERT_TRUE(is_verified(e)) << all_words(e.verify());
+      for (const std::uint32_t p : {2u, 3u}) {
+        EXPECT_LE(e.verify().patch_bounds[p], height * (1 + 2e-3));
+        EXPECT_GE(e.verify().patch_bounds[p], true_distance(e, PatchId(p), 0.02 * height) * (1 - 1e-9));
+      }
+      if (before != 16) continue;
+      // Each second vertex of the input is opposite the middle of a new chord.
+      Example strict = e;
+      for (auto& surface : strict.curved) surface.tolerance = 0.97 * height;
+      EXPECT_FALSE(is_verified(strict));
+    }
+}
+
 TEST(verify, the_change_of_a_shafts_volume_is_within_its_bound) {
   for (const auto& [before, after] : {std::pair(24, 8), std::pair(8, 24), std::pair(36, 6)}) {
     const auto volume = [](int n) { return n * std::sin(2 * kPi / n); };
