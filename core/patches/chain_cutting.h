@@ -24,6 +24,9 @@ struct PatchSurface {
   double max_turn = 0;                     ///< curved: the angle by which edges may turn, in radians
   /// Curved: how far a node that is dropped may be off its chord where no formula is known. 0: half of the tolerance.
   double sideways = 0;
+  /// Curved: how far a chord of a section that is no circle around the axis may leave the section along the surface. 0:
+  /// as far as the tolerance allows.
+  double along = 0;
 };
 
 /// The rules by which curves are recognised.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/distances.h"
+
 namespace remesh {
 namespace {
 
@@ -11,6 +13,8 @@ constexpr double kRoundingFactor = 1 + 1e-9;
 /// A triangle of a ball is deeper in its middle than at its edges. With acute angles, its circumradius is at most its
 /// longest edge over the root of 3, instead of half of that edge, so its depth is at most 4/3 of that of its edges.
 constexpr double kDepthOfEdges = 0.75;
+
+bool is_doubly_curved(SurfaceKind kind) { return kind == SurfaceKind::kSphere || kind == SurfaceKind::kTorus; }
 
 /// Returns the largest absolute value that a parabola takes between 0 and 1.
 double highest_of_parabola(double at_0, double at_half, double at_1) {
@@ -27,8 +31,7 @@ double highest_of_parabola(double at_0, double at_half, double at_1) {
 
 CurvedChart::CurvedChart(const CurvedPatch& patch)
     : map_(patch.map), max_height_(patch.limits.max_height * kRoundingFactor) {
-  const SurfaceKind kind = patch.map.shape().kind;
-  if (kind == SurfaceKind::kSphere || kind == SurfaceKind::kTorus) max_height_ *= kDepthOfEdges;
+  max_edge_height_ = is_doubly_curved(patch.map.shape().kind) ? kDepthOfEdges * max_height_ : max_height_;
   const double distance = 2 * std::sin(patch.limits.max_turn / 2) * kRoundingFactor;
   max_turn_squared_ = distance * distance;
 }
@@ -39,8 +42,8 @@ SpacePoint CurvedChart::space_point(const Vec3& position) const {
   // So near to its apex, a cone is within the tolerance of edges that turn by more than is asked.
   const double radius = map_.radius(position);
   constexpr double kAtApex = 1e-3;
-  if (radius < kAtApex * max_height_) return {position, {}, true};
-  return {position, map_.side() * shape.normal(position), radius < max_height_};
+  if (radius < kAtApex * max_edge_height_) return {position, {}, true};
+  return {position, map_.side() * shape.normal(position), radius < max_edge_height_};
 }
 
 bool CurvedChart::is_bent(const SpacePoint& a, const SpacePoint& b) const {
@@ -50,8 +53,22 @@ bool CurvedChart::is_bent(const SpacePoint& a, const SpacePoint& b) const {
   if (!is_at_apex && norm_squared(a.normal - b.normal) > max_squared) return true;
   const AnalyticSurface& shape = map_.shape();
   const double at_half = shape.distance(0.5 * (a.position + b.position));
-  if (std::fabs(at_half) > max_height_) return true;
-  return highest_of_parabola(shape.distance(a.position), at_half, shape.distance(b.position)) > max_height_;
+  if (std::fabs(at_half) > max_edge_height_) return true;
+  return highest_of_parabola(shape.distance(a.position), at_half, shape.distance(b.position)) > max_edge_height_;
+}
+
+bool CurvedChart::is_deep(const Vec3& a, const Vec3& b, const Vec3& c) const {
+  const AnalyticSurface& shape = map_.shape();
+  if (!is_doubly_curved(shape.kind)) return false;
+  const Vec3 middle = (1.0 / 3) * (a + b + c);
+  // The deepest place is the one nearest to the centre of the ball, or to that of the tube near there.
+  Vec3 centre = shape.origin;
+  if (shape.kind == SurfaceKind::kTorus) {
+    const Vec3 way = middle - shape.origin;
+    centre += shape.radius * normalized(way - dot(way, shape.axis) * shape.axis);
+  }
+  const double deepest = shape.distance(nearest_on_triangle(centre, {a, b, c}));
+  return std::max(std::fabs(deepest), std::fabs(shape.distance(middle))) > max_height_;
 }
 
 }  // namespace remesh

@@ -8,6 +8,7 @@
 #include "core/base/tolerance.h"
 #include "core/patches/curved_limits.h"
 #include "core/patches/surface_recognition.h"
+#include "core/patches/torus_limits.h"
 
 namespace remesh {
 
@@ -22,12 +23,16 @@ void CurvedStage::run(Partition& partition, const PatchSet& facets_before, Prepa
   else
     recognise(partition, prepared, options, lengths.plane_tolerance, control);
   const Surface& surface = prepared.surface;
-  const std::vector<CurvedLimits> limits = curved_limits(surface, partition.patches, recognised_, options,
-                                                         lengths.plane_tolerance, lengths.diagonal, control);
+  std::vector<CurvedLimits> limits = curved_limits(surface, partition.patches, recognised_, options,
+                                                   lengths.plane_tolerance, lengths.diagonal, control);
+  deepen_tori(surface, partition.patches, recognised_, lengths.plane_tolerance, limits, control);
   cuts_ = {};
   with_cuts_.reset();
   curved_ = join_curved_facets(surface, prepared.adjacency(control), partition.patches, recognised_,
                                options.feature_angle_deg, limits, rungs_, control);
+  // Without a bound on angles, edges may be as long as a patch, along the directions in which it is straight.
+  if (!options.refine)
+    for (CurvedPatch& patch : curved_.curved) patch.map = patch.map.squeezed();
   if (curved_.has_any()) {
     facets_ = take_joined_patches(partition, prepared, curved_, lengths.plane_tolerance, ladder, control);
     cut_boundaries(partition, prepared, ladder, options, control);
@@ -78,6 +83,8 @@ void CurvedStage::cut_boundaries(Partition& partition, Prepared& prepared, Ladde
                      patch->limits.boundary_tolerance,
                      patch->limits.max_turn,
                      patch->limits.boundary_sideways};
+    // If the number of elements decides, chords are as deep as it says, whatever the way along the surface is.
+    if (!options.elements_per_circle) surfaces[p].along = surfaces[p].sideways;
   }
   if (!options.split_boundaries) {
     // The boundary stays as it is, so curved patches are remeshed between its vertices.

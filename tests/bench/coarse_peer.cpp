@@ -48,14 +48,14 @@ namespace processing = CGAL::Polygon_mesh_processing;
 namespace parameters = CGAL::parameters;
 
 constexpr double kSharpDegrees = 30;
-constexpr unsigned kIterations = 5;
+constexpr unsigned kIterations = 3;
 /// The first tolerance, and the last one, as multiples of the distance.
-constexpr double kLargestTolerance = 8;
+constexpr double kLargestTolerance = 4;
 constexpr double kSmallestTolerance = 1.0 / 64;
 /// Distances below this part of the diagonal are rounding.
 constexpr double kRounding = 1e-6;
-/// The search ends when the tolerance is known to this factor.
-constexpr double kToleranceStep = 1.1;
+/// The search ends when the tolerance is known to this factor. Isotropic remeshing is slow.
+constexpr double kAdaptiveStep = 1.25, kPlanarStep = 1.1;
 /// Faces are of almost one plane if they turn by less than one of these angles.
 constexpr std::array<double, 4> kPlaneDegrees{10, 20, 40, 60};
 /// Faces of exactly one plane turn by less than a quarter of a degree, because their coordinates are rounded.
@@ -93,10 +93,9 @@ std::optional<Mesh> remesh_adaptively(Mesh mesh, double tolerance, double distan
   const auto is_sharp = mesh.add_property_map<Edge, bool>("e:is_sharp", false).first;
   processing::detect_sharp_edges(mesh, kSharpDegrees, is_sharp);
   processing::Adaptive_sizing_field<Mesh> field(tolerance, std::pair(distance, diagonal(mesh)), mesh.faces(), mesh);
-  processing::isotropic_remeshing(mesh.faces(), field, mesh,
-                                  parameters::number_of_iterations(kIterations)
-                                      .edge_is_constrained_map(is_sharp)
-                                      .relax_constraints(true));
+  processing::isotropic_remeshing(
+      mesh.faces(), field, mesh,
+      parameters::number_of_iterations(kIterations).edge_is_constrained_map(is_sharp).relax_constraints(true));
   mesh.collect_garbage();
   return mesh;
 }
@@ -147,7 +146,7 @@ void keep_coarser(std::optional<Found>& best, std::optional<Found> other) {
 }
 
 /// Halves the tolerance until the mesh stays within the distance, and then looks for a larger one between the last two.
-std::optional<Found> search(const Method& method, const Triangles& before, double distance) {
+std::optional<Found> search(const Method& method, double step, const Triangles& before, double distance) {
   std::optional<Found> best;
   double good = kLargestTolerance * distance, bad = 0;
   while (!best) {
@@ -157,7 +156,7 @@ std::optional<Found> search(const Method& method, const Triangles& before, doubl
     good /= 2;
     if (good < kSmallestTolerance * distance) return std::nullopt;
   }
-  while (bad > kToleranceStep * good) {
+  while (bad > step * good) {
     const double middle = std::sqrt(good * bad);
     std::optional<Found> other = tried(method, middle, before, distance);
     (other ? good : bad) = middle;
@@ -170,16 +169,16 @@ std::optional<Found> coarsest(const std::string& method, const Mesh& mesh, doubl
   const Triangles before = triangles_of(mesh);
   std::optional<Found> best;
   if (method == "adaptive") {
-    best = search([&](double tolerance) { return remesh_adaptively(mesh, tolerance, distance); }, before, distance);
+    best = search([&](double tolerance) { return remesh_adaptively(mesh, tolerance, distance); }, kAdaptiveStep, before,
+                  distance);
   } else {
     best = tried([&](double) { return remesh_exact_planes(mesh); }, 0, before, distance);
     for (const double angle_deg : kPlaneDegrees)
       keep_coarser(best, search([&](double tolerance) { return remesh_almost_planes(mesh, tolerance, angle_deg); },
-                                before, distance));
+                                kPlanarStep, before, distance));
   }
   if (best)
-    best->distance =
-        distance_between(before, triangles_of(best->mesh), kRounding * diagonal(mesh), HUGE_VAL).lower;
+    best->distance = distance_between(before, triangles_of(best->mesh), kRounding * diagonal(mesh), HUGE_VAL).lower;
   return best;
 }
 

@@ -30,7 +30,8 @@ constexpr std::size_t kMaxParts = 50'000'000;
 double length(const Vector& v) { return std::sqrt(v.squared_length()); }
 
 double size_of(const DistanceTriangle& t) {
-  return std::sqrt(std::max({squared_distance(t[0], t[1]), squared_distance(t[1], t[2]), squared_distance(t[2], t[0])}));
+  return std::sqrt(
+      std::max({squared_distance(t[0], t[1]), squared_distance(t[1], t[2]), squared_distance(t[2], t[0])}));
 }
 
 Triangles with_area(const Triangles& triangles) {
@@ -143,8 +144,7 @@ SurfaceDistance distance_between(const Triangles& a, const Triangles& b, double 
   const SurfaceDistance there = distance_from(first, second, enough, too_far);
   if (there.lower > too_far) return there;
   // What is nearer than the distance of the other direction does not count.
-  const SurfaceDistance back =
-      distance_from(second, first, std::max(enough, (1 + kAccuracy) * there.lower), too_far);
+  const SurfaceDistance back = distance_from(second, first, std::max(enough, (1 + kAccuracy) * there.lower), too_far);
   return {std::max(there.lower, back.lower), std::max(there.upper, back.upper)};
 }
 

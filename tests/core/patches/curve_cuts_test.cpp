@@ -89,8 +89,9 @@ Part turned(Part part, const Vec3& axis, double degrees, const Vec3& by) {
 struct Asked {
   double tolerance = 0;
   double max_turn = kPi;
+  double along = 0;  ///< 0: as the tolerance
 };
-Asked elements(int n, double radius, double own) { return {radius * (1 - std::cos(kPi / n)) + own, 2 * kPi / n}; }
+Asked elements(int n, double radius, double own) { return {radius * (1 - std::cos(kPi / n)) + own, 2 * kPi / n, 0}; }
 
 /// A part with its boundaries cut.
 class CutPart {
@@ -121,7 +122,8 @@ class CutPart {
     for (std::size_t p = 0; p < shapes_.size(); ++p) {
       PatchSurface s;
       s.plane = patches.planes[PatchId(p)];
-      if (shapes_[p].kind != SurfaceKind::kPlane) s = {&shapes_[p], {}, asked.tolerance, asked.max_turn};
+      if (shapes_[p].kind != SurfaceKind::kPlane)
+        s = {&shapes_[p], {}, asked.tolerance, asked.max_turn, 0, asked.along};
       surfaces.push_back(s);
     }
     rules = {fit_tolerance > 0 ? fit_tolerance : 1e-9 * unit, kPi / 6};
@@ -459,6 +461,46 @@ TEST(curve_cuts, the_pieces_of_an_ellipse_are_within_the_tolerance_with_hardly_o
     EXPECT_LE(count, fewest);
     EXPECT_GE(count, fewest - 2);
   }
+}
+
+/// Returns how far a chord of the oblique section of the cylinder leaves the section along the surface.
+double way_along_surface(const Vec3& from, const Vec3& to, double slope) {
+  constexpr int kSteps = 200;
+  double farthest = 0;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double part = static_cast<double>(i) / kSteps;
+    const Vec3 p = from + part * (to - from);
+    const double angle = std::atan2(p.y, p.x);
+    double nearest = HUGE_VAL;
+    // In the unrolled cylinder, the section is a wave.
+    for (int k = -kSteps; k <= kSteps; ++k) {
+      const double turn = 0.3 * k / kSteps;
+      nearest = std::min(nearest, std::hypot(5 * turn, 12 + slope * 5 * std::cos(angle + turn) - p.z));
+    }
+    farthest = std::max(farthest, nearest);
+  }
+  return farthest;
+}
+
+TEST(curve_cuts, an_oblique_cut_leaves_its_section_along_the_surface_by_no_more_than_is_allowed) {
+  const double tolerance = 0.2;
+  for (const double slope : {0.5, 1.0, 1.5})
+    for (const double along : {0.01, 0.03}) {
+      SCOPED_TRACE(slope);
+      SCOPED_TRACE(along);
+      const Part input = cut_off(360, slope, 0);
+      const CutPart part(input, {tolerance, kPi, along}), free(input, {tolerance, kPi, 0});
+      const std::vector<Vec3> points = part.points(part.first_loop(kTop));
+      double farthest = 0;
+      for (std::size_t i = 0; i < points.size(); ++i)
+        farthest = std::max(farthest, way_along_surface(points[i], points[(i + 1) % points.size()], slope));
+      EXPECT_LE(farthest, 1.05 * along);
+      // There are not many pieces too many: the way grows with the square of their length.
+      EXPECT_GE(farthest, 0.7 * along);
+      EXPECT_GT(points.size(), free.points(free.first_loop(kTop)).size());
+      // Chords of the circle around the axis leave it in depth only.
+      EXPECT_EQ(part.points(part.first_loop(kBottom)), free.points(free.first_loop(kBottom)));
+    }
 }
 
 TEST(curve_cuts, the_equator_between_two_halves_of_a_globe_is_a_circle) {
