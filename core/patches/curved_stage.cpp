@@ -1,6 +1,7 @@
 #include "core/patches/curved_stage.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <utility>
 
@@ -11,6 +12,35 @@
 #include "core/patches/torus_limits.h"
 
 namespace remesh {
+namespace {
+
+/// Returns whether a patch reaches the apex of its cone, at which all rulings meet.
+bool reaches_apex(const Surface& surface, const PatchSet& patches, PatchId p, const SurfaceMap& map, StopCheck& check) {
+  if (map.shape().kind != SurfaceKind::kCone) return false;
+  constexpr double kNearApex = 1e-3;
+  double nearest = HUGE_VAL, farthest = 0;
+  for (const FaceId f : patches.faces_of(p))
+    for (const VertexId v : surface.face(f)) {
+      check();
+      const double radius = map.radius(surface.positions[v]);
+      nearest = std::min(nearest, radius);
+      farthest = std::max(farthest, radius);
+    }
+  return nearest < kNearApex * farthest;
+}
+
+/// Squeezes the maps of patches along their rulings. Without a bound on angles, edges may be as long as a patch there.
+void squeeze_maps(const Surface& surface, CurvedPatches& joined, RunControl& control) {
+  StopCheck check(control);
+  for (std::size_t p = 0; p < joined.at.size(); ++p) {
+    check();
+    if (joined.at[PatchId(p)] == kNone) continue;
+    SurfaceMap& map = joined.curved[joined.at[PatchId(p)]].map;
+    if (!reaches_apex(surface, joined.patches, PatchId(p), map, check)) map = map.squeezed();
+  }
+}
+
+}  // namespace
 
 PatchSet CurvedStage::take_facets(Partition& partition) {
   return curved_.has_any() ? std::move(facets_) : std::move(partition.patches);
@@ -25,14 +55,12 @@ void CurvedStage::run(Partition& partition, const PatchSet& facets_before, Prepa
   const Surface& surface = prepared.surface;
   std::vector<CurvedLimits> limits = curved_limits(surface, partition.patches, recognised_, options,
                                                    lengths.plane_tolerance, lengths.diagonal, control);
-  deepen_tori(surface, partition.patches, recognised_, lengths.plane_tolerance, limits, control);
+  fit_limits_of_tori({surface, partition.patches, recognised_, lengths.plane_tolerance}, options, limits, control);
   cuts_ = {};
   with_cuts_.reset();
   curved_ = join_curved_facets(surface, prepared.adjacency(control), partition.patches, recognised_,
                                options.feature_angle_deg, limits, rungs_, control);
-  // Without a bound on angles, edges may be as long as a patch, along the directions in which it is straight.
-  if (!options.refine)
-    for (CurvedPatch& patch : curved_.curved) patch.map = patch.map.squeezed();
+  if (!options.refine) squeeze_maps(surface, curved_, control);
   if (curved_.has_any()) {
     facets_ = take_joined_patches(partition, prepared, curved_, lengths.plane_tolerance, ladder, control);
     cut_boundaries(partition, prepared, ladder, options, control);

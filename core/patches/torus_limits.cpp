@@ -6,35 +6,59 @@
 #include "core/base/stoppable.h"
 
 namespace remesh {
+namespace {
 
-void deepen_tori(const Surface& surface, const PatchSet& facets, const RecognisedSurfaces& recognised,
-                 double plane_tolerance, std::vector<CurvedLimits>& limits, RunControl& control) {
-  std::vector<std::uint8_t> is_inside(limits.size(), 0);
-  bool is_any = false;
-  for (std::size_t i = 0; i < limits.size(); ++i) {
-    is_inside[i] = limits[i].tolerance > 0 && recognised.surfaces[SurfaceId(i)].shape.kind == SurfaceKind::kTorus;
-    is_any = is_any || is_inside[i] != 0;
-  }
-  if (!is_any) return;
+/// Facets and result together take up this share of the tolerance in depth. The rest is for the way of boundaries along
+/// the surface.
+constexpr double kDepthShare = 0.9;
+
+/// Tells of each surface whether it is a torus of which some facet is outside of the tube. An edge around the axis has
+/// its middle farthest outside.
+std::vector<std::uint8_t> find_outside(const TorusFacets& input, RunControl& control) {
+  std::vector<std::uint8_t> is_outside(input.recognised.surfaces.size(), 0);
   StopCheck check(control);
-  for (std::size_t p = 0; p < facets.count(); ++p) {
-    const SurfaceId s = recognised.of_patch[PatchId(p)];
-    if (is_inside[s.value] == 0) continue;
-    const AnalyticSurface& torus = recognised.surfaces[s].shape;
-    for (const FaceId f : facets.faces_of(PatchId(p))) {
-      const auto face = surface.face(f);
-      Vec3 before = surface.positions[face.back()];
+  for (std::size_t p = 0; p < input.facets.count(); ++p) {
+    const SurfaceId s = input.recognised.of_patch[PatchId(p)];
+    const AnalyticSurface& torus = input.recognised.surfaces[s].shape;
+    if (torus.kind != SurfaceKind::kTorus || is_outside[s.value] != 0) continue;
+    for (const FaceId f : input.facets.faces_of(PatchId(p))) {
+      const auto face = input.surface.face(f);
+      Vec3 before = input.surface.positions[face.back()];
       for (const VertexId v : face) {
         check();
-        // An edge around the axis has its middle farthest outside.
-        const Vec3 here = surface.positions[v];
-        if (torus.distance(0.5 * (before + here)) > plane_tolerance) is_inside[s.value] = 0;
+        const Vec3 here = input.surface.positions[v];
+        if (torus.distance(0.5 * (before + here)) > input.plane_tolerance) is_outside[s.value] = 1;
         before = here;
       }
     }
   }
-  for (std::size_t i = 0; i < limits.size(); ++i)
-    if (is_inside[i] != 0) limits[i].max_height = std::max(limits[i].max_height, limits[i].boundary_tolerance);
+  return is_outside;
+}
+
+}  // namespace
+
+void fit_limits_of_tori(const TorusFacets& input, const Options& options, std::vector<CurvedLimits>& limits,
+                        RunControl& control) {
+  const auto is_torus = [&](std::size_t i) {
+    return limits[i].tolerance > 0 && input.recognised.surfaces[SurfaceId(i)].shape.kind == SurfaceKind::kTorus;
+  };
+  bool is_any = false;
+  for (std::size_t i = 0; i < limits.size(); ++i) is_any = is_any || is_torus(i);
+  if (!is_any) return;
+  const std::vector<std::uint8_t> is_outside = find_outside(input, control);
+  for (std::size_t i = 0; i < limits.size(); ++i) {
+    if (!is_torus(i)) continue;
+    CurvedLimits& of_surface = limits[i];
+    if (is_outside[i] == 0) {
+      of_surface.max_height = std::max(of_surface.max_height, of_surface.boundary_tolerance);
+    } else if (!options.elements_per_circle) {
+      const double own = input.recognised.surfaces[SurfaceId(i)].input_chord_height;
+      of_surface.max_height = std::min(of_surface.max_height, kDepthShare * of_surface.tolerance - own);
+      of_surface.boundary_tolerance = std::min(of_surface.boundary_tolerance, of_surface.max_height);
+      const bool is_finer = !options.refine && of_surface.max_height < own;
+      if (is_finer || !(of_surface.max_height > 0)) of_surface = {};
+    }
+  }
 }
 
 }  // namespace remesh

@@ -1,8 +1,9 @@
-/// Decides how far below a torus the result may be.
+/// Decides how far from a torus the result may be.
 #pragma once
 
 #include <vector>
 
+#include "core/base/options.h"
 #include "core/base/run_control.h"
 #include "core/geometry/patch_set.h"
 #include "core/mesh/surface.h"
@@ -11,15 +12,25 @@
 
 namespace remesh {
 
-/// Lets the result be as deep below a torus as below other surfaces, if all of its facets are on the outer half of the
-/// tube. There, facets and result are both inside of the tube, so their distances from the surface do not add up. On
-/// the inner half, edges around the axis are outside of the tube, and others inside.
-/// Input:  the patches are the facets that were recognised; `limits` has one entry per surface. Those of tori are for
-///         the inner half.
-/// Output: the limits of tori whose facets are nowhere farther outside of the tube than the plane tolerance.
+/// The facets of a surface, and what they were recognised as.
+struct TorusFacets {
+  const Surface& surface;
+  const PatchSet& facets;
+  const RecognisedSurfaces& recognised;
+  double plane_tolerance;  ///< model units
+};
+
+/// Changes the limits of tori to what their facets leave of the tolerance. On the outer half of the tube, facets and
+/// result are both inside of it, so their distances from the surface do not add up. On the inner half, edges around the
+/// axis are outside of the tube, and others inside. There, both have to be within the tolerance together.
+/// Input:  `limits` has one entry per surface, made from the same options.
+/// Output: tori whose facets are nowhere outside of the tube may be as deep as their boundaries. The boundaries of other
+///         tori are no farther from the tube than the rest. If `elements_per_circle` is given, these stay as they are. If
+///         nothing is refined and the result would have to be nearer to the tube than the facets are, the facets stay.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:   O(n).
-void deepen_tori(const Surface& surface, const PatchSet& facets, const RecognisedSurfaces& recognised,
-                 double plane_tolerance, std::vector<CurvedLimits>& limits, RunControl& control);
+/// Source: rules.md, Surface tolerance
+void fit_limits_of_tori(const TorusFacets& input, const Options& options, std::vector<CurvedLimits>& limits,
+                        RunControl& control);
 
 }  // namespace remesh
