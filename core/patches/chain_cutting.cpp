@@ -117,11 +117,13 @@ class ChainCutter {
   }
 
   /// Returns how far chords may be from a section, so that they do not leave it too far along a surface. An oblique
-  /// section of a cylinder bends along the surface as well as across it.
+  /// section of a cylinder bends along the surface as well as across it, and so do most circles on spheres and tori.
   double tolerance_along(const SectionChain& chain, std::span<const Vec3> points) const {
     double tolerance = HUGE_VAL;
     for (const PatchSurface& side : sides_.curved) {
-      if (side.along == 0 || is_around_axis(points, *side.shape)) continue;
+      // The limits of a cone know that circles around its axis bend along it.
+      const bool is_cone = side.shape->kind == SurfaceKind::kCone;
+      if (side.along == 0 || (is_cone && is_around_axis(points, *side.shape))) continue;
       double largest_part = 0;
       for (std::size_t i = 0; i + 1 < points.size(); ++i) {
         const Vec3 middle = chain.middle(i), way = middle - 0.5 * (points[i] + points[i + 1]);
