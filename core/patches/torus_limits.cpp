@@ -8,8 +8,8 @@
 namespace remesh {
 namespace {
 
-/// Facets and result together take up this share of the tolerance in depth. The rest is for the way of boundaries along
-/// the surface.
+/// Facets and result together take up this share of the tolerance in depth, unless the facets alone take up half of it.
+/// The rest is for the way of boundaries along the surface.
 constexpr double kDepthShare = 0.9;
 
 /// Tells of each surface whether it is a torus of which some facet is outside of the tube. An edge around the axis has
@@ -53,10 +53,13 @@ void fit_limits_of_tori(const TorusFacets& input, const Options& options, std::v
       of_surface.max_height = std::max(of_surface.max_height, of_surface.boundary_tolerance);
     } else if (!options.elements_per_circle) {
       const double own = input.recognised.surfaces[SurfaceId(i)].input_chord_height;
-      of_surface.max_height = std::min(of_surface.max_height, kDepthShare * of_surface.tolerance - own);
+      const double depth = kDepthShare * of_surface.tolerance - own;
+      if (depth >= own) {
+        of_surface.max_height = std::min(of_surface.max_height, depth);
+      } else if (!options.refine) {
+        of_surface = {};
+      }
       of_surface.boundary_tolerance = std::min(of_surface.boundary_tolerance, of_surface.max_height);
-      const bool is_finer = !options.refine && of_surface.max_height < own;
-      if (is_finer || !(of_surface.max_height > 0)) of_surface = {};
     }
   }
 }
