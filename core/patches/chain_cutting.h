@@ -24,8 +24,8 @@ struct PatchSurface {
   double max_turn = 0;                     ///< curved: the angle by which edges may turn, in radians
   /// Curved: how far a node that is dropped may be off its chord where no formula is known. 0: half of the tolerance.
   double sideways = 0;
-  /// Curved: how far a chord of a section may leave the section along the surface, if it is no circle around the axis of
-  /// a cone. 0: as far as the tolerance allows.
+  /// Curved: how far a chord of a section may leave the section along the surface, if it is no circle around the axis
+  /// of a cone. 0: as far as the tolerance allows.
   double along = 0;
 };
 

@@ -143,7 +143,7 @@ SurfaceDistance distance_between(const Triangles& a, const Triangles& b, double 
   const Triangles first = with_area(a), second = with_area(b);
   const SurfaceDistance there = distance_from(first, second, enough, too_far);
   if (there.lower > too_far) return there;
-  // What is nearer than the distance of the other direction does not count.
+  // Distances below that of the other direction do not count.
   const SurfaceDistance back = distance_from(second, first, std::max(enough, (1 + kAccuracy) * there.lower), too_far);
   return {std::max(there.lower, back.lower), std::max(there.upper, back.upper)};
 }

@@ -76,7 +76,7 @@ TEST(torus_limits, where_edges_are_outside_of_the_tube_facets_and_result_share_t
     EXPECT_LT(limits.max_height + c.chord_height, c.limits.tolerance);
     EXPECT_GT(limits.max_height, 0.7 * c.limits.tolerance);
     EXPECT_LE(limits.boundary_tolerance, limits.max_height);
-    // What is finer already stays.
+    // Limits that are finer already stay.
     EXPECT_EQ(limits_of(is_within).max_height, Case().limits.max_height);
   }
 }
