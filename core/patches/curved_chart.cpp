@@ -16,6 +16,13 @@ constexpr double kDepthOfEdges = 0.75;
 
 bool is_doubly_curved(SurfaceKind kind) { return kind == SurfaceKind::kSphere || kind == SurfaceKind::kTorus; }
 
+/// Returns the centre of a ball, or the point in the middle of a torus' tube that is nearest to a point.
+Vec3 centre_beside(const AnalyticSurface& shape, const Vec3& p) {
+  if (shape.kind == SurfaceKind::kSphere) return shape.origin;
+  const Vec3 way = p - shape.origin;
+  return shape.origin + shape.radius * normalized(way - dot(way, shape.axis) * shape.axis);
+}
+
 /// Returns the largest absolute value that a parabola takes between 0 and 1.
 double highest_of_parabola(double at_0, double at_half, double at_1) {
   double highest = std::max({std::fabs(at_0), std::fabs(at_half), std::fabs(at_1)});
@@ -60,15 +67,17 @@ bool CurvedChart::is_bent(const SpacePoint& a, const SpacePoint& b) const {
 bool CurvedChart::is_deep(const Vec3& a, const Vec3& b, const Vec3& c) const {
   const AnalyticSurface& shape = map_.shape();
   if (!is_doubly_curved(shape.kind)) return false;
+  const auto is_far = [&](const Vec3& p) { return std::fabs(shape.distance(p)) > max_height_; };
   const Vec3 middle = (1.0 / 3) * (a + b + c);
-  // The deepest place is the one nearest to the centre of the ball, or to that of the tube near there.
-  Vec3 centre = shape.origin;
-  if (shape.kind == SurfaceKind::kTorus) {
-    const Vec3 way = middle - shape.origin;
-    centre += shape.radius * normalized(way - dot(way, shape.axis) * shape.axis);
+  for (const Vec3& start : {middle, 0.5 * (middle + a), 0.5 * (middle + b), 0.5 * (middle + c)}) {
+    if (is_far(start)) return true;
+    // The deepest place is the one nearest to the centre of the ball, or to that of the tube next to it.
+    Vec3 deepest = start;
+    for (int i = 0; i < 2; ++i) deepest = nearest_on_triangle(centre_beside(shape, deepest), {a, b, c});
+    if (is_far(deepest)) return true;
+    if (shape.kind == SurfaceKind::kSphere) break;
   }
-  const double deepest = shape.distance(nearest_on_triangle(centre, {a, b, c}));
-  return std::max(std::fabs(deepest), std::fabs(shape.distance(middle))) > max_height_;
+  return false;
 }
 
 }  // namespace remesh

@@ -12,6 +12,10 @@ namespace {
 /// The rest is for the way of boundaries along the surface.
 constexpr double kDepthShare = 0.9;
 
+/// A torus may end where its tube is highest. The edges there are outside of it by less than this part of the distance
+/// of facets inside.
+constexpr double kHardly = 0x1p-5;
+
 /// Tells of each surface whether it is a torus of which some facet is outside of the tube. An edge around the axis has
 /// its middle farthest outside.
 std::vector<std::uint8_t> find_outside(const TorusFacets& input, RunControl& control) {
@@ -21,13 +25,14 @@ std::vector<std::uint8_t> find_outside(const TorusFacets& input, RunControl& con
     const SurfaceId s = input.recognised.of_patch[PatchId(p)];
     const AnalyticSurface& torus = input.recognised.surfaces[s].shape;
     if (torus.kind != SurfaceKind::kTorus || is_outside[s.value] != 0) continue;
+    const double hardly = std::max(input.plane_tolerance, kHardly * input.recognised.surfaces[s].input_chord_height);
     for (const FaceId f : input.facets.faces_of(PatchId(p))) {
       const auto face = input.surface.face(f);
       Vec3 before = input.surface.positions[face.back()];
       for (const VertexId v : face) {
         check();
         const Vec3 here = input.surface.positions[v];
-        if (torus.distance(0.5 * (before + here)) > input.plane_tolerance) is_outside[s.value] = 1;
+        if (torus.distance(0.5 * (before + here)) > hardly) is_outside[s.value] = 1;
         before = here;
       }
     }

@@ -460,19 +460,18 @@ TEST(curved_remesh, without_refinement_a_cylinder_has_vertices_on_its_boundary_o
   }
 }
 
-TEST(curved_remesh, without_refinement_balls_and_rings_are_deep_enough_at_once) {
-  // Triangles without a bound on their angles are deeper in the middle than at their edges.
-  for (const Model& model : {primitives::globe(72, 36, 3), primitives::icosphere(4, 3),
-                             primitives::torus(96, 96, 48, 5, 2), primitives::torus(96, 24, 48, 5, 2)})
-    for (const double tolerance : {0.03, 0.1}) {
-      SCOPED_TRACE(model.name + " " + std::to_string(tolerance));
-      Options options = with_tolerance(tolerance);
-      options.refine = false;
-      const Result result = remeshed(model.mesh, options);
-      EXPECT_TRUE(result.report.verified.all_true());
-      for (const PatchSummary& patch : result.report.patches) EXPECT_EQ(patch.status, PatchStatus::kRemeshed);
-      EXPECT_LT(2 * result.mesh.faces.size(), model.mesh.face_count());
-    }
+TEST(curved_remesh, without_refinement_no_triangle_of_a_ball_or_a_ring_is_too_deep_at_once) {
+  // Triangles without a bound on their angles may be far deeper in the middle than at their edges.
+  for (const Model& model :
+       {primitives::globe(72, 36, 3), primitives::icosphere(4, 3), primitives::torus(96, 24, 48, 5, 2)}) {
+    SCOPED_TRACE(model.name);
+    Options options = with_tolerance(0.1);
+    options.refine = false;
+    const Result result = remeshed(model.mesh, options);
+    EXPECT_TRUE(result.report.verified.all_true());
+    for (const PatchSummary& patch : result.report.patches) EXPECT_EQ(patch.status, PatchStatus::kRemeshed);
+    EXPECT_LT(4 * result.mesh.faces.size(), model.mesh.face_count());
+  }
 }
 
 TEST(curved_remesh, surfaces_that_cannot_be_joined_come_through) {
