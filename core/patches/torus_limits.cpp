@@ -54,10 +54,11 @@ void fit_limits_of_tori(const TorusFacets& input, const Options& options, std::v
   for (std::size_t i = 0; i < limits.size(); ++i) {
     if (!is_torus(i)) continue;
     CurvedLimits& of_surface = limits[i];
+    const double own = input.recognised.surfaces[SurfaceId(i)].input_chord_height;
     if (is_outside[i] == 0) {
       of_surface.max_height = std::max(of_surface.max_height, of_surface.boundary_tolerance);
+      if (!options.refine && of_surface.tightened().max_height < own) of_surface = {};
     } else if (!options.elements_per_circle) {
-      const double own = input.recognised.surfaces[SurfaceId(i)].input_chord_height;
       const double depth = kDepthShare * of_surface.tolerance - own;
       if (depth >= own) {
         of_surface.max_height = std::min(of_surface.max_height, depth);

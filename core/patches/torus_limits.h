@@ -24,10 +24,10 @@ struct TorusFacets {
 /// result are both inside of it, so their distances from the surface do not add up. On the inner half, edges around the
 /// axis are outside of the tube, and others inside. There, both have to be within the tolerance together.
 /// Input:  `limits` has one entry per surface, made from the same options.
-/// Output: tori whose facets are hardly outside of the tube may be as deep as their boundaries. Other tori stay as
-///         they are if `elements_per_circle` is given. Otherwise they leave room for the way of boundaries along the
-///         surface, and boundaries are no farther from the tube than the rest. If nothing is refined and the result
-///         would have to be nearer to the tube than the facets are, the facets stay.
+/// Output: tori whose facets are hardly outside of the tube may be as deep as their boundaries. Other tori stay as they
+///         are if `elements_per_circle` is given. Otherwise they leave room for the way of boundaries along the
+///         surface, and boundaries are no farther from the tube than the rest. If nothing is refined and the result,
+///         or that of a second attempt, would have to be nearer to the tube than the facets are, the facets stay.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:   O(n).
 /// Source: rules.md, Surface tolerance

@@ -83,12 +83,14 @@ TEST(torus_limits, where_edges_are_outside_of_the_tube_facets_and_result_share_t
 
 TEST(torus_limits, facets_stay_if_the_coarsest_result_would_be_finer_than_they_are) {
   Case c;
-  c.chord_height = 0.06;
+  c.chord_height = 0.05;
   c.limits = {0.1, 0.04, 0.5, 0.095, 0.03};
   EXPECT_EQ(limits_of(is_on_inner_half, c).max_height, c.limits.max_height);
   c.options.refine = false;
   EXPECT_EQ(limits_of(is_on_inner_half, c).tolerance, 0);
   EXPECT_GT(limits_of(is_on_outer_half, c).tolerance, 0);
+  c.chord_height = 0.08;
+  EXPECT_EQ(limits_of(is_on_outer_half, c).tolerance, 0);
 }
 
 TEST(torus_limits, other_surfaces_and_tori_that_stay_facets_are_left_alone) {
