@@ -9,6 +9,10 @@ namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
 
+/// A squeezed map multiplies lengths along rulings by this. A patch that is a thousand times as long as its edges are
+/// wide is then about as long as they are.
+constexpr double kSqueeze = 0x1p-10;
+
 /// Returns a unit vector across an axis: in the direction of `towards`, or any if that is along the axis.
 Vec3 across(const Vec3& axis, const Vec3& towards) {
   const Vec3 part = towards - dot(towards, axis) * axis;
@@ -45,6 +49,7 @@ SurfaceMap::SurfaceMap(const AnalyticSurface& shape, const MappedPiece& piece)
   if (shape.kind == SurfaceKind::kCone) {
     sine_ = std::sin(shape.half_angle);
     cosine_ = std::cos(shape.half_angle);
+    unit_ = radius(piece.middle);
   }
   if (shape.kind == SurfaceKind::kTorus) {
     const Vec3 q = axes_.along(towards);
@@ -52,6 +57,12 @@ SurfaceMap::SurfaceMap(const AnalyticSurface& shape, const MappedPiece& piece)
     middle_way_ = tube_way(middle_angle_);
     unit_ = shape.radius + shape.minor_radius * std::cos(middle_angle_);
   }
+}
+
+SurfaceMap SurfaceMap::squeezed() const {
+  SurfaceMap map = *this;
+  if (shape_.kind == SurfaceKind::kCylinder || shape_.kind == SurfaceKind::kCone) map.squeeze_ = kSqueeze;
+  return map;
 }
 
 /// Returns the integral of ds / rho along the tube from where it is farthest out to an angle.
@@ -74,9 +85,10 @@ double SurfaceMap::tube_angle(double way) const {
 Vec2 SurfaceMap::flat(const Vec3& p) const {
   const Vec3 q = axes_.along(p - shape_.origin);
   switch (shape_.kind) {
-    case SurfaceKind::kCylinder: return {side_ * shape_.radius * std::atan2(q.y, q.x), q.z};
+    case SurfaceKind::kCylinder: return {side_ * shape_.radius * std::atan2(q.y, q.x), squeeze_ * q.z};
     case SurfaceKind::kCone: {
       const double along = q.z * cosine_ + std::hypot(q.x, q.y) * sine_;
+      if (squeeze_ != 1) return {squeeze_ * along, -side_ * unit_ * std::atan2(q.y, q.x)};
       const double angle = -side_ * std::atan2(q.y, q.x) * sine_;
       return {along * std::cos(angle), along * std::sin(angle)};
     }
@@ -100,11 +112,13 @@ Vec3 SurfaceMap::point(Vec2 q) const {
   switch (shape_.kind) {
     case SurfaceKind::kCylinder: {
       const double angle = side_ * q.x / r;
-      place = {r * std::cos(angle), r * std::sin(angle), q.y};
+      place = {r * std::cos(angle), r * std::sin(angle), q.y / squeeze_};
       break;
     }
     case SurfaceKind::kCone: {
-      const double along = std::hypot(q.x, q.y), angle = -side_ * std::atan2(q.y, q.x) / sine_;
+      const bool is_squeezed = squeeze_ != 1;
+      const double along = is_squeezed ? q.x / squeeze_ : std::hypot(q.x, q.y);
+      const double angle = -side_ * (is_squeezed ? q.y / unit_ : std::atan2(q.y, q.x) / sine_);
       place = {along * sine_ * std::cos(angle), along * sine_ * std::sin(angle), along * cosine_};
       break;
     }
@@ -175,6 +189,7 @@ double SurfaceMap::stretch(Vec2 q) const {
     }
     case SurfaceKind::kTorus:
       return (shape_.radius + shape_.minor_radius * std::cos(tube_angle(q.y / unit_ + middle_way_))) / unit_;
+    case SurfaceKind::kCone: return squeeze_ != 1 ? q.x / squeeze_ * sine_ / unit_ : 1;
     default: return 1;
   }
 }

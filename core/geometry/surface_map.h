@@ -27,6 +27,13 @@ class SurfaceMap {
   /// Input: a cylinder, cone, sphere, or a torus that does not touch its axis. All lengths have the same unit.
   SurfaceMap(const AnalyticSurface& shape, const MappedPiece& piece);
 
+  /// Returns this map with the plane of a cylinder or a cone squeezed along the rulings, which makes them short. It
+  /// does not keep angles. A Delaunay triangulation there joins what is nearest around the axis, so its edges run along
+  /// the rulings, and the surface turns little along them. A cone is laid out in the angle around its axis and in the
+  /// distance from its apex. The maps of other surfaces do not change.
+  SurfaceMap squeezed() const;
+  bool is_squeezed() const { return squeeze_ != 1; }
+
   /// Returns whether there is a map for that surface.
   static bool can_map(const AnalyticSurface& shape);
 
@@ -36,7 +43,8 @@ class SurfaceMap {
   Vec3 point(Vec2 q) const;
   /// Returns the unit normal there, on the facets' outside.
   Vec3 normal(Vec2 q) const;
-  /// Returns the length on the surface of a short way at a place, per length of that way in the plane.
+  /// Returns the length on the surface of a short way at a place, per length of that way in the plane. In a squeezed
+  /// map, it is that of a way around the axis.
   double stretch(Vec2 q) const;
 
   /// The coordinates of a place around the axis.
@@ -70,7 +78,8 @@ class SurfaceMap {
   double cosine_ = 1;        ///< cone: of the half angle
   double middle_way_ = 0;    ///< torus: tube_way of the middle
   double middle_angle_ = 0;  ///< torus: the angle of the middle around the tube, 0 where the tube is farthest out
-  double unit_ = 1;          ///< torus: the distance of the middle from the axis
+  double unit_ = 1;          ///< torus, squeezed cone: the distance of the middle from the axis
+  double squeeze_ = 1;       ///< lengths along rulings are multiplied by this
 };
 
 }  // namespace remesh

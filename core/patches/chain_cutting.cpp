@@ -74,8 +74,10 @@ class ChainCutter {
     const std::optional<SectionChain> chain = section_through(points);
     if (!chain) return false;
     const auto room = [&](double limit) { return room_along(points, limit); };
-    limits_.min_pieces = pieces_for_width(nodes);
-    SectionChain::Division division = chain->divide(limits_, cutting_.rules.fit_tolerance, room, cutting_.control);
+    ChainLimits limits = limits_;
+    limits.tolerance = std::min(limits.tolerance, tolerance_along(*chain, points));
+    limits.min_pieces = pieces_for_width(nodes);
+    SectionChain::Division division = chain->divide(limits, cutting_.rules.fit_tolerance, room, cutting_.control);
     is_limited_ = is_limited_ || division.is_limited;
     if (!division.is_changed) return true;
     cuts_.push_back({{nodes.begin(), nodes.end()}, std::move(division.kept), std::move(division.points), {}, true});
@@ -125,6 +127,31 @@ class ChainCutter {
         if (!(std::fabs(plane.distance(p)) <= fit)) return false;
     }
     return true;
+  }
+
+  /// Returns how far chords may be from a section, so that they do not leave it too far along a surface. An oblique
+  /// section of a cylinder bends along the surface as well as across it, and so do most circles on spheres and tori.
+  double tolerance_along(const SectionChain& chain, std::span<const Vec3> points) const {
+    double tolerance = HUGE_VAL;
+    for (const PatchSurface& side : sides_.curved) {
+      // The limits of a cone know that circles around its axis bend along it.
+      const bool is_cone = side.shape->kind == SurfaceKind::kCone;
+      if (side.along == 0 || (is_cone && is_around_axis(points, *side.shape))) continue;
+      double largest_part = 0;
+      for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+        const Vec3 middle = chain.middle(i), way = middle - 0.5 * (points[i] + points[i + 1]);
+        const double across = dot(way, side.shape->normal(middle)), length = norm_squared(way);
+        if (length > 0) largest_part = std::max(largest_part, 1 - across * across / length);
+      }
+      if (largest_part > 0) tolerance = std::min(tolerance, side.along / std::sqrt(largest_part));
+    }
+    return tolerance;
+  }
+
+  bool is_around_axis(std::span<const Vec3> points, const AnalyticSurface& surface) const {
+    return std::all_of(points.begin(), points.end(), [&](const Vec3& p) {
+      return std::fabs(dot(p - points.front(), surface.axis)) <= 2 * cutting_.rules.fit_tolerance;
+    });
   }
 
   /// Returns planes in which some points may lie: the one across the axis of a surface, and the one that fits them.

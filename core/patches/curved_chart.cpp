@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/distances.h"
+
 namespace remesh {
 namespace {
 
@@ -11,6 +13,15 @@ constexpr double kRoundingFactor = 1 + 1e-9;
 /// A triangle of a ball is deeper in its middle than at its edges. With acute angles, its circumradius is at most its
 /// longest edge over the root of 3, instead of half of that edge, so its depth is at most 4/3 of that of its edges.
 constexpr double kDepthOfEdges = 0.75;
+
+bool is_doubly_curved(SurfaceKind kind) { return kind == SurfaceKind::kSphere || kind == SurfaceKind::kTorus; }
+
+/// Returns the centre of a ball, or the point in the middle of a torus' tube that is nearest to a point.
+Vec3 centre_beside(const AnalyticSurface& shape, const Vec3& p) {
+  if (shape.kind == SurfaceKind::kSphere) return shape.origin;
+  const Vec3 way = p - shape.origin;
+  return shape.origin + shape.radius * normalized(way - dot(way, shape.axis) * shape.axis);
+}
 
 /// Returns the largest absolute value that a parabola takes between 0 and 1.
 double highest_of_parabola(double at_0, double at_half, double at_1) {
@@ -27,8 +38,7 @@ double highest_of_parabola(double at_0, double at_half, double at_1) {
 
 CurvedChart::CurvedChart(const CurvedPatch& patch)
     : map_(patch.map), max_height_(patch.limits.max_height * kRoundingFactor) {
-  const SurfaceKind kind = patch.map.shape().kind;
-  if (kind == SurfaceKind::kSphere || kind == SurfaceKind::kTorus) max_height_ *= kDepthOfEdges;
+  max_edge_height_ = is_doubly_curved(patch.map.shape().kind) ? kDepthOfEdges * max_height_ : max_height_;
   const double distance = 2 * std::sin(patch.limits.max_turn / 2) * kRoundingFactor;
   max_turn_squared_ = distance * distance;
 }
@@ -38,10 +48,10 @@ SpacePoint CurvedChart::space_point(const Vec3& position) const {
   if (shape.kind != SurfaceKind::kCone) return {position, map_.side() * shape.normal(position)};
   const double radius = map_.radius(position);
   constexpr double kAtApex = 1e-3;
-  if (radius < kAtApex * max_height_) return {position, {}, true};
+  if (radius < kAtApex * max_edge_height_) return {position, {}, true};
   // So near to its apex, a cone is within the tolerance of edges that turn by a sixth of a circle.
   constexpr double kHeightOfSixth = 0.134;
-  const bool is_near_apex = radius * kHeightOfSixth * std::cos(shape.half_angle) < max_height_;
+  const bool is_near_apex = radius * kHeightOfSixth * std::cos(shape.half_angle) < max_edge_height_;
   return {position, map_.side() * shape.normal(position), is_near_apex};
 }
 
@@ -54,8 +64,24 @@ bool CurvedChart::is_bent(const SpacePoint& a, const SpacePoint& b) const {
   const double at_a = shape.distance(a.position), at_b = shape.distance(b.position);
   // Some boundaries are straight and deeper than that. Smaller edges at a vertex of them would be as deep.
   const double at_ends = std::max(std::fabs(at_a), std::fabs(at_b));
-  const double limit = std::max(max_height_, at_ends * kRoundingFactor);
+  const double limit = std::max(max_edge_height_, at_ends * kRoundingFactor);
   return highest_of_parabola(at_a, shape.distance(0.5 * (a.position + b.position)), at_b) > limit;
+}
+
+bool CurvedChart::is_deep(const Vec3& a, const Vec3& b, const Vec3& c) const {
+  const AnalyticSurface& shape = map_.shape();
+  if (!is_doubly_curved(shape.kind)) return false;
+  const auto is_far = [&](const Vec3& p) { return std::fabs(shape.distance(p)) > max_height_; };
+  const Vec3 middle = (1.0 / 3) * (a + b + c);
+  for (const Vec3& start : {middle, 0.5 * (middle + a), 0.5 * (middle + b), 0.5 * (middle + c)}) {
+    if (is_far(start)) return true;
+    // The deepest place is the one nearest to the centre of the ball, or to that of the tube next to it.
+    Vec3 deepest = start;
+    for (int i = 0; i < 2; ++i) deepest = nearest_on_triangle(centre_beside(shape, deepest), {a, b, c});
+    if (is_far(deepest)) return true;
+    if (shape.kind == SurfaceKind::kSphere) break;
+  }
+  return false;
 }
 
 }  // namespace remesh

@@ -29,10 +29,14 @@ class CurvedChart {
   SpacePoint space_point(const Vec3& position) const;
   /// Returns whether the surface turns too far along an edge, or the edge lies too deep below it.
   bool is_bent(const SpacePoint& a, const SpacePoint& b) const;
+  /// Returns whether a triangle whose edges are not bent lies too deep below its surface in the middle. Only on spheres
+  /// and tori is the middle deeper than the edges.
+  bool is_deep(const Vec3& a, const Vec3& b, const Vec3& c) const;
 
  private:
   SurfaceMap map_;
-  double max_height_ = 0;
+  double max_height_ = 0;        ///< of faces
+  double max_edge_height_ = 0;   ///< of edges; less on spheres and tori
   double max_turn_squared_ = 0;  ///< the square of the distance of two unit normals that are the largest turn apart
 };
 

@@ -9,8 +9,38 @@
 #include "core/base/tolerance.h"
 #include "core/patches/curved_limits.h"
 #include "core/patches/surface_recognition.h"
+#include "core/patches/torus_limits.h"
 
 namespace remesh {
+namespace {
+
+/// Returns whether a patch reaches the apex of its cone, at which all rulings meet.
+bool reaches_apex(const Surface& surface, const PatchSet& patches, PatchId p, const SurfaceMap& map, StopCheck& check) {
+  if (map.shape().kind != SurfaceKind::kCone) return false;
+  constexpr double kNearApex = 1e-3;
+  double nearest = HUGE_VAL, farthest = 0;
+  for (const FaceId f : patches.faces_of(p))
+    for (const VertexId v : surface.face(f)) {
+      check();
+      const double radius = map.radius(surface.positions[v]);
+      nearest = std::min(nearest, radius);
+      farthest = std::max(farthest, radius);
+    }
+  return nearest < kNearApex * farthest;
+}
+
+/// Squeezes the maps of patches along their rulings. Without a bound on angles, edges may be as long as a patch there.
+void squeeze_maps(const Surface& surface, CurvedPatches& joined, RunControl& control) {
+  StopCheck check(control);
+  for (std::size_t p = 0; p < joined.at.size(); ++p) {
+    check();
+    if (joined.at[PatchId(p)] == kNone) continue;
+    SurfaceMap& map = joined.curved[joined.at[PatchId(p)]].map;
+    if (!reaches_apex(surface, joined.patches, PatchId(p), map, check)) map = map.squeezed();
+  }
+}
+
+}  // namespace
 
 PatchSet CurvedStage::take_facets(Partition& partition) {
   return curved_.has_any() ? std::move(facets_) : std::move(partition.patches);
@@ -23,12 +53,14 @@ void CurvedStage::run(Partition& partition, const PatchSet& facets_before, Prepa
   else
     recognise(partition, prepared, options, measures.plane_tolerance, control);
   const Surface& surface = prepared.surface;
-  const std::vector<CurvedLimits> limits = curved_limits(surface, partition.patches, recognised_, options,
-                                                         measures.plane_tolerance, measures.diagonal, control);
+  std::vector<CurvedLimits> limits = curved_limits(surface, partition.patches, recognised_, options,
+                                                   measures.plane_tolerance, measures.diagonal, control);
+  fit_limits_of_tori({surface, partition.patches, recognised_, measures.plane_tolerance}, options, limits, control);
   cuts_ = {};
   with_cuts_.reset();
   curved_ = join_curved_facets(surface, prepared.adjacency(control), partition.patches, recognised_,
                                options.feature_angle_deg, limits, rungs_, control);
+  if (!options.refine) squeeze_maps(surface, curved_, control);
   if (curved_.has_any()) {
     facets_ = take_joined_patches(partition, prepared, curved_, measures.plane_tolerance, ladder, control);
     cut_boundaries(partition, prepared, ladder, options, measures.min_angle_deg, control);
@@ -81,6 +113,8 @@ void CurvedStage::cut_boundaries(Partition& partition, Prepared& prepared, Ladde
                      patch->limits.boundary_sideways,
                      patch->limits.max_height,
                      patch->area};
+    // If the number of elements decides, chords are as deep as it says, whatever the way along the surface is.
+    if (!options.elements_per_circle) surfaces[p].along = surfaces[p].sideways;
   }
   if (!options.split_boundaries) {
     // The boundary stays as it is, so curved patches are remeshed between its vertices.

@@ -42,7 +42,8 @@ double widest_turn(const CurvedChart& chart, double way) {
 std::vector<Pair> find_rulings(const CurvedChart& chart, const CurvedOutline& outline, RunControl& control) {
   std::vector<Pair> rulings;
   const SurfaceKind kind = chart.map().shape().kind;
-  if (kind != SurfaceKind::kCylinder && kind != SurfaceKind::kCone) return rulings;
+  // In a squeezed plane, edges run along rulings by themselves.
+  if ((kind != SurfaceKind::kCylinder && kind != SurfaceKind::kCone) || chart.map().is_squeezed()) return rulings;
   StopCheck check(control);
   std::vector<OnAxis> vertices;
   vertices.reserve(outline.positions.size());

@@ -23,8 +23,8 @@ struct CurvedOutline {
 /// So strips between rulings may have triangles that are several times as long as edges may turn, just like the facets
 /// of a prism.
 /// Output:  each pair lies next to each other on its ruling. The pairs are ordered by the angle around the axis and
-///          then by their place along it. They may cross sides or lie outside of the patch. On other surfaces there are
-///          none.
+///          then by their place along it. They may cross sides or lie outside of the patch. On other surfaces and
+///          in squeezed maps there are none.
 /// Holds:   no pair makes an angle of less than 60 degrees with a side at one of its ends.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:    O(n log n).

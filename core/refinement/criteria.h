@@ -41,6 +41,9 @@ struct Criteria {
   const SizeField& sizes;
 
   bool has_sizes() const { return size_goal != SizeGoal::kNone; }
+  /// Returns whether points are removed in the end that the bounds do not need. With a bound on angles alone, hardly
+  /// any point is left over.
+  bool is_thinned() const { return has_sizes() || min_angle_deg == 0; }
 
   /// Returns whether a triangle has an angle below the bound.
   bool is_sharp(const TriangleMeasures& m) const {

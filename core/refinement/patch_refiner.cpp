@@ -171,7 +171,7 @@ void PatchRefiner::run(std::uint64_t quota, RefinementProgress& progress) {
 }
 
 void PatchRefiner::thin_out(RunControl& control, RefinementProgress& progress) {
-  if (!sizes_.criteria().has_sizes()) return;
+  if (!sizes_.criteria().is_thinned()) return;
   const std::int64_t before = triangle_count();
   PatchThinner(sizes_, patch_, *scratch_).thin_out(sizes_.do_vary() ? 0 : first_refined_, control);
   progress.add(std::int64_t{triangle_count()} - before);

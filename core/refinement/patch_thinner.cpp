@@ -126,10 +126,13 @@ bool PatchThinner::are_remade_well(double worst_shape) const {
   });
 }
 
-/// Returns whether a triangle of a curved patch meets the bound on angles in space, and no edge of it inside is bent.
+/// Returns whether a triangle of a curved patch meets the bound on angles in space, no edge of it inside is bent, and
+/// it is not too deep.
 bool PatchThinner::is_good_in_space(std::uint32_t t) const {
   if (TriangleJudge(sizes_, patch_).shape_of(t).is_sharp) return false;
   const CurvedChart& curved = *sizes_.chart().curved();
+  const auto position = [&](std::uint32_t h) { return patch_.in_space[mesh_.from(h)].position; };
+  if (are_shapes_free() && curved.is_deep(position(3 * t), position(3 * t + 1), position(3 * t + 2))) return false;
   for (std::uint32_t h = 3 * t; h < 3 * t + 3; ++h)
     if (!mesh_.is_constrained(h) && curved.is_bent(patch_.in_space[mesh_.from(h)], patch_.in_space[mesh_.to(h)]))
       return false;
@@ -238,7 +241,7 @@ void PatchThinner::thin_out(std::uint32_t first, RunControl& control) {
     });
     if (!is_short(nearest)) continue;
     const Fan fan = fan_of(p, ring);
-    const double worst_shape = std::min(kFlattest, fan.worst_shape);
+    const double worst_shape = are_shapes_free() ? 0 : std::min(kFlattest, fan.worst_shape);
     // Without v, there are two triangles less for the same area.
     const double side = std::sqrt(fan.twice_area / (static_cast<double>(ring.size()) - 2) * (2 / std::numbers::sqrt3));
     if (sizes_.allows_when_thinned(kAlmost * side, p) && leave_out(v, worst_shape)) {

@@ -18,13 +18,14 @@ namespace remesh {
 /// Thins out a patch that is done. Points inside that the bounds do not need in the end are removed one by one, or one
 /// point takes the place of two. It goes on around every place where it succeeds. Each step leaves fewer points, so it
 /// ends.
-/// Holds:  Triangles are within the bounds as before. No new triangle is flatter than one with two angles of 28
-///         degrees, or than the flattest that was there before. Triangles that miss a bound stay as they are.
+/// Holds:  Triangles are within the bounds as before. If angles have a bound or there are sizes, no new triangle is
+///         flatter than one with two angles of 28 degrees, or than the flattest that was there before. Triangles that
+///         miss a bound stay as they are.
 /// Source: H. Erten, A. Üngör, Quality triangulations with locally optimal Steiner points, 2009 (one point for two);
 ///         M. Badoiu, K. Clarkson, Smaller core-sets for balls, 2003 (places for these points).
 class PatchThinner {
  public:
-  /// All three objects must outlive this one. There must be sizes.
+  /// All three objects must outlive this one. There must be sizes, or angles must have no bound.
   PatchThinner(const PatchSizes& sizes, WorkingPatch& patch, RefinerScratch& scratch)
       : sizes_(sizes), criteria_(sizes.criteria()), patch_(patch), mesh_(patch.mesh), scratch_(scratch) {}
 
@@ -40,6 +41,8 @@ class PatchThinner {
     bool is_any_sharp;
   };
 
+  /// Returns whether triangles may be as flat as they like. Then only the depth of a curved patch asks for points.
+  bool are_shapes_free() const { return criteria_.min_angle_deg == 0 && !criteria_.has_sizes(); }
   bool find_ring(std::uint32_t v, std::vector<std::uint32_t>& ring) const;
   bool find_hole(std::uint32_t v, std::size_t k);
   Fan fan_of(Vec2 p, std::span<const std::uint32_t> ring) const;

@@ -126,7 +126,7 @@ class Rounds {
   /// Thins out all patches. This is not done after the first chords, because the points in chords have to stay. Returns
   /// whether it was done.
   bool thin_out() {
-    if (std::exchange(thinning_.is_done, true) || !criteria_.has_sizes()) return false;
+    if (std::exchange(thinning_.is_done, true) || !criteria_.is_thinned()) return false;
     const LargeFirst by_size = large_first(refiners_.size(), 500, [&](std::uint32_t p) -> std::size_t {
       return refiners_[PatchId(p)] ? refiners_[PatchId(p)]->triangle_count() : 0;
     });

@@ -23,7 +23,8 @@ TriangleJudge::Shape TriangleJudge::shape_in_space(std::uint32_t t) const {
   shape.is_sharp = sizes_.criteria().is_sharp(shape.measures);
   shape.is_too_large = sizes_.is_too_large_anywhere(at, shape.measures) ||
                        (sizes_.do_vary() && (is_too_long(h) || is_too_long(h + 1) || is_too_long(h + 2))) ||
-                       is_bent(h) || is_bent(h + 1) || is_bent(h + 2);
+                       is_bent(h) || is_bent(h + 1) || is_bent(h + 2) ||
+                       (is_blunt_allowed() && sizes_.chart().curved()->is_deep(a, b, c));
   return shape;
 }
 

@@ -69,6 +69,8 @@ class TriangleJudge {
     if (mesh.is_constrained(h) || patch_.states[mesh.twin(h) / 3].is_good()) return false;
     return sizes_.chart().curved()->is_bent(patch_.in_space[mesh.from(h)], patch_.in_space[mesh.to(h)]);
   }
+  /// Returns whether angles have no bound. A triangle may then be much deeper in its middle than at its edges.
+  bool is_blunt_allowed() const { return sizes_.criteria().min_angle_deg == 0; }
   bool is_too_long(std::uint32_t h) const {
     const DelaunayMesh& mesh = patch_.mesh;
     // An edge of a good triangle is no longer than it may be, so it need not be measured again.

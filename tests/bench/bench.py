@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Measures this project, its parts and its peers on the same work in one run, alternating, and writes one table.
 
-usage: bench.py BUILD_FOLDER [--runs N] [--faces N] [--largest N] [--only PART]...
+usage: bench.py BUILD_FOLDER [--runs N] [--faces N] [--largest N] [--mesh PATH]... [--only PART]...
 
 Writes bench/table.md and bench/table.json into the parent of the build folder, and prints the table; the part `growth`
 also draws bench/growth.svg. Every figure is the median of the runs; what counts is the ratio to the row that it names,
@@ -14,6 +14,7 @@ import pathlib
 import sys
 import time
 
+from coarse import measure_coarse
 from file_to_file import measure_io, measure_way
 from in_the_plane import measure_points, measure_polygons, measure_refinement
 from programs import Bench
@@ -27,6 +28,7 @@ PARTS = {
     "polygons": measure_polygons,
     "refinement": measure_refinement,
     "surface": measure_surface,
+    "coarse": measure_coarse,
     "io": measure_io,
     "way": measure_way,
     "http": measure_http,
@@ -41,12 +43,15 @@ def main():
     parser.add_argument("--runs", type=int, default=5)
     parser.add_argument("--faces", type=int, default=1_000_000, help="of the large inputs")
     parser.add_argument("--largest", type=int, default=1_000_000, help="where growth ends")
+    parser.add_argument("--mesh", action="append", type=pathlib.Path, default=[], metavar="PATH",
+                        help="for the part coarse, instead of its own")
     parser.add_argument("--only", action="append", choices=list(PARTS), metavar="PART", help=", ".join(PARTS))
     arguments = parser.parse_args()
     build = arguments.build.resolve()
     folder = build.parent / "bench"
     folder.mkdir(exist_ok=True)
-    bench = Bench(build, folder, arguments.runs, arguments.faces, arguments.largest)
+    bench = Bench(build, folder, arguments.runs, arguments.faces, arguments.largest,
+                  tuple(arguments.mesh))
     table = Table()
     for part in arguments.only or PARTS:
         start = time.monotonic()

@@ -4,6 +4,7 @@
 import unittest
 import xml.etree.ElementTree
 
+import coarse
 import plot
 from scaling import add_growth
 from table import Table
@@ -33,6 +34,35 @@ class TableTest(unittest.TestCase):
         add_growth(table, "box", [(1000, 1.0, 1 << 20), (20_000, 30.0, 40 << 20)], 200)
         grown = [row for row in table.rows if row["against"] == "1,000 faces"]
         self.assertEqual([(row["what"], row["ratio"]) for row in grown], [("time", 15.0), ("memory", 20.0)])
+
+
+class CoarseTest(unittest.TestCase):
+    OURS = {"faces_in": 400, "faces": 100, "proven": 0.02, "distance": 0.01, "diagonal": 20.0}
+
+    def rows(self, **theirs):
+        table = Table()
+        coarse.add_rows(table, "part.stl", self.OURS, {"adaptive": None, "planar": None, **theirs})
+        return table
+
+    def test_more_than_half_of_the_faces_of_a_peer_is_told_and_half_is_not(self):
+        half = self.rows(planar={"faces": 200, "distance": 0.01}, adaptive={"faces": 201, "distance": 0.01})
+        self.assertEqual(half.above_bounds(), [])
+        more = self.rows(planar={"faces": 199, "distance": 0.01}, adaptive={"faces": 201, "distance": 0.01})
+        self.assertEqual([row["against"] for row in more.above_bounds()], [coarse.PEERS["planar"]])
+
+    def test_distances_are_told_in_thousandths_of_the_diagonal(self):
+        table = self.rows(planar={"faces": 300, "distance": 0.008})
+        told = {row["what"]: row["value"] for row in table.rows if row["unit"] == "thousandths"}
+        self.assertEqual(told, {"remesh, proven distance": 1.0, "remesh, measured distance": 0.5,
+                                f"{coarse.PEERS['planar']}, measured distance": 0.4})
+
+    def test_a_peer_without_a_result_says_why_and_does_not_count(self):
+        text = self.rows(planar={"faces": None}).markdown()
+        self.assertIn(f"{coarse.PEERS['adaptive']} | not measured: it failed or took too long", text)
+        self.assertIn(f"{coarse.PEERS['planar']} | not measured: with no tolerance", text)
+        table = Table()
+        coarse.add_medians(table, {"adaptive": [], "planar": [0.9, 0.1, 0.4]})
+        self.assertEqual([(row["value"], row["bound"]) for row in table.rows], [(0.4, 0.5)])
 
 
 class PlotTest(unittest.TestCase):

@@ -31,6 +31,7 @@ class Bench:
     runs: int
     faces: int  # of the large inputs
     largest: int  # where growth ends
+    meshes: tuple = ()  # files that the part `coarse` remeshes instead of its own
 
     def program(self, name):
         return self.build / name

@@ -526,6 +526,63 @@ TEST(curved_remesh, without_refinement_the_result_is_the_coarsest) {
     }
 }
 
+/// Returns an open tube about z of `n` facets. Its ends are waves with three crests, one against the other, so that
+/// edges along the shortest ways between them would not run along the axis.
+PolygonMesh wavy_tube(int n, double radius, double height, double wave) {
+  std::vector<Vec3> places;
+  std::vector<std::vector<std::uint32_t>> faces;
+  for (int i = 0; i < n; ++i) {
+    const double angle = 2 * kPi * i / n, up = wave * std::cos(3 * angle);
+    places.push_back({radius * std::cos(angle), radius * std::sin(angle), -up});
+    places.push_back({radius * std::cos(angle), radius * std::sin(angle), height + up});
+    const auto at = [&](int k, int level) { return static_cast<std::uint32_t>(2 * (k % n) + level); };
+    faces.push_back({at(i, 0), at(i + 1, 0), at(i + 1, 1)});
+    faces.push_back({at(i, 0), at(i + 1, 1), at(i, 1)});
+  }
+  return shapes::from_lists(places, faces);
+}
+
+TEST(curved_remesh, without_refinement_a_cylinder_has_vertices_on_its_boundary_only) {
+  for (const double wave : {0.0, 3.0, 8.0}) {
+    SCOPED_TRACE(wave);
+    Options options = with_tolerance(0.1);
+    options.refine = false;
+    const PolygonMesh tube = wavy_tube(180, 5, 20, wave);
+    const Result result = remeshed(tube, options);
+    EXPECT_TRUE(result.report.verified.all_true());
+    ASSERT_EQ(result.report.patches.size(), 2u);
+    // Each half has one loop. A polygon with b corners has b - 2 triangles if no vertex is inside.
+    std::array<std::size_t, 2> faces{}, border{};
+    std::map<std::pair<VertexId, VertexId>, std::size_t> patch_at;
+    for (std::size_t f = 0; f < result.mesh.faces.size(); ++f)
+      for (int i = 0; i < 3; ++i) {
+        const Triangle& t = result.mesh.faces[FaceId(f)];
+        patch_at[{t[i], t[(i + 1) % 3]}] = result.face_patch[FaceId(f)].value;
+        faces[result.face_patch[FaceId(f)].value] += i == 0 ? 1 : 0;
+      }
+    for (const auto& [edge, patch] : patch_at) {
+      const auto twin = patch_at.find({edge.second, edge.first});
+      if (twin == patch_at.end() || twin->second != patch) ++border[patch];
+    }
+    for (int p = 0; p < 2; ++p) EXPECT_EQ(faces[p], border[p] - 2);
+    EXPECT_LT(result.mesh.faces.size(), tube.face_count());
+  }
+}
+
+TEST(curved_remesh, without_refinement_no_triangle_of_a_ball_or_a_ring_is_too_deep_at_once) {
+  // Triangles without a bound on their angles may be far deeper in the middle than at their edges.
+  for (const Model& model :
+       {primitives::globe(72, 36, 3), primitives::icosphere(4, 3), primitives::torus(96, 24, 48, 5, 2)}) {
+    SCOPED_TRACE(model.name);
+    Options options = with_tolerance(0.1);
+    options.refine = false;
+    const Result result = remeshed(model.mesh, options);
+    EXPECT_TRUE(result.report.verified.all_true());
+    for (const PatchSummary& patch : result.report.patches) EXPECT_EQ(patch.status, PatchStatus::kRemeshed);
+    EXPECT_LT(4 * result.mesh.faces.size(), model.mesh.face_count());
+  }
+}
+
 TEST(curved_remesh, surfaces_that_cannot_be_joined_come_through) {
   // A surface of revolution has no chart, flanks of a screw are free, and a pin turns in its bore.
   for (const Model& model : {primitives::vase(24, 12), primitives::thread(24, 3), primitives::pin_in_its_bore(36),

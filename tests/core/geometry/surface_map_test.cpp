@@ -202,5 +202,40 @@ TEST(surface_map, the_apex_of_a_cone_has_a_place) {
   }
 }
 
+bool is_ruled(const Case& c) { return c.place.kind == SurfaceKind::kCylinder || c.place.kind == SurfaceKind::kCone; }
+
+TEST(surface_map, places_of_a_squeezed_map_come_back_and_turn_as_before) {
+  for_each_place([](const Case& c, const SurfaceMap& map, bool, Vec2 q) {
+    const SurfaceMap squeezed = map.squeezed();
+    const Vec3 p = at(c, q);
+    EXPECT_LE(norm(squeezed.point(squeezed.flat(p)) - p), 1e-10 * size_of(c));
+    constexpr double kStep = 1e-4;
+    const Vec3 u = at(c, {q.x + kStep, q.y}), v = at(c, {q.x, q.y + kStep});
+    const auto turn = [&](const SurfaceMap& m) { return cross(m.flat(u) - m.flat(p), m.flat(v) - m.flat(p)); };
+    EXPECT_GT(turn(squeezed) * turn(map), 0);
+  });
+}
+
+TEST(surface_map, a_squeezed_map_shortens_rulings_alone) {
+  for_each_place([](const Case& c, const SurfaceMap& map, bool, Vec2 q) {
+    const SurfaceMap squeezed = map.squeezed();
+    const Vec2 here = squeezed.flat(at(c, q));
+    if (!is_ruled(c)) {
+      EXPECT_EQ(here, map.flat(at(c, q)));
+      return;
+    }
+    // A ruling stays straight, and places on it are in the same proportions as in space.
+    const Vec3 near = at(c, {q.x, 0.9 * q.y}), far = at(c, {q.x, 0.7 * q.y});
+    const Vec2 to_near = squeezed.flat(near) - here, to_far = squeezed.flat(far) - here;
+    EXPECT_NEAR(norm(to_far) / norm(to_near), 3, 1e-6);
+    EXPECT_LE(std::fabs(cross(to_near, to_far)), 1e-9 * norm(to_near));
+    EXPECT_LT(norm(to_far), 0.01 * norm(far - at(c, q)));
+    // Around the axis, lengths are those of the surface but for the stretch.
+    constexpr double kStep = 1e-6;
+    const Vec3 beside = at(c, {q.x + kStep, q.y});
+    EXPECT_NEAR(norm(squeezed.flat(beside) - here) * squeezed.stretch(here) / norm(beside - at(c, q)), 1, 1e-4);
+  });
+}
+
 }  // namespace
 }  // namespace remesh

@@ -91,9 +91,10 @@ struct Asked {
   double max_turn = kPi;
   double max_depth = HUGE_VAL;
   double max_length_per_width = HUGE_VAL;
+  double along = 0;  ///< 0: as the tolerance
 };
 Asked elements(int n, double radius, double own) {
-  return {radius * (1 - std::cos(kPi / n)) + own, 2 * kPi / n, HUGE_VAL, HUGE_VAL};
+  return {radius * (1 - std::cos(kPi / n)) + own, 2 * kPi / n, HUGE_VAL, HUGE_VAL, 0};
 }
 
 /// A part with its boundaries cut.
@@ -126,7 +127,7 @@ class CutPart {
       PatchSurface s;
       s.plane = patches.planes[PatchId(p)];
       if (shapes_[p].kind != SurfaceKind::kPlane)
-        s = {&shapes_[p], {}, asked.tolerance, asked.max_turn, 0, asked.max_depth, area_of(PatchId(p))};
+        s = {&shapes_[p], {}, asked.tolerance, asked.max_turn, 0, asked.max_depth, area_of(PatchId(p)), asked.along};
       surfaces.push_back(s);
     }
     rules = {fit_tolerance > 0 ? fit_tolerance : 1e-9 * unit, kPi / 6, asked.max_length_per_width};
@@ -511,6 +512,46 @@ TEST(curve_cuts, the_pieces_of_an_ellipse_are_within_the_tolerance_with_hardly_o
     EXPECT_LE(count, fewest);
     EXPECT_GE(count, fewest - 2);
   }
+}
+
+/// Returns how far a chord of the oblique section of the cylinder leaves the section along the surface.
+double way_along_surface(const Vec3& from, const Vec3& to, double slope) {
+  constexpr int kSteps = 200;
+  double farthest = 0;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double part = static_cast<double>(i) / kSteps;
+    const Vec3 p = from + part * (to - from);
+    const double angle = std::atan2(p.y, p.x);
+    double nearest = HUGE_VAL;
+    // In the unrolled cylinder, the section is a wave.
+    for (int k = -kSteps; k <= kSteps; ++k) {
+      const double turn = 0.3 * k / kSteps;
+      nearest = std::min(nearest, std::hypot(5 * turn, 12 + slope * 5 * std::cos(angle + turn) - p.z));
+    }
+    farthest = std::max(farthest, nearest);
+  }
+  return farthest;
+}
+
+TEST(curve_cuts, an_oblique_cut_leaves_its_section_along_the_surface_by_no_more_than_is_allowed) {
+  const double tolerance = 0.2;
+  for (const double slope : {0.5, 1.0, 1.5})
+    for (const double along : {0.01, 0.03}) {
+      SCOPED_TRACE(slope);
+      SCOPED_TRACE(along);
+      const Part input = cut_off(360, slope, 0);
+      const CutPart part(input, {tolerance, kPi, along}), free(input, {tolerance, kPi, 0});
+      const std::vector<Vec3> points = part.points(part.first_loop(kTop));
+      double farthest = 0;
+      for (std::size_t i = 0; i < points.size(); ++i)
+        farthest = std::max(farthest, way_along_surface(points[i], points[(i + 1) % points.size()], slope));
+      EXPECT_LE(farthest, 1.05 * along);
+      // There are not many pieces too many: the way grows with the square of their length.
+      EXPECT_GE(farthest, 0.7 * along);
+      EXPECT_GT(points.size(), free.points(free.first_loop(kTop)).size());
+      // Chords of the circle around the axis leave it in depth only.
+      EXPECT_EQ(part.points(part.first_loop(kBottom)), free.points(free.first_loop(kBottom)));
+    }
 }
 
 TEST(curve_cuts, the_equator_between_two_halves_of_a_globe_is_a_circle) {
