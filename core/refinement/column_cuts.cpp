@@ -27,8 +27,10 @@ bool is_ruled(const AnalyticSurface& shape) {
 }
 
 /// Returns the cuts of a segment that runs along a column.
-std::vector<double> cuts_in_rows(const BoundaryCurve& curve, const SurfaceMap& map, const ColumnGrid& grid) {
-  const SurfaceMap::Around from = map.around(curve.position(0)), to = map.around(curve.position(1));
+std::vector<double> cuts_in_rows(const SegmentTable& table, SegmentId s, const SurfaceMap& map,
+                                 const ColumnGrid& grid) {
+  const Vec3 start = table.position(s, 0);
+  const SurfaceMap::Around from = map.around(start), to = map.around(table.position(s, 1));
   const double column = (0.5 * (from.angle + to.angle) - grid.start) / grid.width, nearest = std::nearbyint(column);
   const bool is_along = std::fabs(to.angle - from.angle) < kAlong * grid.width;
   if (!is_along || std::fabs(column - nearest) > kAlong) return {};
@@ -40,7 +42,7 @@ std::vector<double> cuts_in_rows(const BoundaryCurve& curve, const SurfaceMap& m
   std::vector<double> cuts;
   for (double i = 2 * std::ceil((low - shift) / 2) + shift; i <= high; i += 2) {
     const Vec3 place = map.point(SurfaceMap::Around{from.angle, grid.low + i * grid.row});
-    cuts.push_back(norm(place - curve.position(0)) / curve.length());
+    cuts.push_back(norm(place - start) / table[s].length);
   }
   std::sort(cuts.begin(), cuts.end());
   return cuts;
@@ -60,9 +62,11 @@ bool are_long_enough(const std::vector<double>& cuts, const BoundarySegment& seg
 }  // namespace
 
 std::map<SegmentId, std::vector<double>> column_cuts(const TriangulatedPatches& triangulated, const SegmentTable& table,
-                                                     const Goals& goals, RunControl& control) {
+                                                     const Goals& goals, const SizeField& sizes, RunControl& control) {
   std::map<SegmentId, std::vector<double>> result;
   if (!triangulated.charts.has_curved() || goals.min_angle_deg == 0) return result;
+  // Patches with sizes are filled evenly.
+  if (!sizes.is_uniform() || std::isfinite(sizes.largest())) return result;
   StopCheck check(control);
   for (PatchId p(0); p.value < triangulated.size(); ++p.value) {
     check();
@@ -93,7 +97,7 @@ std::map<SegmentId, std::vector<double>> column_cuts(const TriangulatedPatches& 
         return triangulated.charts[side.patch].curved() == nullptr;
       });
       if (has_plane && grid.last - grid.first < kManyColumns) continue;
-      std::vector<double> cuts = cuts_in_rows(table.curve(s), chart.curved()->map(), grid);
+      std::vector<double> cuts = cuts_in_rows(table, s, chart.curved()->map(), grid);
       if (cuts.empty() || !are_long_enough(cuts, segment)) continue;
       std::vector<double>& known = result[s];
       const bool is_better = cuts.size() != known.size() ? cuts.size() > known.size() : cuts < known;

@@ -9,6 +9,7 @@
 #include "core/patches/triangulated_patches.h"
 #include "core/refinement/goals.h"
 #include "core/refinement/segment_table.h"
+#include "core/refinement/size_field.h"
 
 namespace remesh {
 
@@ -17,11 +18,11 @@ namespace remesh {
 /// its points would not fit those of the columns beside it, and triangles there would have to be refined. Segments
 /// beside a plane are left out if there are few columns, because the plane would get more triangles than they save.
 /// Input:  the sides of the table.
-/// Output: ascending parameters, only for segments with cuts. There are none if angles have no bound, or if the patch
-///         has no column inside. If the patches on both sides ask for different cuts, those of which there are more are
-///         taken, and of as many the smaller ones.
+/// Output: ascending parameters, only for segments with cuts. There are none if angles have no bound, if sizes have
+///         one, or if the patch has no column inside. If the patches on both sides ask for different cuts, those of
+///         which there are more are taken, and of as many the smaller ones.
 /// Cost:   O(n) in the sides of curved patches and in the cuts.
 std::map<SegmentId, std::vector<double>> column_cuts(const TriangulatedPatches& triangulated, const SegmentTable& table,
-                                                     const Goals& goals, RunControl& control);
+                                                     const Goals& goals, const SizeField& sizes, RunControl& control);
 
 }  // namespace remesh

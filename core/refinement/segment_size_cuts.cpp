@@ -23,11 +23,8 @@ double last_piece_of(std::span<const double> shells) {
 std::vector<double> SegmentTable::size_cuts(SegmentId id, const SizeField& sizes) const {
   const BoundarySegment& s = segments_[id];
   std::vector<double> cuts;
-  if (s.is_locked()) return cuts;
-  if (sizes.is_uniform() && !std::isfinite(sizes.largest())) {
-    const auto of_columns = column_cuts_.find(id);
-    return of_columns == column_cuts_.end() ? cuts : of_columns->second;
-  }
+  if (const auto known = column_cuts_.find(id); known != column_cuts_.end() && !s.is_locked()) return known->second;
+  if (s.is_locked() || (sizes.is_uniform() && !std::isfinite(sizes.largest()))) return cuts;
   const auto at_from = corner_shells_.at({id, true}), at_to = corner_shells_.at({id, false});
   if (!at_from.empty() || !at_to.empty()) {
     cut_evenly(id, 0, 1, sizes, cuts);

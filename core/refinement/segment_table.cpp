@@ -279,8 +279,7 @@ void SegmentTable::plan_cuts(const TriangulatedPatches& triangulated, const Size
   for_blocks(segments_.size(), kSegments, control, [&](std::size_t s, std::size_t end) {
     for (; s < end; ++s) segments_[SegmentId(s)].parts = parts[s];
   });
-  if (sizes.is_uniform() && !std::isfinite(sizes.largest()))
-    column_cuts_ = column_cuts(triangulated, *this, goals, control);
+  column_cuts_ = column_cuts(triangulated, *this, goals, sizes, control);
   corner_shells_ = CornerShells(*this, std::exchange(corners_, {}), goals, sizes, control);
   UnionFind clusters = std::exchange(clusters_, UnionFind());
   // Pieces that corner shells make next to a corner are cut in halves. (If all sizes are the same, that would take up

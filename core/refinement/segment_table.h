@@ -131,8 +131,7 @@ class SegmentTable {
   /// Returns the parameters at which a segment is cut for its size before anything else, ascending. It is divided into
   /// the fewest parts that are no longer than the size there; the parts are equal where the size is. The side of a
   /// strip is first cut between its parts and then by halves, until no piece is longer than the size in its middle.
-  /// Beside sharp corners, a segment is cut on their shells (CornerShells). Where sizes have no bound, segments along
-  /// the columns of a curved patch get the cuts of these (column_cuts.h).
+  /// Beside sharp corners, a segment is cut on their shells (CornerShells).
   std::vector<double> size_cuts(SegmentId s, const SizeField& sizes) const;
 
  private:
@@ -157,7 +156,7 @@ class SegmentTable {
   TracedSegments traced_;
   Grouping by_patch_;  ///< indices of sides
   CornerShells corner_shells_;
-  std::map<SegmentId, std::vector<double>> column_cuts_;
+  std::map<SegmentId, std::vector<double>> column_cuts_;  ///< size_cuts of segments along columns of curved patches
 };
 
 }  // namespace remesh
