@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/base/ids.h"
@@ -31,6 +32,8 @@ struct Candidate {
   Assembled assembled;
   IdVector<VertexId, Vec3> positions;  ///< those of `assembled`
   UnrefinedFaces unrefined;            ///< those of `assembled`
+  /// New places of vertices of the surface on which the patches were triangulated, ascending.
+  std::vector<std::pair<VertexId, Vec3>> moved;
 
   Candidate() = default;
   /// Frees the meshes in parallel, because there may be a million.
@@ -51,6 +54,11 @@ struct Candidate {
 /// Errors:  kCancelled, kTimeout - through `control`.
 /// Cost:    O(vertices + triangles).
 void assemble(Candidate& candidate, const Surface& surface, const Goals* goals, RunControl& control);
+
+/// Gives all triangles that meet the goals a reason for missing them, which counts if they do after vertices are moved.
+/// Input: a candidate that has been assembled with goals.
+/// Cost:  O(triangles).
+void give_reason_to_good_triangles(Candidate& candidate, UnrefinedReason reason);
 
 /// The information that the check needs besides the candidate.
 struct CheckedAgainst {

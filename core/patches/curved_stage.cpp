@@ -26,11 +26,17 @@ void CurvedStage::run(Partition& partition, const PatchSet& facets_before, Prepa
                                                          lengths.plane_tolerance, lengths.diagonal, control);
   cuts_ = {};
   with_cuts_.reset();
+  is_outside_ = false;
   curved_ = join_curved_facets(surface, prepared.adjacency(control), partition.patches, recognised_,
                                options.feature_angle_deg, limits, rungs_, control);
   if (curved_.has_any()) {
     facets_ = take_joined_patches(partition, prepared, curved_, lengths.plane_tolerance, ladder, control);
     cut_boundaries(partition, prepared, ladder, options, control);
+    // Vertices that must stay would be left behind.
+    if (options.circle_fit == CircleFit::kVolume && options.split_boundaries && !options.keep_boundary_vertices)
+      is_outside_ = outside_.move_outside(
+          {surface, prepared.adjacency(control), partition.patches, partition.loops, cuts_, ladder.forced()}, curved_,
+          *with_cuts_, control);
   }
   tell_failures(partition);
   surfaces_ = curved_.has_any() ? curved_.surfaces : recognised_;
@@ -123,6 +129,7 @@ std::vector<PatchId> CurvedStage::at_fault(const std::vector<FailedPatch>& faile
 }
 
 void CurvedStage::step_up(const std::vector<PatchId>& at_fault, const PatchSet& patches) {
+  if (is_outside_ && outside_.leave_inside(at_fault, curved_)) return;
   rungs_.resize(patches.of_face.size(), CurvedRung::kJoined);
   for (const PatchId p : at_fault)
     for (const FaceId f : patches.faces_of(p))

@@ -47,6 +47,13 @@ struct CurvedSurfaces {
   std::span<const std::uint32_t> of_patch;  ///< indices of these, or kNone; empty if all patches are planes
 };
 
+/// The vertices of the surface that are elsewhere in the output. In the input they are where they were.
+struct MovedVertices {
+  std::vector<std::uint32_t> at;  ///< indices of the following arrays, or kNone, by surface vertex; empty if none moved
+  std::vector<Vec3> to;
+  std::vector<double> allowed;  ///< the distance that a curved patch allows there
+};
+
 /// Vertices are numbered as in the surface. The new vertices of a refined result follow. After them come output
 /// vertices that are neither (moved, or a second one at the same place), so that everything that uses them fails by
 /// its edges.
@@ -69,6 +76,7 @@ struct Model {
   double scale = 1;                 ///< model units times this give the units used here
   double tolerance = 0;
   CurvedSurfaces curved;
+  MovedVertices moved;
 
   std::size_t patch_count() const { return frames.size(); }
   /// True if refinement made this vertex.
@@ -85,6 +93,12 @@ struct Model {
     return has_curved() && std::any_of(uses.begin(), uses.end(),
                                        [&](const Use& use) { return curved_surface(use.patch()) != nullptr; });
   }
+
+  bool is_moved(VertexId v) const { return v.value < moved.at.size() && moved.at[v.value] != kNone; }
+  /// The place of a vertex in the output. `points` has its place in the input.
+  Vec3 output_point(VertexId v) const { return is_moved(v) ? moved.to[moved.at[v.value]] : points[v.value]; }
+  /// How far a vertex may be moved.
+  double allowed_move(VertexId v) const { return is_moved(v) ? moved.allowed[moved.at[v.value]] : 0; }
 
   /// True if a distance counts as within the tolerance. Besides a share of 1e-9 this permits the rounding of the
   /// measurement itself: about ten roundings of numbers no larger than `reach`.
