@@ -271,8 +271,10 @@ class Run {
     const FitInput input{with_cuts(), partition_.patches, *curves_.curved(), *outside};
     const FittedVolumes fitted =
         fit_volumes(input, candidate_.triangulated, candidate_.refinement.new_positions, control_);
-    for (const SurfaceId s : fitted.impossible) outside->leave_inside(s);
-    if (!fitted.impossible.empty()) return false;
+    if (!fitted.impossible.empty()) {
+      curves_.step_up(curves_.patches_of(fitted.impossible), partition_.patches);
+      return false;
+    }
     if (!fitted.is_near && outside->is_better_estimate_worth_while()) {
       outside->take_offsets(fitted.offsets);
       return false;

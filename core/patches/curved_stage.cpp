@@ -129,11 +129,31 @@ std::vector<PatchId> CurvedStage::at_fault(const std::vector<FailedPatch>& faile
 }
 
 void CurvedStage::step_up(const std::vector<PatchId>& at_fault, const PatchSet& patches) {
-  if (is_outside_ && outside_.leave_inside(at_fault, curved_)) return;
   rungs_.resize(patches.of_face.size(), CurvedRung::kJoined);
-  for (const PatchId p : at_fault)
-    for (const FaceId f : patches.faces_of(p))
-      rungs_[f] = rungs_[f] == CurvedRung::kJoined ? CurvedRung::kTightened : CurvedRung::kFacet;
+  std::vector<SurfaceId> left;
+  for (const PatchId p : at_fault) {
+    const auto faces = patches.faces_of(p);
+    const bool is_tightened =
+        std::any_of(faces.begin(), faces.end(), [&](FaceId f) { return rungs_[f] != CurvedRung::kJoined; });
+    const SurfaceId surface = curved_.of(p)->surface;
+    const bool is_moved = is_outside_ && outside_.goals()[surface].is_wanted;
+    CurvedRung next = is_tightened ? CurvedRung::kFacet : CurvedRung::kTightened;
+    // If finer limits did not help, the surface stays where it is, and everything begins anew there.
+    if (is_tightened && is_moved) {
+      left.push_back(surface);
+      next = CurvedRung::kJoined;
+    }
+    for (const FaceId f : faces) rungs_[f] = next;
+  }
+  outside_.start_anew(left);
+}
+
+std::vector<PatchId> CurvedStage::patches_of(const std::vector<SurfaceId>& surfaces) const {
+  std::vector<PatchId> found;
+  for (PatchId p(0); p.value < curved_.at.size(); ++p.value)
+    if (const CurvedPatch* patch = curved_.of(p))
+      if (std::find(surfaces.begin(), surfaces.end(), patch->surface) != surfaces.end()) found.push_back(p);
+  return found;
 }
 
 std::optional<CurvedBoundaries> CurvedStage::boundaries() const {

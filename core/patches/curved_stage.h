@@ -49,9 +49,12 @@ class CurvedStage {
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
   std::vector<PatchId> at_fault(const std::vector<FailedPatch>& failed, const PatchSet& patches, const Surface& surface,
                                 const Adjacency& adjacency, const RunControl& control) const;
-  /// Takes curved patches a rung up: if their surfaces were moved outwards, these stay where they are, then the patches
-  /// get finer limits, and then they become facets again.
+  /// Takes curved patches a rung up: first they get finer limits, and then they become facets again. If their surfaces
+  /// are moved outwards, finer limits come first, then the surfaces stay where they are, and then all begins anew.
   void step_up(const std::vector<PatchId>& at_fault, const PatchSet& patches);
+
+  /// Returns the curved patches of some surfaces.
+  std::vector<PatchId> patches_of(const std::vector<SurfaceId>& surfaces) const;
 
   /// Returns the patches that are curved, or null if none is.
   const CurvedPatches* curved() const { return curved_.has_any() ? &curved_ : nullptr; }

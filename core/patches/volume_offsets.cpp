@@ -186,15 +186,16 @@ class TrueCurve {
   bool is_open_ = false;
 };
 
-/// Returns a point of the surface in the middle of a map.
-Vec3 middle_of(const SurfaceMap& map) {
+/// Returns a point in the middle of a map. For a cone, only its direction from the axis counts.
+/// Input: `unit` is any length that is scaled with the surface.
+Vec3 middle_of(const SurfaceMap& map, double unit) {
   if (map.shape().kind != SurfaceKind::kCone) return map.point(Vec2{});
-  return map.shape().origin + map.axes().x + map.shape().axis;
+  return map.shape().origin + unit * map.axes().x;
 }
 
 /// Returns the same map of a piece of the surface moved outwards.
-SurfaceMap offset_map(const SurfaceMap& map, double offset) {
-  return {offset_surface(map.shape(), offset), {middle_of(map), map.side() < 0}};
+SurfaceMap offset_map(const SurfaceMap& map, double offset, double unit) {
+  return {offset_surface(map.shape(), offset), {middle_of(map, unit), map.side() < 0}};
 }
 
 }  // namespace
@@ -225,7 +226,7 @@ bool VolumeOffsets::move_outside(const CutPatches& cut, CurvedPatches& curved, S
   for (CurvedPatch& patch : curved.curved) {
     const double offset = offsets_[patch.surface];
     if (offset == 0) continue;
-    patch.map = offset_map(patch.map, offset);
+    patch.map = offset_map(patch.map, offset, cut.surface.unit);
     // Vertices that could not be moved are so far from the moved surface.
     patch.limits.max_height += std::fabs(offset) * levers[patch.surface];
   }
@@ -245,7 +246,8 @@ void VolumeOffsets::set_goals(const CutPatches& cut, const CurvedPatches& curved
     const AnalyticSurface& shape = curved.surfaces.surfaces[patch->surface].shape;
     // All patches of a cylinder are measured from the same point of its axis.
     const bool has_centre = goal.is_wanted && shape.kind == SurfaceKind::kCylinder;
-    SurfaceIntegral integral(shape, has_centre ? goal.centre : middle_of(patch->map), cut.surface.unit);
+    SurfaceIntegral integral(shape, has_centre ? goal.centre : middle_of(patch->map, cut.surface.unit),
+                             cut.surface.unit);
     for (std::uint32_t l = cut.loops.patch_begin[i]; l < cut.loops.patch_begin[i + 1]; ++l)
       for_each_piece(cut, cut.loops.loop(l), [&](const LoopPiece& piece) {
         check();
@@ -278,17 +280,6 @@ void VolumeOffsets::estimate_offsets(const CurvedPatches& curved) {
     offset = shape.kind == SurfaceKind::kCone ? std::atan((1 + growth) * std::tan(shape.half_angle)) - shape.half_angle
                                               : growth * radius;
   }
-}
-
-bool VolumeOffsets::leave_inside(std::span<const PatchId> patches, const CurvedPatches& curved) {
-  bool is_any = false;
-  for (const PatchId p : patches) {
-    const CurvedPatch* const patch = curved.of(p);
-    if (patch == nullptr || goals_.empty() || !goals_[patch->surface].is_wanted) continue;
-    leave_inside(patch->surface);
-    is_any = true;
-  }
-  return is_any;
 }
 
 }  // namespace remesh

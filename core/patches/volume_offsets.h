@@ -67,11 +67,10 @@ class VolumeOffsets {
   }
   /// Returns whether better offsets have rarely been taken yet.
   bool is_better_estimate_worth_while() const { return corrections_ < kMaxCorrections; }
-  /// Leaves the surfaces of these patches where they are from now on. Returns whether any of them was moved.
-  bool leave_inside(std::span<const PatchId> patches, const CurvedPatches& curved);
-  void leave_inside(SurfaceId surface) {
-    is_left_[surface.value] = 1;
-    // What remains has other neighbours, so its offsets are estimated anew.
+  /// Leaves these surfaces where they are from now on. The offsets of all others are estimated anew, because limits or
+  /// neighbours have changed.
+  void start_anew(std::span<const SurfaceId> left) {
+    for (const SurfaceId s : left) is_left_[s.value] = 1;
     offsets_.assign(offsets_.size(), 0);
     corrections_ = 0;
   }

@@ -189,7 +189,7 @@ TEST(volume_fit, vertices_that_must_stay_leave_the_surfaces_inscribed) {
     const Result outside = remeshed(mesh, options);
     for (const RecognisedSurface& s : outside.report.surfaces.surfaces) EXPECT_FALSE(s.outside.has_value());
     options.circle_fit = CircleFit::kInscribed;
-    EXPECT_EQ(bytes(outside.mesh), bytes(remeshed(mesh, options).mesh));
+    EXPECT_TRUE(bytes(outside.mesh) == bytes(remeshed(mesh, options).mesh));
   };
   Options options = fitted(12, true);
   options.split_boundaries = false;
@@ -207,11 +207,12 @@ TEST(volume_fit, workers_change_nothing_and_powers_of_two_scale_everything) {
   for (const primitives::Model& model : {primitives::countersunk_plate(48), primitives::globe(36, 18, 3)}) {
     const Options options = fitted(16, true);
     const Result result = remeshed(model.mesh, options);
-    for (const int workers : {2, 8}) EXPECT_EQ(bytes(remeshed(model.mesh, options, workers).mesh), bytes(result.mesh));
+    for (const int workers : {2, 8})
+      EXPECT_TRUE(bytes(remeshed(model.mesh, options, workers).mesh) == bytes(result.mesh));
     PolygonMesh scaled = model.mesh;
     const double scale = 0x1p40;
     for (Vec3& p : scaled.positions) p = scale * p;
-    EXPECT_EQ(bytes(remeshed(scaled, options).mesh, scale), bytes(result.mesh));
+    EXPECT_TRUE(bytes(remeshed(scaled, options).mesh, scale) == bytes(result.mesh));
   }
 }
 
