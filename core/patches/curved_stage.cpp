@@ -135,14 +135,13 @@ void CurvedStage::step_up(const std::vector<PatchId>& at_fault, const PatchSet& 
     const auto faces = patches.faces_of(p);
     const bool is_tightened =
         std::any_of(faces.begin(), faces.end(), [&](FaceId f) { return rungs_[f] != CurvedRung::kJoined; });
-    const SurfaceId surface = curved_.of(p)->surface;
-    const bool is_moved = is_outside_ && outside_.goals()[surface].is_wanted;
     CurvedRung next = is_tightened ? CurvedRung::kFacet : CurvedRung::kTightened;
-    // If finer limits did not help, the surface stays where it is, and everything begins anew there.
-    if (is_tightened && is_moved) {
-      left.push_back(surface);
-      next = CurvedRung::kJoined;
-    }
+    // If finer limits did not help, the surface and those beside it stay where they are, and all begins anew there.
+    if (is_tightened && is_outside_)
+      if (const std::vector<SurfaceId> moved = outside_.moved_at(curved_.of(p)->surface); !moved.empty()) {
+        left.insert(left.end(), moved.begin(), moved.end());
+        next = CurvedRung::kJoined;
+      }
     for (const FaceId f : faces) rungs_[f] = next;
   }
   outside_.start_anew(left);

@@ -282,4 +282,19 @@ void VolumeOffsets::estimate_offsets(const CurvedPatches& curved) {
   }
 }
 
+std::vector<SurfaceId> VolumeOffsets::moved_at(SurfaceId surface) const {
+  if (goals_[surface].is_wanted) return {surface};
+  std::vector<SurfaceId> found;
+  for (std::size_t i = 0; i < moves_.size(); ++i) {
+    const std::span<const OffsetMove> moves = moves_.moves(i);
+    if (std::none_of(moves.begin(), moves.end(), [&](const OffsetMove& move) { return move.surface == surface; }))
+      continue;
+    for (const OffsetMove& move : moves)
+      if (goals_[move.surface].is_wanted) found.push_back(move.surface);
+  }
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  return found;
+}
+
 }  // namespace remesh

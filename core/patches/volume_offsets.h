@@ -67,6 +67,9 @@ class VolumeOffsets {
   }
   /// Returns whether better offsets have rarely been taken yet.
   bool is_better_estimate_worth_while() const { return corrections_ < kMaxCorrections; }
+  /// Returns a surface if it is moved; otherwise those that are moved and share vertices with it.
+  /// Cost: O(vertices on boundaries).
+  std::vector<SurfaceId> moved_at(SurfaceId surface) const;
   /// Leaves these surfaces where they are from now on. The offsets of all others are estimated anew, because limits or
   /// neighbours have changed.
   void start_anew(std::span<const SurfaceId> left) {
