@@ -268,7 +268,7 @@ class Run {
   bool keep_volumes() {
     VolumeOffsets* const outside = curves_.outside();
     if (outside == nullptr) return true;
-    const FitInput input{with_cuts(), partition_.patches, *curves_.curved(), *outside};
+    const FitInput input{with_cuts(), partition_.patches, *curves_.curved(), *outside, asked_goals() != nullptr};
     const FittedVolumes fitted =
         fit_volumes(input, candidate_.triangulated, candidate_.refinement.new_positions, control_);
     if (!fitted.impossible.empty()) {
@@ -279,13 +279,12 @@ class Run {
       outside->take_offsets(fitted.offsets);
       return false;
     }
-    if (asked_goals() != nullptr) {
-      // A triangle that just meets a goal may miss it by a little after the last correction.
-      assemble(candidate_, with_cuts(), asked_goals(), control_);
-      give_reason_to_good_triangles(candidate_, UnrefinedReason::kEffort);
-    }
-    candidate_.moved =
+    // A triangle that just meets a goal may miss it by a little after this last correction.
+    if (asked_goals() != nullptr) assemble(candidate_, with_cuts(), asked_goals(), control_);
+    FittedVertices moved =
         move_to_fit(input, fitted, candidate_.triangulated, candidate_.refinement.new_positions, control_);
+    if (asked_goals() != nullptr) replace_reasons(candidate_, moved.is_moved, UnrefinedReason::kEffort);
+    candidate_.moved = std::move(moved.places);
     for (SurfaceId s(0); s.value < fitted.offsets.size(); ++s.value)
       if (outside->goals()[s].is_wanted) report_.surfaces.surfaces[s].outside = fitted.outside[s];
     return true;

@@ -71,15 +71,19 @@ void assemble(Candidate& candidate, const Surface& surface, const Goals* goals, 
                        candidate.refinement.misses_sizes, *goals, control);
 }
 
-void give_reason_to_good_triangles(Candidate& candidate, UnrefinedReason reason) {
+void replace_reasons(Candidate& candidate, std::span<const std::uint8_t> is_moved, UnrefinedReason reason) {
   std::vector<UnrefinedReason>& reasons = candidate.refinement.reason;
   const std::vector<FaceId>& missing = candidate.unrefined.faces;
+  const auto has_moved = [&](std::size_t t) {
+    const Triangle& face = candidate.assembled.faces[FaceId(t)];
+    return std::any_of(face.begin(), face.end(),
+                       [&](VertexId v) { return is_moved[candidate.assembled.vertex[v].value] != 0; });
+  };
   auto next = missing.begin();
   for (std::size_t t = 0; t < reasons.size(); ++t) {
-    if (next != missing.end() && next->value == t)
-      ++next;
-    else
-      reasons[t] = reason;
+    const bool is_missing = next != missing.end() && next->value == t;
+    if (is_missing) ++next;
+    if (!is_missing || (reasons[t] == UnrefinedReason::kAcrossInputAngle && has_moved(t))) reasons[t] = reason;
   }
 }
 

@@ -55,10 +55,13 @@ struct Candidate {
 /// Cost:    O(vertices + triangles).
 void assemble(Candidate& candidate, const Surface& surface, const Goals* goals, RunControl& control);
 
-/// Gives all triangles that meet the goals a reason for missing them, which counts if they do after vertices are moved.
-/// Input: a candidate that has been assembled with goals.
+/// Gives triangles other reasons for missing the goals, before some vertices are moved by a little: all those that meet
+/// the goals, and those with a moved vertex that lie across an angle of the input, which asks for equal distances. These
+/// reasons count if the triangles miss a goal afterwards.
+/// Input: a candidate that has been assembled with goals; `is_moved` has one entry per vertex of the surface or of the
+///        refinement.
 /// Cost:  O(triangles).
-void give_reason_to_good_triangles(Candidate& candidate, UnrefinedReason reason);
+void replace_reasons(Candidate& candidate, std::span<const std::uint8_t> is_moved, UnrefinedReason reason);
 
 /// The information that the check needs besides the candidate.
 struct CheckedAgainst {

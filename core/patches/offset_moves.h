@@ -44,12 +44,11 @@ class OffsetMoves {
     begin_.push_back(moves_.size());
   }
 
-  /// Appends a vertex with the moves that it has in another list, at another place. It has none if it is not there.
-  void add(VertexId v, const Vec3& at, const OffsetMoves& like) {
+  /// Appends a vertex whose moves are known.
+  void add(VertexId v, const Vec3& at, std::span<const OffsetMove> moves) {
     vertices_.push_back(v);
     places_.push_back(at);
-    if (const std::size_t i = like.find(v); i < like.size())
-      moves_.insert(moves_.end(), like.moves(i).begin(), like.moves(i).end());
+    moves_.insert(moves_.end(), moves.begin(), moves.end());
     begin_.push_back(moves_.size());
   }
 

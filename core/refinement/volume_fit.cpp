@@ -25,12 +25,21 @@ constexpr int kMaxSteps = 100;
 /// would change: they would have to go too far.
 constexpr double kMinFreedom = 0.1;
 
-/// Triangles keep their shapes if offsets change by no more than this part.
-constexpr double kNear = 0.03;
+/// Triangles keep their shapes if offsets change by no more than this part. If vertices inside of a surface move and its
+/// boundary stays, they move along normals, which changes angles less.
+constexpr double kNear = 0.03, kNearInside = 0.1;
 
-/// Finds the moves of all vertices that curved patches use.
-OffsetMoves find_moves(const FitInput& input, const PatchMeshes& meshes, const std::vector<Vec3>& new_positions,
-                       RunControl& control) {
+/// Boundaries stay if the vertices inside make up at least this part of what all of them change.
+constexpr double kInnerShare = 0.4;
+
+/// The moves of all vertices that curved patches use.
+struct FitMoves {
+  OffsetMoves moves;
+  std::vector<std::uint8_t> is_inner;  ///< one per vertex with moves: it is inside a patch
+};
+
+FitMoves find_moves(const FitInput& input, const PatchMeshes& meshes, const std::vector<Vec3>& new_positions,
+                    RunControl& control) {
   const std::size_t known = input.surface.vertex_count();
   StopCheck check(control);
   std::vector<std::uint8_t> is_curved(known + new_positions.size(), 0);
@@ -47,17 +56,22 @@ OffsetMoves find_moves(const FitInput& input, const PatchMeshes& meshes, const s
       }
     }
   sort_stoppable(patches.begin(), patches.end(), control);
-  OffsetMoves moves;
+  FitMoves found;
   std::size_t next = 0;
   for (std::size_t i = 0; i < is_curved.size(); ++i) {
     check();
     if (is_curved[i] == 0) continue;
     const VertexId v(i);
     if (i < known) {
-      moves.add(v, input.surface.positions[v], input.fit.moves());
+      const OffsetMoves& of_boundaries = input.fit.moves();
+      const std::size_t at = of_boundaries.find(v);
+      found.moves.add(v, input.surface.positions[v],
+                      at < of_boundaries.size() ? of_boundaries.moves(at) : std::span<const OffsetMove>());
+      found.is_inner.push_back(0);
       continue;
     }
     OffsetSite site;
+    const std::size_t first = next;
     for (; next < patches.size() && patches[next].first == v; ++next) {
       const PatchId p = patches[next].second;
       if (const CurvedPatch* patch = input.curved.of(p))
@@ -67,9 +81,10 @@ OffsetMoves find_moves(const FitInput& input, const PatchMeshes& meshes, const s
     }
     std::sort(site.surfaces.begin(), site.surfaces.end());
     site.surfaces.erase(std::unique(site.surfaces.begin(), site.surfaces.end()), site.surfaces.end());
-    moves.add(v, new_positions[i - known], site, input.curved.surfaces);
+    found.moves.add(v, new_positions[i - known], site, input.curved.surfaces);
+    found.is_inner.push_back(next - first == 1 ? 1 : 0);
   }
-  return moves;
+  return found;
 }
 
 /// A triangle of a surface, or of a ribbon between its chords and its boundary as it is.
@@ -98,7 +113,8 @@ class Fitter {
          RunControl& control)
       : input_(input),
         triangulated_(triangulated),
-        moves_(find_moves(input, triangulated.meshes, new_positions, control)),
+        found_(find_moves(input, triangulated.meshes, new_positions, control)),
+        moves_(found_.moves),
         check_(control),
         control_(control) {
     for (std::size_t i = 0; i < moves_.size(); ++i) {
@@ -106,6 +122,7 @@ class Fitter {
       start_.push_back(local(moves_.place(i)));
     }
     collect_triangles();
+    if (input.is_refined) keep_boundaries();
   }
 
   FittedVolumes run() {
@@ -128,7 +145,8 @@ class Fitter {
       const SurfaceId s = surfaces_[i].surface;
       const double offset = result.offsets[s], change = std::fabs(offset - estimates[s]);
       if (is_met[groups.find(i)] == 0) result.impossible.push_back(s);
-      if (!(change <= kNear * std::max(std::fabs(offset), std::fabs(estimates[s])))) result.is_near = false;
+      const double near = keeps_boundary_.empty() || keeps_boundary_[s] == 0 ? kNear : kNearInside;
+      if (!(change <= near * std::max(std::fabs(offset), std::fabs(estimates[s])))) result.is_near = false;
     }
     result.moves = std::move(moves_);
     return result;
@@ -146,6 +164,33 @@ class Fitter {
       for (const OffsetMove& move : moves_.moves(i))
         levers[move.surface] = std::max(levers[move.surface], offset_lever(shape(move.surface), moves_.place(i)));
     return levers;
+  }
+
+  /// Drops the moves of vertices on the boundaries of surfaces that have enough vertices inside. Then planes beside them
+  /// keep their triangles.
+  void keep_boundaries() {
+    UnionFind alone(surfaces_.size());
+    add_up(alone, input_.fit.offsets());
+    const std::vector<FitSum> of_all = sums_;
+    const auto without = [&](const auto& is_dropped) {
+      OffsetMoves kept;
+      std::vector<OffsetMove> moves;
+      for (std::size_t i = 0; i < found_.moves.size(); ++i) {
+        check_();
+        moves.clear();
+        for (const OffsetMove& move : found_.moves.moves(i))
+          if (found_.is_inner[i] != 0 || !is_dropped(move.surface)) moves.push_back(move);
+        kept.add(found_.moves.vertex(i), found_.moves.place(i), moves);
+      }
+      return kept;
+    };
+    moves_ = without([](SurfaceId) { return true; });
+    add_up(alone, input_.fit.offsets());
+    keeps_boundary_.assign(input_.fit.goals().size(), 0);
+    for (std::size_t i = 0; i < surfaces_.size(); ++i)
+      if (std::fabs(sums_[i].slope) >= kInnerShare * std::fabs(of_all[i].slope))
+        keeps_boundary_[surfaces_[i].surface] = 1;
+    moves_ = without([&](SurfaceId s) { return keeps_boundary_[s] != 0; });
   }
 
   /// Finds the pairs of surfaces that share vertices which may move.
@@ -342,10 +387,12 @@ class Fitter {
 
   const FitInput& input_;
   const TriangulatedPatches& triangulated_;
-  OffsetMoves moves_;
+  FitMoves found_;
+  OffsetMoves moves_;  ///< those of `found_` that count
   StopCheck check_;
   RunControl& control_;
   std::vector<FitSurface> surfaces_;
+  IdVector<SurfaceId, std::uint8_t> keeps_boundary_;                 ///< empty if all boundaries may move
   std::vector<std::pair<std::uint32_t, std::uint32_t>> neighbours_;  ///< indices of `surfaces_`, the smaller one first
   IdVector<SurfaceId, double> largest_moves_;                        ///< how far vertices move, per offset, at most
   IdVector<SurfaceId, double> allowed_;                              ///< the tolerances of the surfaces
@@ -362,42 +409,44 @@ FittedVolumes fit_volumes(const FitInput& input, const TriangulatedPatches& tria
   return Fitter(input, triangulated, new_positions, control).run();
 }
 
-std::vector<std::pair<VertexId, Vec3>> move_to_fit(const FitInput& input, const FittedVolumes& fitted,
-                                                   TriangulatedPatches& triangulated, std::vector<Vec3>& new_positions,
-                                                   RunControl& control) {
+FittedVertices move_to_fit(const FitInput& input, const FittedVolumes& fitted, TriangulatedPatches& triangulated,
+                           std::vector<Vec3>& new_positions, RunControl& control) {
   StopCheck check(control);
   IdVector<SurfaceId, double> change = fitted.offsets;
   for (SurfaceId s(0); s.value < change.size(); ++s.value) change[s] -= input.fit.offsets()[s];
   const std::size_t known = input.surface.vertex_count();
-  std::vector<std::uint8_t> is_moved(known + new_positions.size(), 0);
-  std::vector<std::pair<VertexId, Vec3>> moved;
+  FittedVertices result;
+  result.is_moved.assign(known + new_positions.size(), 0);
   for (std::size_t i = 0; i < fitted.moves.size(); ++i) {
     check();
     const Vec3 way = moved_by(fitted.moves.moves(i), change);
     if (way == Vec3{}) continue;
     const VertexId v = fitted.moves.vertex(i);
-    is_moved[v.value] = 1;
+    result.is_moved[v.value] = 1;
     if (v.value < known)
-      moved.push_back({v, fitted.moves.place(i) + way});
+      result.places.push_back({v, fitted.moves.place(i) + way});
     else
       new_positions[v.value - known] += way;
   }
+  const auto place_of = [&](VertexId v) {
+    if (v.value >= known) return new_positions[v.value - known];
+    return std::lower_bound(result.places.begin(), result.places.end(), v,
+                            [](const auto& place, VertexId id) { return place.first < id; })
+        ->second;
+  };
   for (PatchId p(0); p.value < triangulated.size(); ++p.value) {
     if (input.curved.of(p) != nullptr) continue;
     PatchMesh& patch = triangulated.meshes[p];
     bool is_any = false;
     for (std::size_t i = 0; i < patch.vertices.size(); ++i) {
       check();
-      const VertexId v = patch.vertices[i];
-      if (is_moved[v.value] == 0) continue;
-      const Vec3 to =
-          fitted.moves.place(fitted.moves.find(v)) + moved_by(fitted.moves.moves(fitted.moves.find(v)), change);
-      patch.uv[i] = triangulated.charts[p].to_plane(to);
+      if (result.is_moved[patch.vertices[i].value] == 0) continue;
+      patch.uv[i] = triangulated.charts[p].to_plane(place_of(patch.vertices[i]));
       is_any = true;
     }
     if (is_any) delaunay_flips(patch.uv, patch.mesh, control);
   }
-  return moved;
+  return result;
 }
 
 }  // namespace remesh

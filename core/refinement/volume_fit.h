@@ -1,6 +1,7 @@
 /// Finds the offsets of curved surfaces at which the triangles keep the volume, and moves vertices there.
 #pragma once
 
+#include <cstdint>
 #include <utility>
 #include <vector>
 
@@ -22,13 +23,15 @@ struct FitInput {
   const PatchSet& patches;
   const CurvedPatches& curved;
   const VolumeOffsets& fit;
+  /// Triangles meet goals. So boundaries stay where they are, if there are enough vertices inside of a curved surface.
+  bool is_refined = false;
 };
 
 struct FittedVolumes {
   IdVector<SurfaceId, double> offsets;  ///< those at which the goals are met
   IdVector<SurfaceId, double> outside;  ///< the largest distances by which vertices are moved out of surfaces
   std::vector<SurfaceId> impossible;    ///< surfaces that have too few vertices which may move
-  /// The offsets differ from the estimates by no more than a few per cent, so that triangles keep their shapes.
+  /// The offsets differ from the estimates by no more than some per cent, so that triangles keep their shapes.
   bool is_near = true;
   OffsetMoves moves;  ///< those of all vertices of curved patches, from where they are
 };
@@ -42,13 +45,18 @@ struct FittedVolumes {
 FittedVolumes fit_volumes(const FitInput& input, const TriangulatedPatches& triangulated,
                           const std::vector<Vec3>& new_positions, RunControl& control);
 
+/// The vertices that move_to_fit has moved.
+struct FittedVertices {
+  std::vector<std::pair<VertexId, Vec3>> places;  ///< the new places of the surface's own vertices, ascending
+  std::vector<std::uint8_t> is_moved;             ///< one per vertex
+};
+
 /// Moves all vertices by the difference between the offsets that were found and the estimates. Planar patches with
 /// moved vertices are made Delaunay again.
-/// Output:  `new_positions`, and the new places of the surface's own vertices, ascending.
+/// Output:  `new_positions`, and which vertices were moved.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:    O(n log n).
-std::vector<std::pair<VertexId, Vec3>> move_to_fit(const FitInput& input, const FittedVolumes& fitted,
-                                                   TriangulatedPatches& triangulated, std::vector<Vec3>& new_positions,
-                                                   RunControl& control);
+FittedVertices move_to_fit(const FitInput& input, const FittedVolumes& fitted, TriangulatedPatches& triangulated,
+                           std::vector<Vec3>& new_positions, RunControl& control);
 
 }  // namespace remesh

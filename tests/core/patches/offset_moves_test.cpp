@@ -105,8 +105,8 @@ TEST(offset_moves, they_are_found_by_vertex) {
   list.add(VertexId(2), {0, 2, 5}, {{kRod}, {}, {}}, surfaces());
   list.add(VertexId(4), {0, 2, 5}, {{kRod}, {{0, 1, 0}}, {}}, surfaces());
   OffsetMoves others;
-  others.add(VertexId(2), {1, 1, 1}, list);
-  others.add(VertexId(3), {1, 1, 1}, list);
+  others.add(VertexId(2), {1, 1, 1}, list.moves(0));
+  others.add(VertexId(3), {1, 1, 1}, list.moves(1));
   EXPECT_EQ(list.find(VertexId(4)), 1U);
   EXPECT_EQ(list.find(VertexId(3)), list.size());
   EXPECT_EQ(list.moves(0).size(), 1U);
