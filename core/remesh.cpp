@@ -87,6 +87,9 @@ Step step_after(Outcome outcome) {
   return std::find_if(kRetries.begin(), kRetries.end(), [&](const Retry& r) { return r.outcome == outcome; })->next;
 }
 
+/// The last correction of offsets changes angles by less than this, in degrees, in nearly all triangles.
+constexpr double kAngleMarginOfFit = 0.1;
+
 /// Predicts the faces for other numbers of elements per circle.
 /// Input: `predicted` has the faces that are predicted for each patch; it is empty if nothing is refined.
 std::map<int, std::uint64_t> predict_by_circles(const RecognisedFacets& facets, const Partition& partition,
@@ -208,6 +211,7 @@ class Run {
     curves_.run(partition_, before, prepared_, *ladder_, options_,
                 {report_.plane_tolerance, report_.input.bounding_box.diagonal()}, control_);
     refiner_->set_curved(curves_.curved() != nullptr);
+    refiner_->set_angle_margin(curves_.outside() != nullptr ? kAngleMarginOfFit : 0);
     report_.surfaces = curves_.surfaces();
   }
 
