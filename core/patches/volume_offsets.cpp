@@ -174,9 +174,12 @@ class TrueCurve {
 
   bool is_open() const { return is_open_; }
   SurfaceIntegral::Curve points() const {
-    const BoundaryCurve curve = trace_ ? BoundaryCurve::traced(from_, to_, *trace_) : BoundaryCurve::line(from_, to_);
     SurfaceIntegral::Curve points;
-    for (std::size_t i = 0; i < points.size(); ++i) points[i] = curve.position(SurfaceIntegral::places()[i]);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double t = SurfaceIntegral::places()[i];
+      const Vec3 on_line = t <= 0.5 ? from_ + t * (to_ - from_) : to_ + (1 - t) * (from_ - to_);
+      points[i] = trace_ && t > 0 && t < 1 ? trace_->place(on_line, from_, to_) : on_line;
+    }
     return points;
   }
 

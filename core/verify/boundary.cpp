@@ -95,6 +95,17 @@ class StoredChains {
   std::vector<std::size_t> begin_{0};
 };
 
+/// The places of vertices in the input.
+struct InputPoints {
+  const Model& model;
+  Vec3 operator()(VertexId v) const { return model.points[v.value]; }
+};
+/// The places of vertices in the output.
+struct OutputPoints {
+  const Model& model;
+  Vec3 operator()(VertexId v) const { return model.output_point(v); }
+};
+
 class BoundaryCheck {
  public:
   BoundaryCheck(const Model& model, const Seams& seams, FoundFaults& faults, RunControl& control)
@@ -131,14 +142,6 @@ class BoundaryCheck {
   bool may_be_cut_anew(const Chain& chain, std::span<const Use> uses) const {
     return model_.is_any_curved(uses) || model_.is_moved(chain.low) || model_.is_moved(chain.high);
   }
-  Vec3 input_point(VertexId v) const { return model_.points[v.value]; }
-  auto input_points() const {
-    return [this](VertexId v) { return input_point(v); };
-  }
-  auto output_points() const {
-    return [this](VertexId v) { return model_.output_point(v); };
-  }
-
   bool is_in_output(VertexId v) const { return model_.is_in_output[v.value] != 0; }
 
   void walk_input(std::vector<FoundFault>& found) {
@@ -172,9 +175,10 @@ class BoundaryCheck {
   }
 
   void measure_dropped(const Edge& edge, std::span<const VertexId> chain, std::vector<FoundFault>& found) {
-    const Offset offset = measure(input_points(), chain, control_);
+    const Offset offset = measure(InputPoints{model_}, chain, control_);
     double reach = 0;
-    for (const VertexId v : chain) reach = std::fmax(reach, norm(input_point(v) - input_point(chain[0])));
+    for (const VertexId v : chain)
+      reach = std::fmax(reach, norm(model_.points[v.value] - model_.points[chain[0].value]));
     if (!model_.is_within_tolerance(offset.distance, reach) || !model_.is_within_tolerance(offset.backwards, reach))
       blame(edge, Fault::kChord, chain[0], found);
     for (const Use& use : edge.uses) {
@@ -186,7 +190,7 @@ class BoundaryCheck {
 
   void measure_new(const Edge& edge, std::span<const VertexId> chain, std::vector<FoundFault>& found,
                    std::vector<double>& slivers) {
-    const Offset offset = measure(output_points(), chain, control_);
+    const Offset offset = measure(OutputPoints{model_}, chain, control_);
     const double reach = std::max(largest_coordinate(model_.output_point(chain.front())),
                                   largest_coordinate(model_.output_point(chain.back())));
     if (!(offset.distance <= Model::rounding(reach)) || !offset.is_ascending)
@@ -286,8 +290,8 @@ std::optional<ChainGap> BoundaryCheck::gap_between(const Chain& input, const Cha
     if (is_reversed && !is_loop) break;
     if (!have_same_uses(found, uses, (output.is_flipped != input.is_flipped) != is_reversed)) continue;
     if (!may_be_cut_anew(input, uses)) return ChainGap{};  // each of them has been compared with the line
-    const std::vector<Vec3> from = stored_input_.points(input, input_points());
-    std::vector<Vec3> to = stored_output_.points(output, output_points());
+    const std::vector<Vec3> from = stored_input_.points(input, InputPoints{model_});
+    std::vector<Vec3> to = stored_output_.points(output, OutputPoints{model_});
     if (is_reversed) std::reverse(to.begin(), to.end());
     ChainGap gap = measure_gap(model_, from, to, uses, control_);
     if (!best || gap.distance < best->distance) best = std::move(gap);

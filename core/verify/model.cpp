@@ -124,7 +124,7 @@ void take_moved(const Claim& claim, const std::vector<std::uint8_t>& is_single, 
   std::vector<std::uint8_t> is_taken(surface.vertex_count(), 0);
   for (const VertexId v : match)
     if (v.is_valid()) is_taken[v.value] = 1;
-  model.moved.at.assign(surface.vertex_count(), kNone);
+  model.points.moved.at.assign(surface.vertex_count(), kNone);
   for (const auto& [output, v] : claim.moved) {
     check();
     const bool is_possible = !match[output.value].is_valid() && is_single[output.value] != 0 &&
@@ -132,9 +132,9 @@ void take_moved(const Claim& claim, const std::vector<std::uint8_t>& is_single, 
     if (!is_possible) continue;
     is_taken[v.value] = 1;
     match[output.value] = v;
-    model.moved.at[v.value] = static_cast<std::uint32_t>(model.moved.to.size());
-    model.moved.to.push_back(model.scale * claim.positions[output.value]);
-    model.moved.allowed.push_back(allowed[v.value]);
+    model.points.moved.at[v.value] = static_cast<std::uint32_t>(model.points.moved.to.size());
+    model.points.moved.to.push_back(model.scale * claim.positions[output.value]);
+    model.points.moved.allowed.push_back(allowed[v.value]);
   }
 }
 
