@@ -56,8 +56,8 @@ struct Candidate {
 void assemble(Candidate& candidate, const Surface& surface, const Goals* goals, RunControl& control);
 
 /// Gives triangles other reasons for missing the goals, before some vertices are moved by a little: all those that meet
-/// the goals, and those with a moved vertex that lie across an angle of the input, which asks for equal distances. These
-/// reasons count if the triangles miss a goal afterwards.
+/// the goals, and those with a moved vertex that lie across an angle of the input, which asks for equal distances.
+/// These reasons count if the triangles miss a goal afterwards.
 /// Input: a candidate that has been assembled with goals; `is_moved` has one entry per vertex of the surface or of the
 ///        refinement.
 /// Cost:  O(triangles).

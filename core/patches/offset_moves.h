@@ -18,7 +18,7 @@ struct OffsetMove {
   Vec3 way;
 };
 
-/// What a vertex must keep while it is moved.
+/// The surfaces, planes and lines to which a vertex keeps while it is moved.
 struct OffsetSite {
   std::vector<SurfaceId> surfaces;  ///< the curved surfaces there; each is named once
   std::vector<Vec3> planes;         ///< unit normals of the planar patches there

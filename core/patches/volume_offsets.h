@@ -19,7 +19,7 @@
 
 namespace remesh {
 
-/// What the triangles of one surface have to enclose.
+/// The volume or area that the triangles of one surface have to enclose.
 struct FitGoal {
   bool is_wanted = false;
   /// The surface has an open border, so that it bounds no solid. Then its area counts.

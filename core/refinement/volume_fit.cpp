@@ -25,8 +25,8 @@ constexpr int kMaxSteps = 100;
 /// would change: they would have to go too far.
 constexpr double kMinFreedom = 0.1;
 
-/// Triangles keep their shapes if offsets change by no more than this part. If vertices inside of a surface move and its
-/// boundary stays, they move along normals, which changes angles less.
+/// Triangles keep their shapes if offsets change by no more than this part. If only vertices inside of a surface move,
+/// they move along normals, which changes angles less.
 constexpr double kNear = 0.03, kNearInside = 0.1;
 
 /// Boundaries stay if the vertices inside make up at least this part of what all of them change.
@@ -100,7 +100,7 @@ struct FitSurface {
   std::vector<FitTriangle> triangles;
 };
 
-/// What the triangles of a group of surfaces add up to. The offsets of a group are their estimates times one factor.
+/// The sums over the triangles of a group of surfaces. The offsets of a group are their estimates times one factor.
 struct FitSum {
   double missing = 0, magnitude = 0;
   double slope = 0;          ///< change of what is enclosed per change of the factor
@@ -166,8 +166,8 @@ class Fitter {
     return levers;
   }
 
-  /// Drops the moves of vertices on the boundaries of surfaces that have enough vertices inside. Then planes beside them
-  /// keep their triangles.
+  /// Drops the moves of vertices on the boundaries of surfaces that have enough vertices inside. Then planes beside
+  /// them keep their triangles.
   void keep_boundaries() {
     UnionFind alone(surfaces_.size());
     add_up(alone, input_.fit.offsets());

@@ -180,8 +180,8 @@ class PatchCheck {
     const auto face = model_.output.face(f);
     const Vec3 twice_area = add_face(
         face, [&](VertexId v) { return model_.output_point(v); }, reading);
-    // A new or moved vertex was rounded when it was made. That rounding depends on its coordinates, not on its distance from
-    // the frame's origin.
+    // A new or moved vertex was rounded when it was made. That rounding depends on its coordinates, not on its distance
+    // from the frame's origin.
     for (const VertexId v : face)
       if (is_made(v)) reading.reach = std::max(reading.reach, largest_coordinate(model_.output_point(v)));
 
