@@ -280,7 +280,7 @@ class Run {
       return false;
     }
     if (!fitted.is_near && outside->is_better_estimate_worth_while()) {
-      outside->take_offsets(fitted.offsets);
+      outside->take_offsets(fitted.better);
       return false;
     }
     // A triangle that just meets a goal may miss it by a little after this last correction.

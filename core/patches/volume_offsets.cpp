@@ -206,10 +206,15 @@ SurfaceMap offset_map(const SurfaceMap& map, double offset, double unit) {
 bool VolumeOffsets::move_outside(const CutPatches& cut, CurvedPatches& curved, Surface& with_cuts,
                                  RunControl& control) {
   is_left_.resize(curved.surfaces.surfaces.size(), 0);
-  offsets_.resize(is_left_.size(), 0);
   set_goals(cut, curved, control);
-  estimate_offsets(curved);
+  set_scales(curved);
   moves_ = SiteFinder(cut, curved, control).run();
+  find_anchored(cut, curved, control);
+  if (offsets_.empty()) {
+    offsets_ = scales_;
+    for (SurfaceId s(0); s.value < offsets_.size(); ++s.value)
+      if (is_anchored(s)) offsets_[s] = 0;
+  }
   StopCheck check(control);
   with_cuts.positions.change([&](std::vector<Vec3>& positions) {
     for (std::size_t i = 0; i < moves_.size(); ++i) {
@@ -266,22 +271,42 @@ void VolumeOffsets::set_goals(const CutPatches& cut, const CurvedPatches& curved
   for (SurfaceId s(0); s.value < goals_.size(); ++s.value) goals_[s].target = goals_[s].is_area ? areas[s] : volumes[s];
 }
 
+/// Finds the surfaces with vertices on their boundaries that move less than half as far as the surface does.
+void VolumeOffsets::find_anchored(const CutPatches& cut, const CurvedPatches& curved, RunControl& control) {
+  is_anchored_.assign(goals_.size(), 0);
+  StopCheck check(control);
+  for (PatchId p(0); p.value < cut.patches.count(); ++p.value) {
+    if (curved.of(p) == nullptr) continue;
+    const CurvedPatch& patch = *curved.of(p);
+    const AnalyticSurface& shape = curved.surfaces.surfaces[patch.surface].shape;
+    for (std::uint32_t l = cut.loops.patch_begin[p.value]; l < cut.loops.patch_begin[p.value + 1]; ++l)
+      for_each_piece(cut, cut.loops.loop(l), [&](const LoopPiece& piece) {
+        check();
+        const std::size_t i = moves_.find(piece.from);
+        double far = 0;
+        for (const OffsetMove& move : moves_.moves(i))
+          if (move.surface == patch.surface) far = norm(move.way);
+        if (far < 0.5 * offset_lever(shape, moves_.place(i))) is_anchored_[patch.surface] = 1;
+      });
+  }
+}
+
 /// Estimates offsets from how far edges may turn. A regular polygon of the same area as a circle has a radius that is
 /// larger by the root of x / sin x, if x is the angle of a piece; one of the same length by x / 2 / sin(x / 2).
-void VolumeOffsets::estimate_offsets(const CurvedPatches& curved) {
+void VolumeOffsets::set_scales(const CurvedPatches& curved) {
+  scales_.assign(goals_.size(), 0);
   for (const CurvedPatch& patch : curved.curved) {
-    double& offset = offsets_[patch.surface];
     const FitGoal& goal = goals_[patch.surface];
-    if (!goal.is_wanted) offset = 0;
-    if (offset != 0 || !goal.is_wanted) continue;
+    if (!goal.is_wanted) continue;
     const AnalyticSurface& shape = curved.surfaces.surfaces[patch.surface].shape;
     const double radius = shape.kind == SurfaceKind::kTorus ? shape.minor_radius : shape.radius;
     double turn = patch.limits.max_turn;
     if (radius > 0 && patch.limits.max_height < radius)
       turn = std::min(turn, 2 * std::acos(1 - patch.limits.max_height / radius));
     const double growth = goal.is_area ? turn / 2 / std::sin(turn / 2) - 1 : std::sqrt(turn / std::sin(turn)) - 1;
-    offset = shape.kind == SurfaceKind::kCone ? std::atan((1 + growth) * std::tan(shape.half_angle)) - shape.half_angle
-                                              : growth * radius;
+    scales_[patch.surface] = shape.kind == SurfaceKind::kCone
+                                 ? std::atan((1 + growth) * std::tan(shape.half_angle)) - shape.half_angle
+                                 : growth * radius;
   }
 }
 

@@ -60,6 +60,13 @@ class VolumeOffsets {
   /// Returns the moves of all vertices on boundaries of curved patches, from their places on the true surfaces.
   const OffsetMoves& moves() const { return moves_; }
 
+  /// Returns the offsets of regular polygons that turn as far as edges may: a scale for each surface.
+  const IdVector<SurfaceId, double>& scales() const { return scales_; }
+  /// Tells whether some vertices on the boundary of a surface cannot follow it, as where a plane touches it. If such a
+  /// surface were moved before it is refined, triangles at its boundary would have to climb, the steeper the smaller
+  /// they are. So its offset is 0 at first.
+  bool is_anchored(SurfaceId surface) const { return is_anchored_[surface] != 0; }
+
   /// Takes better offsets for the next attempt.
   void take_offsets(const IdVector<SurfaceId, double>& offsets) {
     offsets_ = offsets;
@@ -74,7 +81,7 @@ class VolumeOffsets {
   /// neighbours have changed.
   void start_anew(std::span<const SurfaceId> left) {
     for (const SurfaceId s : left) is_left_[s.value] = 1;
-    offsets_.assign(offsets_.size(), 0);
+    offsets_.clear();
     corrections_ = 0;
   }
 
@@ -82,12 +89,15 @@ class VolumeOffsets {
   static constexpr int kMaxCorrections = 3;
 
   void set_goals(const CutPatches& cut, const CurvedPatches& curved, RunControl& control);
-  void estimate_offsets(const CurvedPatches& curved);
+  void set_scales(const CurvedPatches& curved);
+  void find_anchored(const CutPatches& cut, const CurvedPatches& curved, RunControl& control);
 
   std::vector<std::uint8_t> is_left_;  ///< one per surface: it stays where it is. Empty if none does
   IdVector<SurfaceId, FitGoal> goals_;
-  IdVector<SurfaceId, double> offsets_;  ///< 0: not known, or the surface is not moved
+  IdVector<SurfaceId, double> offsets_;  ///< empty: not known
+  IdVector<SurfaceId, double> scales_;
   OffsetMoves moves_;
+  IdVector<SurfaceId, std::uint8_t> is_anchored_;
   int corrections_ = 0;
 };
 

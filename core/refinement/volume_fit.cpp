@@ -100,7 +100,7 @@ struct FitSurface {
   std::vector<FitTriangle> triangles;
 };
 
-/// The sums over the triangles of a group of surfaces. The offsets of a group are their estimates times one factor.
+/// The sums over the triangles of a group of surfaces. The offsets of a group change by their scales times one factor.
 struct FitSum {
   double missing = 0, magnitude = 0;
   double slope = 0;          ///< change of what is enclosed per change of the factor
@@ -140,12 +140,19 @@ class Fitter {
     } while (join_with_neighbours(is_met, groups));
     const IdVector<SurfaceId, double>& estimates = input_.fit.offsets();
     result.outside = largest_moves_;
+    result.better = result.offsets;
     for (SurfaceId s(0); s.value < result.outside.size(); ++s.value) result.outside[s] *= result.offsets[s];
     for (std::uint32_t i = 0; i < surfaces_.size(); ++i) {
       const SurfaceId s = surfaces_[i].surface;
       const double offset = result.offsets[s], change = std::fabs(offset - estimates[s]);
       if (is_met[groups.find(i)] == 0) result.impossible.push_back(s);
-      const double near = keeps_boundary_.empty() || keeps_boundary_[s] == 0 ? kNear : kNearInside;
+      const bool keeps_boundary = !keeps_boundary_.empty() && keeps_boundary_[s] != 0;
+      // Without goals, and inside of an anchored surface, vertices may move farther.
+      if (input_.fit.is_anchored(s) && (keeps_boundary || !input_.is_refined)) {
+        result.better[s] = estimates[s];
+        continue;
+      }
+      const double near = keeps_boundary ? kNearInside : kNear;
       if (!(change <= near * std::max(std::fabs(offset), std::fabs(estimates[s])))) result.is_near = false;
     }
     result.moves = std::move(moves_);
@@ -210,7 +217,7 @@ class Fitter {
     neighbours_.erase(std::unique(neighbours_.begin(), neighbours_.end()), neighbours_.end());
   }
 
-  /// Multiplies the estimates of each group by one factor, so that the group as a whole meets its goals.
+  /// Adds the scales of each group, times one factor, so that the group as a whole meets its goals.
   void solve(UnionFind& groups, IdVector<SurfaceId, double>& offsets) {
     offsets = input_.fit.offsets();
     for (int step = 0; step < kMaxSteps; ++step) {
@@ -222,7 +229,7 @@ class Fitter {
         if (!(std::fabs(sum.missing) > kExact * sum.magnitude)) continue;
         if (!(std::fabs(sum.slope) > kMinFreedom * sum.largest_slope)) continue;
         is_exact = false;
-        offsets[surfaces_[i].surface] += sum.missing / sum.slope * estimate(i);
+        offsets[surfaces_[i].surface] += sum.missing / sum.slope * input_.fit.scales()[surfaces_[i].surface];
       }
       if (is_exact) return;
     }
@@ -259,8 +266,6 @@ class Fitter {
     for (const auto& [i, j] : pairs) is_any = groups.join(i, j) || is_any;
     return is_any;
   }
-
-  double estimate(std::uint32_t i) const { return input_.fit.offsets()[surfaces_[i].surface]; }
 
   void collect_triangles() {
     IdVector<SurfaceId, std::uint32_t> at(input_.fit.goals().size(), kNone);
@@ -349,14 +354,14 @@ class Fitter {
     Vec3 sum;
     if (point >= moves_.size()) return sum;
     for (const OffsetMove& move : moves_.moves(point))
-      if (group_of_[move.surface] == group) sum += input_.fit.offsets()[move.surface] * move.way;
+      if (group_of_[move.surface] == group) sum += input_.fit.scales()[move.surface] * move.way;
     return (1 / input_.surface.unit) * sum;
   }
 
   void add_surface(const FitSurface& of, FitSum& sum) {
     const bool is_area = goal(of).is_area;
     const std::uint32_t group = group_of_[of.surface];
-    const double estimate = std::fabs(input_.fit.offsets()[of.surface]) / input_.surface.unit;
+    const double scale = input_.fit.scales()[of.surface] / input_.surface.unit;
     sum.missing += goal(of).target;
     for (const FitTriangle& t : of.triangles) {
       check_();
@@ -381,7 +386,7 @@ class Fitter {
       sum.slope += (dot(w[0], cross(p[1], p[2])) + dot(w[1], cross(p[2], p[0])) + dot(w[2], cross(p[0], p[1]))) / 6;
       if (t.is_ribbon) continue;
       const Vec3 middle = input_.surface.centre + input_.surface.unit * (of.centre + (1.0 / 3) * (p[0] + p[1] + p[2]));
-      sum.largest_slope += norm(twice_area) / 2 * estimate * offset_lever(shape(of.surface), middle);
+      sum.largest_slope += norm(twice_area) / 2 * scale * offset_lever(shape(of.surface), middle);
     }
   }
 

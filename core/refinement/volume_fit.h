@@ -29,6 +29,7 @@ struct FitInput {
 
 struct FittedVolumes {
   IdVector<SurfaceId, double> offsets;  ///< those at which the goals are met
+  IdVector<SurfaceId, double> better;   ///< the estimates that another attempt should begin with
   IdVector<SurfaceId, double> outside;  ///< the largest distances by which vertices are moved out of surfaces
   std::vector<SurfaceId> impossible;    ///< surfaces that have too few vertices which may move
   /// The offsets differ from the estimates by no more than some per cent, so that triangles keep their shapes.
