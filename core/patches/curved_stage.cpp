@@ -130,8 +130,9 @@ std::vector<PatchId> CurvedStage::at_fault(const std::vector<FailedPatch>& faile
 
 void CurvedStage::step_up(const std::vector<PatchId>& at_fault, const PatchSet& patches) {
   rungs_.resize(patches.of_face.size(), CurvedRung::kJoined);
-  std::vector<SurfaceId> left;
+  std::vector<SurfaceId> left, changed;
   for (const PatchId p : at_fault) {
+    changed.push_back(curved_.of(p)->surface);
     const auto faces = patches.faces_of(p);
     const bool is_tightened =
         std::any_of(faces.begin(), faces.end(), [&](FaceId f) { return rungs_[f] != CurvedRung::kJoined; });
@@ -144,7 +145,9 @@ void CurvedStage::step_up(const std::vector<PatchId>& at_fault, const PatchSet& 
       }
     for (const FaceId f : faces) rungs_[f] = next;
   }
-  outside_.start_anew(left);
+  if (!is_outside_) return;
+  outside_.leave(left);
+  outside_.forget(changed);
 }
 
 std::vector<PatchId> CurvedStage::patches_of(const std::vector<SurfaceId>& surfaces) const {

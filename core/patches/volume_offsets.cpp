@@ -210,11 +210,10 @@ bool VolumeOffsets::move_outside(const CutPatches& cut, CurvedPatches& curved, S
   set_scales(curved);
   moves_ = SiteFinder(cut, curved, control).run();
   find_anchored(cut, curved, control);
-  if (offsets_.empty()) {
-    offsets_ = scales_;
-    for (SurfaceId s(0); s.value < offsets_.size(); ++s.value)
-      if (is_anchored(s)) offsets_[s] = 0;
-  }
+  is_known_.resize(is_left_.size(), 0);
+  offsets_.resize(is_left_.size(), 0);
+  for (SurfaceId s(0); s.value < offsets_.size(); ++s.value)
+    if (is_known_[s.value] == 0 || !goals_[s].is_wanted) offsets_[s] = is_anchored(s) ? 0 : scales_[s];
   StopCheck check(control);
   with_cuts.positions.change([&](std::vector<Vec3>& positions) {
     for (std::size_t i = 0; i < moves_.size(); ++i) {

@@ -2,6 +2,7 @@
 /// bound (circle_fit=volume).
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -70,6 +71,7 @@ class VolumeOffsets {
   /// Takes better offsets for the next attempt.
   void take_offsets(const IdVector<SurfaceId, double>& offsets) {
     offsets_ = offsets;
+    is_known_.assign(offsets.size(), 1);
     ++corrections_;
   }
   /// Returns whether better offsets have rarely been taken yet.
@@ -77,12 +79,15 @@ class VolumeOffsets {
   /// Returns a surface if it is moved; otherwise those that are moved and share vertices with it.
   /// Cost: O(vertices on boundaries).
   std::vector<SurfaceId> moved_at(SurfaceId surface) const;
-  /// Leaves these surfaces where they are from now on. The offsets of all others are estimated anew, because limits or
-  /// neighbours have changed.
-  void start_anew(std::span<const SurfaceId> left) {
-    for (const SurfaceId s : left) is_left_[s.value] = 1;
-    offsets_.clear();
-    corrections_ = 0;
+  /// Leaves surfaces where they are from now on.
+  void leave(std::span<const SurfaceId> surfaces) {
+    for (const SurfaceId s : surfaces) is_left_[s.value] = 1;
+    forget(surfaces);
+  }
+  /// Forgets the offsets of surfaces whose limits have changed. They are estimated anew, and corrected once more.
+  void forget(std::span<const SurfaceId> surfaces) {
+    for (const SurfaceId s : surfaces) is_known_[s.value] = 0;
+    corrections_ = std::min(corrections_, kMaxCorrections - 1);
   }
 
  private:
@@ -94,7 +99,8 @@ class VolumeOffsets {
 
   std::vector<std::uint8_t> is_left_;  ///< one per surface: it stays where it is. Empty if none does
   IdVector<SurfaceId, FitGoal> goals_;
-  IdVector<SurfaceId, double> offsets_;  ///< empty: not known
+  std::vector<std::uint8_t> is_known_;  ///< one per surface: its offset is not only estimated
+  IdVector<SurfaceId, double> offsets_;
   IdVector<SurfaceId, double> scales_;
   OffsetMoves moves_;
   IdVector<SurfaceId, std::uint8_t> is_anchored_;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 
+#include "core/base/blocks.h"
 #include "core/base/stoppable.h"
 #include "core/base/union_find.h"
 #include "core/geometry/surface_offset.h"
@@ -18,8 +19,9 @@ namespace {
 constexpr double kExact = 0x1p-46;
 /// Nor may more than this part be missing after the last step.
 constexpr double kMet = 0x1p-36;
-/// Neighbours share vertices, so that some more steps are needed than for one surface.
-constexpr int kMaxSteps = 100;
+/// Neighbours share vertices, so that some more steps are needed than for one surface. If they share so many that these
+/// steps are too few, they are joined.
+constexpr int kMaxSteps = 30;
 
 /// A surface is not fitted if its vertices that may move change the volume by less than this part of what all of them
 /// would change: they would have to go too far.
@@ -105,6 +107,13 @@ struct FitSum {
   double missing = 0, magnitude = 0;
   double slope = 0;          ///< change of what is enclosed per change of the factor
   double largest_slope = 0;  ///< the same if all vertices moved along normals
+
+  void add(const FitSum& other) {
+    missing += other.missing;
+    magnitude += other.magnitude;
+    slope += other.slope;
+    largest_slope += other.largest_slope;
+  }
 };
 
 class Fitter {
@@ -241,8 +250,12 @@ class Fitter {
     place_points(offsets);
     group_of_.assign(input_.fit.goals().size(), kNone);
     for (std::uint32_t i = 0; i < surfaces_.size(); ++i) group_of_[surfaces_[i].surface] = groups.find(i);
+    std::vector<FitSum> of_surface(surfaces_.size());
+    for_blocks(surfaces_.size(), 1, control_, [&](std::size_t i, std::size_t end) {
+      for (; i < end; ++i) add_surface(surfaces_[i], of_surface[i]);
+    });
     sums_.assign(surfaces_.size(), {});
-    for (std::uint32_t i = 0; i < surfaces_.size(); ++i) add_surface(surfaces_[i], sums_[groups.find(i)]);
+    for (std::uint32_t i = 0; i < surfaces_.size(); ++i) sums_[groups.find(i)].add(of_surface[i]);
   }
 
   /// Returns for each group, under its representative, whether its goal is met within the tolerances.
@@ -358,13 +371,14 @@ class Fitter {
     return (1 / input_.surface.unit) * sum;
   }
 
-  void add_surface(const FitSurface& of, FitSum& sum) {
+  void add_surface(const FitSurface& of, FitSum& sum) const {
+    StopCheck check(control_);
     const bool is_area = goal(of).is_area;
     const std::uint32_t group = group_of_[of.surface];
     const double scale = input_.fit.scales()[of.surface] / input_.surface.unit;
     sum.missing += goal(of).target;
     for (const FitTriangle& t : of.triangles) {
-      check_();
+      check();
       if (is_area && t.is_ribbon) continue;
       std::array<Vec3, 3> p, w;
       for (std::size_t k = 0; k < 3; ++k) {

@@ -161,7 +161,9 @@ TEST(volume_fit, a_cylinder_gets_the_radius_of_a_polygon_with_the_same_area) {
       EXPECT_TRUE(std::fabs(p.z) < 1e-12 || std::fabs(p.z - 30) < 1e-12) << "the caps stay planes";
     }
     for (const RecognisedSurface& s : result.report.surfaces.surfaces)
-      if (s.shape.kind == SurfaceKind::kCylinder) EXPECT_NEAR(s.outside.value_or(0), radius - 10, 1e-9);
+      if (s.shape.kind == SurfaceKind::kCylinder) {
+        EXPECT_NEAR(s.outside.value_or(0), radius - 10, 1e-9);
+      }
   }
 }
 
