@@ -26,10 +26,10 @@ struct Repair {
   friend bool operator==(const Repair&, const Repair&) = default;
 };
 
-/// Where the vertices of curved surfaces lie.
+/// The places of vertices of curved surfaces.
 enum class CircleFit {
-  kInscribed,  ///< on the surfaces
-  kVolume,     ///< outside of them, so that the volume of what they bound is kept, or the area of an open surface
+  kInscribed,  ///< vertices lie on the surfaces
+  kVolume,     ///< vertices lie outside, so that the volume of what they bound is kept, or the area of an open surface
 };
 
 /// The kinds of labels that separate patches within a plane.
