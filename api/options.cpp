@@ -43,7 +43,10 @@ constexpr std::array<PresetValue, 2> kPresetValues{{
     {Preset::kExact, "split_boundaries", "false"},
 }};
 
-const std::array<OptionSpec, 25> kTable{{
+constexpr std::array<std::pair<std::string_view, CircleFit>, 2> kCircleFitWords{
+    {{"inscribed", CircleFit::kInscribed}, {"volume", CircleFit::kVolume}}};
+
+const std::array<OptionSpec, 26> kTable{{
     {.name = "refine",
      .type = OptionType::kBoolean,
      .field = &Options::refine,
@@ -157,6 +160,13 @@ const std::array<OptionSpec, 25> kTable{{
              "allowed on top of surface_tolerance; 16 is usual before volume meshing",
      .unset = "none",
      .example = "16"},
+    {.name = "circle_fit",
+     .type = OptionType::kChoice,
+     .field = &Options::circle_fit,
+     .help = "where vertices of circles and curved surfaces lie; inscribed: on them, so that shafts lose volume and "
+             "holes get smaller; volume: about half the chord height outside, so that the volume of the recognised "
+             "solid is kept, or the area of an open surface; it needs elements_per_circle or a surface_tolerance",
+     .example = "volume"},
     {.name = "normal_tolerance",
      .type = OptionType::kNumber,
      .field = &Options::normal_tolerance,
@@ -355,23 +365,25 @@ std::string axis_text(const Options& options) {
   return number_text(d.x) + "," + number_text(d.y) + "," + number_text(d.z);
 }
 
+/// Finds the value that a word stands for.
+template <class Value, std::size_t N>
+Value parse_choice(const OptionSpec& spec, const std::array<std::pair<std::string_view, Value>, N>& words,
+                   std::string_view text) {
+  const auto* word = std::find_if(words.begin(), words.end(), [&](const auto& w) { return w.first == text; });
+  if (word == words.end()) fail_value(spec, text);
+  return word->second;
+}
+
+template <class Value, std::size_t N>
+std::string_view choice_name(const std::array<std::pair<std::string_view, Value>, N>& words, Value value) {
+  const auto* word = std::find_if(words.begin(), words.end(), [&](const auto& w) { return w.second == value; });
+  return word == words.end() ? std::string_view() : word->first;
+}
+
 Format parse_format(const OptionSpec& spec, std::string_view text) {
   const std::optional<Format> format = format_from_name(text);
   if (!format) fail_value(spec, text);
   return *format;
-}
-
-Preset parse_preset(const OptionSpec& spec, std::string_view text) {
-  const auto* word =
-      std::find_if(kPresetWords.begin(), kPresetWords.end(), [&](const auto& w) { return w.first == text; });
-  if (word == kPresetWords.end()) fail_value(spec, text);
-  return word->second;
-}
-
-std::string_view preset_name(Preset preset) {
-  const auto* word =
-      std::find_if(kPresetWords.begin(), kPresetWords.end(), [&](const auto& w) { return w.second == preset; });
-  return word == kPresetWords.end() ? std::string_view() : word->first;
 }
 
 void set_value(const OptionSpec& spec, std::string_view text, RequestOptions& options) {
@@ -391,10 +403,12 @@ void set_value(const OptionSpec& spec, std::string_view text, RequestOptions& op
           core.*field = parse_words(spec, kRepairWords, text);
         } else if constexpr (std::is_same_v<F, Barriers Options::*>) {
           core.*field = parse_words(spec, kBarrierWords, text);
+        } else if constexpr (std::is_same_v<F, CircleFit Options::*>) {
+          core.*field = parse_choice(spec, kCircleFitWords, text);
         } else if constexpr (std::is_same_v<F, AxisField>) {
           parse_axis(spec, text, core);
         } else if constexpr (std::is_same_v<F, PresetField>) {
-          options.preset = text == spec.unset ? std::nullopt : std::optional(parse_preset(spec, text));
+          options.preset = text == spec.unset ? std::nullopt : std::optional(parse_choice(spec, kPresetWords, text));
         } else {
           options.format = text == spec.unset ? std::nullopt : std::optional(parse_format(spec, text));
         }
@@ -461,6 +475,8 @@ std::vector<std::string_view> option_words(const OptionSpec& spec) {
     for (const auto& word : kRepairWords) words.push_back(word.first);
   } else if (std::holds_alternative<Barriers Options::*>(spec.field)) {
     for (const auto& word : kBarrierWords) words.push_back(word.first);
+  } else if (std::holds_alternative<CircleFit Options::*>(spec.field)) {
+    for (const auto& word : kCircleFitWords) words.push_back(word.first);
   } else if (std::holds_alternative<PresetField>(spec.field)) {
     for (const auto& word : kPresetWords) words.push_back(word.first);
   } else if (std::holds_alternative<FormatField>(spec.field)) {
@@ -483,10 +499,12 @@ OptionValue option_value(const OptionSpec& spec, const RequestOptions& options) 
           return words_text(kRepairWords, core.*field);
         } else if constexpr (std::is_same_v<F, Barriers Options::*>) {
           return words_text(kBarrierWords, core.*field);
+        } else if constexpr (std::is_same_v<F, CircleFit Options::*>) {
+          return std::string(choice_name(kCircleFitWords, core.*field));
         } else if constexpr (std::is_same_v<F, AxisField>) {
           return axis_text(core);
         } else if constexpr (std::is_same_v<F, PresetField>) {
-          return options.preset ? OptionValue(std::string(preset_name(*options.preset))) : OptionValue();
+          return options.preset ? OptionValue(std::string(choice_name(kPresetWords, *options.preset))) : OptionValue();
         } else {
           return options.format ? OptionValue(std::string(format_name(*options.format))) : OptionValue();
         }

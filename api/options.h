@@ -48,7 +48,7 @@ struct AxisField {};
 /// The member in which an option's value is stored.
 using OptionField = std::variant<bool Options::*, double Options::*, std::optional<double> Options::*,
                                  std::optional<std::uint64_t> Options::*, Repair Options::*, Barriers Options::*,
-                                 AxisField, PresetField, FormatField>;
+                                 CircleFit Options::*, AxisField, PresetField, FormatField>;
 
 struct OptionSpec {
   std::string_view name;

@@ -197,6 +197,7 @@ void write_surface(JsonWriter& json, SurfaceId id, const RecognisedSurface& surf
     json.member("input_chord_height", surface.input_chord_height);
     json.member("input_turn_deg", surface.input_turn_deg);
     json.member("tolerance", surface.allowed);
+    json.member("volume_offset", surface.outside);
   }
   json.member("bound", proven(surface.bound, kind));
   if (!is_free) {

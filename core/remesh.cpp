@@ -44,6 +44,7 @@
 #include "core/refinement/rounds.h"
 #include "core/refinement/separation.h"
 #include "core/refinement/unrefined_reason.h"
+#include "core/refinement/volume_fit.h"
 
 namespace remesh {
 namespace {
@@ -52,6 +53,7 @@ namespace {
 enum class Outcome {
   kVerified,          ///< the result passed verification
   kTooManyFaces,      ///< refinement made more faces than are allowed
+  kOffsetsChanged,    ///< curved surfaces have to be moved by other offsets
   kRefinementFailed,  ///< the check failed on patches whose refinement can be left out
   kPatchesFailed,     ///< some patches have no triangles, or the check failed on them
   kFacesFailed,       ///< patches failed that are single faces already
@@ -70,6 +72,8 @@ constexpr std::array kRetries{
     Retry{Outcome::kVerified, Step::kFinish},
     // Refine again with a smaller budget. The patches and their triangles are used again.
     Retry{Outcome::kTooManyFaces, Step::kRefine},
+    // Join the facets again, and move the curved surfaces outwards by better offsets, or not at all.
+    Retry{Outcome::kOffsetsChanged, Step::kPartition},
     // Refine again, but leave the patches that failed as they are. The patches and their triangles are used again.
     Retry{Outcome::kRefinementFailed, Step::kRefine},
     // Split the patches that failed under a tighter tolerance, in the end into single faces (Ladder). The prepared
@@ -82,6 +86,9 @@ constexpr std::array kRetries{
 Step step_after(Outcome outcome) {
   return std::find_if(kRetries.begin(), kRetries.end(), [&](const Retry& r) { return r.outcome == outcome; })->next;
 }
+
+/// The last correction of offsets changes angles by less than this, in degrees, in nearly all triangles.
+constexpr double kAngleMarginOfFit = 0.1;
 
 /// Predicts the faces for other numbers of elements per circle.
 /// Input: `predicted` has the faces that are predicted for each patch; it is empty if nothing is refined.
@@ -129,7 +136,8 @@ class Run {
       // Sections 2 to 4 of the 2018 report: find coplanar faces, their patches, edge loops and essential vertices.
       if (step <= Step::kPartition) find_patches();
       // Section 5, for every patch: projection, lexicographic triangulation, flips, recovery of the loops, carving.
-      if (step <= Step::kTriangulate)
+      // Vertices that were moved to keep a volume have changed the triangles.
+      if (step <= Step::kTriangulate || curves_.outside() != nullptr)
         triangulate();
       else
         candidate_.undo_refinement();
@@ -205,6 +213,7 @@ class Run {
                  options_.refine ? refiner_->goals().min_angle_deg : 0},
                 control_);
     refiner_->set_curved(curves_.curved() != nullptr);
+    refiner_->set_angle_margin(curves_.outside() != nullptr ? kAngleMarginOfFit : 0);
     report_.surfaces = curves_.surfaces();
   }
 
@@ -228,6 +237,7 @@ class Run {
       candidate_.has_chords = !flip_chords(candidate_.triangulated.meshes, with_cuts().vertex_count(), control_);
     // All patches together: improve angles and sizes, and resolve the remaining conflicts between patches.
     refine();
+    if (!keep_volumes()) return Outcome::kOffsetsChanged;
     watch_.enter(Stage::kAssembly);
     assemble(candidate_, with_cuts(), asked_goals(), control_);
     if (refiner_->is_over_budget(candidate_.assembled.faces.size())) return Outcome::kTooManyFaces;
@@ -257,6 +267,33 @@ class Run {
     if (refiner_->smallest_gap()) report_.smallest_gap = refiner_->smallest_gap();
     lift_new_vertices(with_cuts(), partition_.patches, candidate_.triangulated, refinement.first_inner,
                       report_.plane_tolerance, refinement.new_positions, control_);
+  }
+
+  /// Moves vertices so that the volumes of curved surfaces are kept, if that is asked for.
+  /// Output: false if the surfaces have to be moved by other offsets first, on which everything is done again.
+  bool keep_volumes() {
+    VolumeOffsets* const outside = curves_.outside();
+    if (outside == nullptr) return true;
+    const FitInput input{with_cuts(), partition_.patches, *curves_.curved(), *outside, asked_goals() != nullptr};
+    const FittedVolumes fitted =
+        fit_volumes(input, candidate_.triangulated, candidate_.refinement.new_positions, control_);
+    if (!fitted.impossible.empty()) {
+      curves_.step_up(curves_.patches_of(fitted.impossible), partition_.patches);
+      return false;
+    }
+    if (!fitted.is_near && outside->is_better_estimate_worth_while()) {
+      outside->take_offsets(fitted.better);
+      return false;
+    }
+    // A triangle that just meets a goal may miss it by a little after this last correction.
+    if (asked_goals() != nullptr) assemble(candidate_, with_cuts(), asked_goals(), control_);
+    FittedVertices moved =
+        move_to_fit(input, fitted, candidate_.triangulated, candidate_.refinement.new_positions, control_);
+    if (asked_goals() != nullptr) replace_reasons(candidate_, moved.is_moved, UnrefinedReason::kEffort);
+    candidate_.moved = std::move(moved.places);
+    for (SurfaceId s(0); s.value < fitted.offsets.size(); ++s.value)
+      if (outside->goals()[s].is_wanted) report_.surfaces.surfaces[s].outside = fitted.outside[s];
+    return true;
   }
 
   void refuse_if_too_large() const {

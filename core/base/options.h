@@ -26,6 +26,12 @@ struct Repair {
   friend bool operator==(const Repair&, const Repair&) = default;
 };
 
+/// The places of vertices of curved surfaces.
+enum class CircleFit {
+  kInscribed,  ///< vertices lie on the surfaces
+  kVolume,     ///< vertices lie outside, so that the volume of what they bound is kept, or the area of an open surface
+};
+
 /// The kinds of labels that separate patches within a plane.
 struct Barriers {
   bool object = true;
@@ -62,7 +68,8 @@ struct Options {
   std::optional<double> surface_tolerance;
   std::optional<double> surface_tolerance_fraction;  ///< instead of surface_tolerance; a fraction of the diagonal
   std::optional<double> elements_per_circle;         ///< edges per full turn on curved surfaces
-  double weld_tolerance = 0;                         ///< 0: only equal coordinates are one vertex
+  CircleFit circle_fit = CircleFit::kInscribed;
+  double weld_tolerance = 0;  ///< 0: only equal coordinates are one vertex
   Repair repair;
   Barriers barriers;
   /// If the output format cannot hold the result otherwise, write it relative to an origin near the mesh.

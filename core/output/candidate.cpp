@@ -15,6 +15,17 @@ void sort_pairs(std::vector<std::pair<PatchId, PatchId>>& pairs) {
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
 }
 
+/// Finds the surface's own vertices that are somewhere else in the result.
+std::vector<MovedVertex> find_moved(const Candidate& candidate, const Surface& surface) {
+  std::vector<MovedVertex> moved;
+  for (VertexId i(0); i.value < candidate.assembled.vertex.size(); ++i.value) {
+    const VertexId v = candidate.assembled.vertex[i];
+    if (v.value >= surface.vertex_count()) break;
+    if (candidate.positions[i] != surface.positions[v]) moved.push_back({i, v});
+  }
+  return moved;
+}
+
 }  // namespace
 
 Candidate::~Candidate() { drop_all(triangulated.meshes.items()); }
@@ -35,6 +46,7 @@ void Candidate::forget_refinement() {
   assembled = {};
   positions.clear();
   unrefined = {};
+  moved.clear();
 }
 
 void assemble(Candidate& candidate, const Surface& surface, const Goals* goals, RunControl& control) {
@@ -43,15 +55,36 @@ void assemble(Candidate& candidate, const Surface& surface, const Goals* goals, 
   candidate.positions.clear();
   candidate.positions.reserve(candidate.assembled.vertex.size());
   StopCheck stop(control);
+  auto moved = candidate.moved.begin();
   for (const VertexId v : candidate.assembled.vertex) {
     stop();
-    candidate.positions.push_back(v.value < surface.vertex_count() ? surface.positions[v]
-                                                                   : made[v.value - surface.vertex_count()]);
+    while (moved != candidate.moved.end() && moved->first < v) ++moved;
+    if (moved != candidate.moved.end() && moved->first == v)
+      candidate.positions.push_back(moved->second);
+    else
+      candidate.positions.push_back(v.value < surface.vertex_count() ? surface.positions[v]
+                                                                     : made[v.value - surface.vertex_count()]);
   }
   if (goals != nullptr)
     candidate.unrefined =
         find_unrefined(candidate.positions.items(), candidate.assembled.faces.items(), candidate.refinement.reason,
                        candidate.refinement.misses_sizes, *goals, control);
+}
+
+void replace_reasons(Candidate& candidate, std::span<const std::uint8_t> is_moved, UnrefinedReason reason) {
+  std::vector<UnrefinedReason>& reasons = candidate.refinement.reason;
+  const std::vector<FaceId>& missing = candidate.unrefined.faces;
+  const auto has_moved = [&](std::size_t t) {
+    const Triangle& face = candidate.assembled.faces[FaceId(t)];
+    return std::any_of(face.begin(), face.end(),
+                       [&](VertexId v) { return is_moved[candidate.assembled.vertex[v].value] != 0; });
+  };
+  auto next = missing.begin();
+  for (std::size_t t = 0; t < reasons.size(); ++t) {
+    const bool is_missing = next != missing.end() && next->value == t;
+    if (is_missing) ++next;
+    if (!is_missing || (reasons[t] == UnrefinedReason::kAcrossInputAngle && has_moved(t))) reasons[t] = reason;
+  }
 }
 
 Verdict check(const Candidate& candidate, const CheckedAgainst& against, RunControl& control) {
@@ -62,7 +95,8 @@ Verdict check(const Candidate& candidate, const CheckedAgainst& against, RunCont
   std::vector<CurvedClaim> curved;
   if (against.curved != nullptr)
     for (const CurvedPatch& patch : against.curved->curved)
-      curved.push_back({patch.map.shape(), patch.limits.tolerance});
+      curved.push_back({against.curved->surfaces.surfaces[patch.surface].shape, patch.limits.tolerance});
+  const std::vector<MovedVertex> moved = find_moved(candidate, against.surface);
   const bool has_new_vertices = !candidate.refinement.new_positions.empty() || against.curved != nullptr;
   return verify(
       {against.surface, against.patches.of_face, frames, candidate.positions.items(), candidate.assembled.faces.items(),
@@ -71,7 +105,7 @@ Verdict check(const Candidate& candidate, const CheckedAgainst& against, RunCont
        against.weld_tolerance,
        against.curved != nullptr ? std::span<const std::uint32_t>(against.curved->at.items())
                                  : std::span<const std::uint32_t>(),
-       curved},
+       curved, moved},
       control);
 }
 

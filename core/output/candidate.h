@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/base/ids.h"
@@ -31,6 +32,8 @@ struct Candidate {
   Assembled assembled;
   IdVector<VertexId, Vec3> positions;  ///< those of `assembled`
   UnrefinedFaces unrefined;            ///< those of `assembled`
+  /// New places of vertices of the surface on which the patches were triangulated, ascending.
+  std::vector<std::pair<VertexId, Vec3>> moved;
 
   Candidate() = default;
   /// Frees the meshes in parallel, because there may be a million.
@@ -51,6 +54,14 @@ struct Candidate {
 /// Errors:  kCancelled, kTimeout - through `control`.
 /// Cost:    O(vertices + triangles).
 void assemble(Candidate& candidate, const Surface& surface, const Goals* goals, RunControl& control);
+
+/// Gives triangles other reasons for missing the goals, before some vertices are moved by a little: all those that meet
+/// the goals, and those with a moved vertex that lie across an angle of the input, which asks for equal distances.
+/// These reasons count if the triangles miss a goal afterwards.
+/// Input: a candidate that has been assembled with goals; `is_moved` has one entry per vertex of the surface or of the
+///        refinement.
+/// Cost:  O(triangles).
+void replace_reasons(Candidate& candidate, std::span<const std::uint8_t> is_moved, UnrefinedReason reason);
 
 /// The information that the check needs besides the candidate.
 struct CheckedAgainst {

@@ -58,12 +58,18 @@ void CurvedStage::run(Partition& partition, const PatchSet& facets_before, Prepa
   fit_limits_of_tori({surface, partition.patches, recognised_, measures.plane_tolerance}, options, limits, control);
   cuts_ = {};
   with_cuts_.reset();
+  is_outside_ = false;
   curved_ = join_curved_facets(surface, prepared.adjacency(control), partition.patches, recognised_,
                                options.feature_angle_deg, limits, rungs_, control);
-  if (!options.refine) squeeze_maps(surface, curved_, control);
   if (curved_.has_any()) {
     facets_ = take_joined_patches(partition, prepared, curved_, measures.plane_tolerance, ladder, control);
     cut_boundaries(partition, prepared, ladder, options, measures.min_angle_deg, control);
+    // Vertices that must stay would be left behind.
+    if (options.circle_fit == CircleFit::kVolume && options.split_boundaries && !options.keep_boundary_vertices)
+      is_outside_ = outside_.move_outside(
+          {surface, prepared.adjacency(control), partition.patches, partition.loops, cuts_, ladder.forced()}, curved_,
+          *with_cuts_, control);
+    if (!options.refine) squeeze_maps(surface, curved_, control);
   }
   tell_failures(partition);
   surfaces_ = curved_.has_any() ? curved_.surfaces : recognised_;
@@ -164,9 +170,32 @@ std::vector<PatchId> CurvedStage::at_fault(const std::vector<FailedPatch>& faile
 
 void CurvedStage::step_up(const std::vector<PatchId>& at_fault, const PatchSet& patches) {
   rungs_.resize(patches.of_face.size(), CurvedRung::kJoined);
-  for (const PatchId p : at_fault)
-    for (const FaceId f : patches.faces_of(p))
-      rungs_[f] = rungs_[f] == CurvedRung::kJoined ? CurvedRung::kTightened : CurvedRung::kFacet;
+  std::vector<SurfaceId> left, changed;
+  for (const PatchId p : at_fault) {
+    changed.push_back(curved_.of(p)->surface);
+    const auto faces = patches.faces_of(p);
+    const bool is_tightened =
+        std::any_of(faces.begin(), faces.end(), [&](FaceId f) { return rungs_[f] != CurvedRung::kJoined; });
+    CurvedRung next = is_tightened ? CurvedRung::kFacet : CurvedRung::kTightened;
+    // If finer limits did not help, the surface and those beside it stay where they are, and all begins anew there.
+    if (is_tightened && is_outside_)
+      if (const std::vector<SurfaceId> moved = outside_.moved_at(curved_.of(p)->surface); !moved.empty()) {
+        left.insert(left.end(), moved.begin(), moved.end());
+        next = CurvedRung::kJoined;
+      }
+    for (const FaceId f : faces) rungs_[f] = next;
+  }
+  if (!is_outside_) return;
+  outside_.leave(left);
+  outside_.forget(changed);
+}
+
+std::vector<PatchId> CurvedStage::patches_of(const std::vector<SurfaceId>& surfaces) const {
+  std::vector<PatchId> found;
+  for (PatchId p(0); p.value < curved_.at.size(); ++p.value)
+    if (const CurvedPatch* patch = curved_.of(p))
+      if (std::find(surfaces.begin(), surfaces.end(), patch->surface) != surfaces.end()) found.push_back(p);
+  return found;
 }
 
 std::optional<CurvedBoundaries> CurvedStage::boundaries() const {

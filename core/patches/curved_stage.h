@@ -16,6 +16,7 @@
 #include "core/patches/partition.h"
 #include "core/patches/patch_meshing.h"
 #include "core/patches/recognised_surfaces.h"
+#include "core/patches/volume_offsets.h"
 
 namespace remesh {
 
@@ -49,8 +50,12 @@ class CurvedStage {
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
   std::vector<PatchId> at_fault(const std::vector<FailedPatch>& failed, const PatchSet& patches, const Surface& surface,
                                 const Adjacency& adjacency, const RunControl& control) const;
-  /// Takes curved patches a rung up: first they get finer limits, and then they become facets again.
+  /// Takes curved patches a rung up: first they get finer limits, and then they become facets again. If their surfaces
+  /// are moved outwards, finer limits come first, then the surfaces stay where they are, and then all begins anew.
   void step_up(const std::vector<PatchId>& at_fault, const PatchSet& patches);
+
+  /// Returns the curved patches of some surfaces.
+  std::vector<PatchId> patches_of(const std::vector<SurfaceId>& surfaces) const;
 
   /// Returns the patches that are curved, or null if none is.
   const CurvedPatches* curved() const { return curved_.has_any() ? &curved_ : nullptr; }
@@ -62,6 +67,9 @@ class CurvedStage {
   const PatchSet& facets(const Partition& partition) const { return curved_.has_any() ? facets_ : partition.patches; }
   /// Returns the new cuts of boundaries; there are none if no patch is curved.
   const CurveCuts& cuts() const { return cuts_; }
+  /// Returns by how much curved surfaces are moved outwards, or null if none is.
+  VolumeOffsets* outside() { return is_outside_ ? &outside_ : nullptr; }
+  const VolumeOffsets* outside() const { return is_outside_ ? &outside_ : nullptr; }
   /// Returns the surfaces of the facets.
   const RecognisedSurfaces& recognised() const { return recognised_; }
   /// Returns the surfaces of the patches, with the tolerances in force.
@@ -81,6 +89,8 @@ class CurvedStage {
   CurveCuts cuts_;                    ///< only with curved patches
   std::optional<Surface> with_cuts_;  ///< only with curved patches
   PatchSet facets_;                   ///< only with curved patches
+  VolumeOffsets outside_;
+  bool is_outside_ = false;  ///< some surfaces are moved outwards
 };
 
 }  // namespace remesh

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -52,6 +53,8 @@ struct RecognisedSurface {
   double deviation = 0;       ///< the largest distance of an essential vertex from the surface
   double allowed = 0;         ///< the surface tolerance in force: how far input and output may be apart on this surface
   double bound = 0;           ///< the largest proven distance between input and output of one of its patches
+  /// How far vertices lie outside of the surface, so that its volume is kept. Empty if they lie on it.
+  std::optional<double> outside;
   SurfaceSide side = SurfaceSide::kConvex;  ///< it has no meaning for planes and free regions
   Box3 extent;                              ///< the bounding box of the facets
   // The following are for free regions only.

@@ -65,6 +65,7 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
     segments.plan_cuts(triangulated, sizes, goals_, control_);
     Goals within_budget = goals_;
     within_budget.max_faces = budget;
+    if (goals_.min_angle_deg > 0) within_budget.min_angle_deg += angle_margin_;
     return remesh::refine({on.surface, frozen_, within_budget, sizes, prediction, max_made}, std::move(segments),
                           triangulated, control_);
   };

@@ -42,6 +42,8 @@ class GoalRefinement {
   bool has_goals() const;
   /// Tells whether some patches are curved. These have to be refined even if there is no other goal.
   void set_curved(bool are_any_curved) { are_any_curved_ = are_any_curved; }
+  /// Makes refinement aim at larger angles than are asked for, by some degrees. Vertices are to be moved after it.
+  void set_angle_margin(double degrees) { angle_margin_ = degrees; }
   /// Returns the number of faces that the last attempt predicted.
   std::uint64_t predicted_faces() const { return predicted_faces_; }
   /// Returns the smallest distance from a facet to another that is not its neighbour, in model units. It is known only
@@ -110,6 +112,7 @@ class GoalRefinement {
   std::uint64_t budget_;  ///< the number of faces that an attempt with a budget may make
   RunControl& control_;
   bool are_any_curved_ = false;
+  double angle_margin_ = 0;    ///< in degrees
   bool needs_budget_ = false;  ///< an attempt without a budget made too many faces, or would
   int retries_ = 0;
   std::uint64_t last_faces_ = 0;            ///< the faces of the last result that was over its budget; 0: none yet

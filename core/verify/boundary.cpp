@@ -26,9 +26,10 @@ struct Offset {
   double sliver = 0;         ///< area between the chain and the line
 };
 
-Offset measure(const Points& points, std::span<const VertexId> chain, RunControl& control) {
-  const Vec3 from = points[chain.front().value];
-  const Vec3 line = points[chain.back().value] - from;
+template <class PointOf>
+Offset measure(const PointOf& point_of, std::span<const VertexId> chain, RunControl& control) {
+  const Vec3 from = point_of(chain.front());
+  const Vec3 line = point_of(chain.back()) - from;
   const double length = norm(line);
   Offset offset;
   double furthest = 0;
@@ -36,7 +37,7 @@ Offset measure(const Points& points, std::span<const VertexId> chain, RunControl
   StopCheck check(control);
   for (std::size_t i = 1; i < chain.size(); ++i) {
     check();
-    const Vec3 d = points[chain[i].value] - from;
+    const Vec3 d = point_of(chain[i]) - from;
     twice_sliver += cross(previous, d);
     previous = d;
     if (length == 0) {
@@ -81,16 +82,28 @@ class StoredChains {
     begin_.push_back(vertices_.size());
   }
   /// The points of a chain from its lower end to its upper end.
-  std::vector<Vec3> points(const Chain& chain, const Points& of) const {
+  template <class PointOf>
+  std::vector<Vec3> points(const Chain& chain, const PointOf& point_of) const {
     std::vector<Vec3> all;
     all.reserve(begin_[chain.stored + 1] - begin_[chain.stored]);
-    for (std::size_t i = begin_[chain.stored]; i < begin_[chain.stored + 1]; ++i) all.push_back(of[vertices_[i].value]);
+    for (std::size_t i = begin_[chain.stored]; i < begin_[chain.stored + 1]; ++i) all.push_back(point_of(vertices_[i]));
     return all;
   }
 
  private:
   std::vector<VertexId> vertices_;
   std::vector<std::size_t> begin_{0};
+};
+
+/// The places of vertices in the input.
+struct InputPoints {
+  const Model& model;
+  Vec3 operator()(VertexId v) const { return model.points[v.value]; }
+};
+/// The places of vertices in the output.
+struct OutputPoints {
+  const Model& model;
+  Vec3 operator()(VertexId v) const { return model.output_point(v); }
 };
 
 class BoundaryCheck {
@@ -125,6 +138,10 @@ class BoundaryCheck {
     for (const Use& use : edge.uses) faults_.add(use.patch(), fault, at.value);
   }
 
+  /// True if a chain is not compared with the straight line between its ends, but with a chain of the other side.
+  bool may_be_cut_anew(const Chain& chain, std::span<const Use> uses) const {
+    return model_.is_any_curved(uses) || model_.is_moved(chain.low) || model_.is_moved(chain.high);
+  }
   bool is_in_output(VertexId v) const { return model_.is_in_output[v.value] != 0; }
 
   void walk_input(std::vector<FoundFault>& found) {
@@ -132,7 +149,7 @@ class BoundaryCheck {
         control_, [&](VertexId v) { return !is_in_output(v); },
         [&](const Chain& chain, std::span<const VertexId> vertices) {
           input_chains_.push_back(chain);
-          if (model_.is_any_curved(input_.edges()[chain.edge].uses))
+          if (may_be_cut_anew(chain, input_.edges()[chain.edge].uses))
             stored_input_.add(input_chains_.back(), vertices);
           else if (vertices.size() > 2)
             measure_dropped(input_.edges()[chain.edge], vertices, found);
@@ -148,9 +165,9 @@ class BoundaryCheck {
         control_, [&](VertexId v) { return model_.is_new(v); },
         [&](const Chain& chain, std::span<const VertexId> vertices) {
           output_chains_.push_back(chain);
-          if (model_.is_any_curved(output_.edges()[chain.edge].uses))
-            stored_output_.add(output_chains_.back(), vertices);
-          else if (vertices.size() > 2)
+          const std::span<const Use> uses = output_.edges()[chain.edge].uses;
+          if (may_be_cut_anew(chain, uses)) stored_output_.add(output_chains_.back(), vertices);
+          if (!model_.is_any_curved(uses) && vertices.size() > 2)
             measure_new(output_.edges()[chain.edge], vertices, found, slivers);
         },
         [&](const Edge& edge, VertexId v, Stray) { blame(edge, Fault::kNewVertex, v, found); });
@@ -158,7 +175,7 @@ class BoundaryCheck {
   }
 
   void measure_dropped(const Edge& edge, std::span<const VertexId> chain, std::vector<FoundFault>& found) {
-    const Offset offset = measure(model_.points, chain, control_);
+    const Offset offset = measure(InputPoints{model_}, chain, control_);
     double reach = 0;
     for (const VertexId v : chain)
       reach = std::fmax(reach, norm(model_.points[v.value] - model_.points[chain[0].value]));
@@ -173,9 +190,9 @@ class BoundaryCheck {
 
   void measure_new(const Edge& edge, std::span<const VertexId> chain, std::vector<FoundFault>& found,
                    std::vector<double>& slivers) {
-    const Offset offset = measure(model_.points, chain, control_);
-    const double reach = std::max(largest_coordinate(model_.points[chain.front().value]),
-                                  largest_coordinate(model_.points[chain.back().value]));
+    const Offset offset = measure(OutputPoints{model_}, chain, control_);
+    const double reach = std::max(largest_coordinate(model_.output_point(chain.front())),
+                                  largest_coordinate(model_.output_point(chain.back())));
     if (!(offset.distance <= Model::rounding(reach)) || !offset.is_ascending)
       blame(edge, Fault::kNewOffLine, chain.front(), found);
     for (const Use& use : edge.uses) slivers[use.patch().value] += offset.sliver;
@@ -217,13 +234,13 @@ class BoundaryCheck {
     }
     while (o < output_chains_.size()) blame_output(o++);
   }
-  /// Matches the chains between two vertices if one of them has a curved patch beside it.
+  /// Matches the chains between two vertices if one of them may be cut anew.
   /// Output: false if there is none; then nothing has been done.
   bool match_curved(std::span<Chain> input, std::span<Chain> output);
   /// Compares two chains that run between the same vertices along the same patches.
   /// Output: the gap between them; nothing if the patches are not on the same sides.
   std::optional<ChainGap> gap_between(const Chain& input, const Chain& output);
-  void add_gap(const Edge& edge, VertexId at, const ChainGap& gap);
+  void add_gap(const Edge& edge, const Chain& chain, const ChainGap& gap);
 
   static std::pair<VertexId, VertexId> ends(const Chain& chain) { return {chain.low, chain.high}; }
   void sort_by_ends(std::vector<Chain>& chains) const {
@@ -261,7 +278,7 @@ class BoundaryCheck {
   RunControl& control_;
 
   std::vector<Chain> input_chains_, output_chains_;
-  StoredChains stored_input_, stored_output_;  ///< the chains with a curved patch beside them
+  StoredChains stored_input_, stored_output_;  ///< the chains that may be cut anew
   Boundary result_;
 };
 
@@ -272,9 +289,9 @@ std::optional<ChainGap> BoundaryCheck::gap_between(const Chain& input, const Cha
   for (const bool is_reversed : {false, true}) {
     if (is_reversed && !is_loop) break;
     if (!have_same_uses(found, uses, (output.is_flipped != input.is_flipped) != is_reversed)) continue;
-    if (!model_.is_any_curved(uses)) return ChainGap{};  // each of them has been compared with the line
-    const std::vector<Vec3> from = stored_input_.points(input, model_.points);
-    std::vector<Vec3> to = stored_output_.points(output, model_.points);
+    if (!may_be_cut_anew(input, uses)) return ChainGap{};  // each of them has been compared with the line
+    const std::vector<Vec3> from = stored_input_.points(input, InputPoints{model_});
+    std::vector<Vec3> to = stored_output_.points(output, OutputPoints{model_});
     if (is_reversed) std::reverse(to.begin(), to.end());
     ChainGap gap = measure_gap(model_, from, to, uses, control_);
     if (!best || gap.distance < best->distance) best = std::move(gap);
@@ -282,8 +299,9 @@ std::optional<ChainGap> BoundaryCheck::gap_between(const Chain& input, const Cha
   return best;
 }
 
-void BoundaryCheck::add_gap(const Edge& edge, VertexId at, const ChainGap& gap) {
-  double allowed = 0;
+void BoundaryCheck::add_gap(const Edge& edge, const Chain& chain, const ChainGap& gap) {
+  const VertexId at = chain.low;
+  double allowed = std::max(model_.allowed_move(chain.low), model_.allowed_move(chain.high));
   for (const Use& use : edge.uses)
     if (const CurvedSurface* surface = model_.curved_surface(use.patch()); surface != nullptr)
       allowed = std::max(allowed, surface->tolerance + model_.tolerance);
@@ -308,7 +326,7 @@ void BoundaryCheck::add_gap(const Edge& edge, VertexId at, const ChainGap& gap) 
 bool BoundaryCheck::match_curved(std::span<Chain> input, std::span<Chain> output) {
   const auto in_uses = [&](const Chain& chain) { return input_.edges()[chain.edge].uses; };
   const auto out_uses = [&](const Chain& chain) { return output_.edges()[chain.edge].uses; };
-  if (std::none_of(input.begin(), input.end(), [&](const Chain& c) { return model_.is_any_curved(in_uses(c)); }))
+  if (std::none_of(input.begin(), input.end(), [&](const Chain& c) { return may_be_cut_anew(c, in_uses(c)); }))
     return false;
   // Chains along the same patches follow each other.
   sort_by_patches(input, in_uses, control_);
@@ -326,7 +344,7 @@ bool BoundaryCheck::match_curved(std::span<Chain> input, std::span<Chain> output
     std::size_t o_end = o;
     while (o_end < output.size() && compare_patches(out_uses(output[o_end]), in_uses(input[i])) == 0) ++o_end;
     // Two straight chains between the same ends would lie on each other.
-    const bool is_straight = !model_.is_any_curved(in_uses(input[i]));
+    const bool is_straight = !may_be_cut_anew(input[i], in_uses(input[i]));
     const std::size_t limit = !is_straight ? kMaxAlike : has_straight ? 0 : 1;
     has_straight = has_straight || is_straight;
     std::vector<bool> is_taken(o_end - o, false);
@@ -346,7 +364,7 @@ bool BoundaryCheck::match_curved(std::span<Chain> input, std::span<Chain> output
         continue;
       }
       is_taken[which - o] = true;
-      add_gap(edge, input[k].low, *nearest);
+      add_gap(edge, input[k], *nearest);
     }
     for (std::size_t c = o; c < o_end; ++c)
       if (!is_taken[c - o]) blame_output(output[c]);

@@ -17,6 +17,10 @@
 /// may be a loop through a single vertex that stays, or one of several between the same ends. Then the patches on its
 /// sides tell which chain is which, and in which direction it runs. Where they do not tell, the nearest chain is taken.
 ///
+/// A vertex that stays may be claimed to have been moved, if a curved patch is there. All chains that end there are
+/// followed like that, even if they have planes alone beside them. Then the largest tolerance of a curved patch at
+/// their ends is allowed.
+///
 /// This proves conformity and the preservation of loops together:
 /// it excludes a crack, a T-junction, a filled hole or a bridged slot, and a sheet that is missing or added at an
 /// edge with several.

@@ -83,8 +83,11 @@ class CurvedPatchCheck {
       report(Fault::kSurface);
       return 0;
     }
-    input_ = read(model_.input, input_faces, [](std::uint32_t, Reading&) {});
-    output_ = read(model_.output, output_faces, [&](std::uint32_t f, Reading& reading) { check_area(f, reading); });
+    input_ = read(
+        model_.input, input_faces, [&](VertexId v) { return model_.points[v.value]; }, [](std::uint32_t, Reading&) {});
+    output_ = read(
+        model_.output, output_faces, [&](VertexId v) { return model_.output_point(v); },
+        [&](std::uint32_t f, Reading& reading) { check_area(f, reading); });
     faults_.insert(faults_.end(), output_.faults.begin(), output_.faults.end());
     reach_ = std::max(input_.reach, output_.reach);
     check_facing();
@@ -100,8 +103,9 @@ class CurvedPatchCheck {
   void report(Fault fault, std::uint32_t element = 0) { faults_.push_back({patch_, fault, element}); }
 
   /// Reads the faces of one side, in blocks. A face may take a microsecond, or a hundred at a torus.
-  template <class Visit>
-  Reading read(const Faces& faces, std::span<const std::uint32_t> of_patch, const Visit& visit) {
+  template <class PointOf, class Visit>
+  Reading read(const Faces& faces, std::span<const std::uint32_t> of_patch, const PointOf& point_of,
+               const Visit& visit) {
     const auto read_block = [&](std::size_t begin, std::size_t end) {
       Reading reading;
       std::vector<Vec3> corners;
@@ -109,7 +113,7 @@ class CurvedPatchCheck {
         if (i % kFacesPerCheck == 0) control_.check();
         const std::uint32_t f = of_patch[i];
         corners.clear();
-        for (const VertexId v : faces.face(f)) corners.push_back(model_.points[v.value]);
+        for (const VertexId v : faces.face(f)) corners.push_back(point_of(v));
         read_face(f, corners, reading);
         visit(f, reading);
       }
@@ -165,7 +169,7 @@ class CurvedPatchCheck {
 
   void check_area(std::uint32_t f, Reading& reading) const {
     const auto face = model_.output.face(f);
-    const Vec3 a = model_.points[face[0].value], b = model_.points[face[1].value], c = model_.points[face[2].value];
+    const Vec3 a = model_.output_point(face[0]), b = model_.output_point(face[1]), c = model_.output_point(face[2]);
     const double extent = std::max({norm(b - a), norm(c - b), norm(a - c)});
     if (!(norm(cross(b - a, c - a)) > 1e-12 * extent * extent) && is_collinear(a, b, c) &&
         !is_input_triangle(model_, input_edges_, patch_, face))

@@ -8,7 +8,8 @@ namespace remesh::verification {
 
 bool is_input_triangle(const Model& model, const EdgeTable& input_edges, PatchId patch,
                        std::span<const VertexId> face) {
-  if (std::any_of(face.begin(), face.end(), [&](VertexId v) { return v.value >= model.surface_vertex_count; }))
+  if (std::any_of(face.begin(), face.end(),
+                  [&](VertexId v) { return v.value >= model.surface_vertex_count || model.is_moved(v); }))
     return false;
   const auto count_uses = [&](std::size_t side) { return input_edges.count_uses(face[side], face[(side + 1) % 3]); };
   // This takes the edge with the fewest faces, because another edge may have a million.

@@ -15,7 +15,7 @@ using Boxes = BoxTree<NoTag>;
 
 Corners3 corners_of(const Model& model, std::uint32_t output_face) {
   const auto face = model.output.face(output_face);
-  return {model.points[face[0].value], model.points[face[1].value], model.points[face[2].value]};
+  return {model.output_point(face[0]), model.output_point(face[1]), model.output_point(face[2])};
 }
 
 /// The distance of points from the output's triangles of one patch.

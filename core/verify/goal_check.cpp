@@ -144,7 +144,7 @@ class GoalCheck {
 
   Triangle3 measure(std::uint32_t f) const {
     const auto corner = model_.output.face(f);
-    return {model_.points[corner[0].value], model_.points[corner[1].value], model_.points[corner[2].value]};
+    return {model_.output_point(corner[0]), model_.output_point(corner[1]), model_.output_point(corner[2])};
   }
 
   Standing size_of(const Triangle3& face) const {
@@ -195,9 +195,9 @@ class GoalCheck {
     for (int i = 0; i < 3; ++i) {
       if (face.side[i] > shortest * (1 + kMargin)) continue;
       const VertexId a = corner[(i + 1) % 3], b = corner[(i + 2) % 3];
-      const Vec3 &pa = model_.points[a.value], &pb = model_.points[b.value];
+      const Vec3 pa = model_.output_point(a), pb = model_.output_point(b);
       const bool is_found = lines_->any_meeting(a, b, model_.output.patch[f], [&](VertexId at) {
-        const Vec3& p = model_.points[at.value];
+        const Vec3 p = model_.output_point(at);
         const double to_a = norm(pa - p), to_b = norm(pb - p);
         const double noise = Model::rounding(std::max(largest_coordinate(pa), largest_coordinate(pb)));
         return std::fabs(to_a - to_b) <= kMargin * to_a + noise && face.side[i] <= (1 + kMargin) * to_a;
@@ -215,7 +215,7 @@ class GoalCheck {
           Found found;
           edges_.for_each_edge(begin, end, [&](const Edge& edge) {
             if (!model_.is_new(edge.low) && !model_.is_new(edge.high)) return;
-            const Vec3 &a = model_.points[edge.low.value], &b = model_.points[edge.high.value];
+            const Vec3 a = model_.output_point(edge.low), b = model_.output_point(edge.high);
             const double noise = Model::rounding(std::max(largest_coordinate(a), largest_coordinate(b)));
             if (!(norm(b - a) < min_length_ * (1 - kMargin) - noise)) return;
             if (edge.is_interior() && is_in_input_angle(edge)) return;
@@ -228,8 +228,8 @@ class GoalCheck {
 
   bool is_in_input_angle(const Edge& edge) const {
     return lines_->any_meeting(edge.low, edge.high, edge.uses[0].patch(), [&](VertexId at) {
-      const Vec3 to_low = model_.points[edge.low.value] - model_.points[at.value];
-      const Vec3 to_high = model_.points[edge.high.value] - model_.points[at.value];
+      const Vec3 to_low = model_.output_point(edge.low) - model_.output_point(at);
+      const Vec3 to_high = model_.output_point(edge.high) - model_.output_point(at);
       return 2 * dot(to_low, to_high) > norm(to_low) * norm(to_high) * (1 - kMargin);
     });
   }

@@ -156,8 +156,8 @@ class HeightMeasure {
   RunControl& control_;
 };
 
-Raised raise(const Model& model, const Frame& frame, VertexId v) {
-  const Vec3 d = model.points[v.value] - frame.origin;
+Raised raise(const Frame& frame, const Vec3& point) {
+  const Vec3 d = point - frame.origin;
   return {{dot(d, frame.x_axis) / frame.scale, dot(d, frame.y_axis) / frame.scale}, dot(d, frame.normal)};
 }
 
@@ -179,7 +179,7 @@ std::vector<Raised> collect_probes(const Model& model, const Frame& frame, const
   probes.reserve(wanted.size());
   for (const VertexId v : wanted) {
     check();
-    probes.push_back(raise(model, frame, v));
+    probes.push_back(raise(frame, model.points[v.value]));
   }
   return probes;
 }
@@ -195,7 +195,8 @@ double largest_height_of_dropped(const Model& model, std::size_t patch, const Bo
     check();
     const auto face = model.output.face(f);
     Facet& facet = facets.emplace_back();
-    for (std::size_t i = 0; i < 3; ++i) facet[i] = {model.corner_uv[3 * f + i], raise(model, frame, face[i]).height};
+    for (std::size_t i = 0; i < 3; ++i)
+      facet[i] = {model.corner_uv[3 * f + i], raise(frame, model.output_point(face[i])).height};
   }
   return HeightMeasure(std::move(facets), frame.grid, control)
       .run(collect_probes(
@@ -219,7 +220,7 @@ double largest_height_of_new(const Model& model, std::size_t patch, const Bounda
     if (face.size() != 3) return HUGE_VAL;
     Facet& facet = facets.emplace_back();
     for (std::size_t i = 0; i < 3; ++i) {
-      facet[i] = raise(model, frame, face[i]);
+      facet[i] = raise(frame, model.points[face[i].value]);
       facet[i].at = to_grid(facet[i].at);
       if (!is_near(facet[i].at)) return HUGE_VAL;
     }

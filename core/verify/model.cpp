@@ -105,6 +105,39 @@ void renumber_output(const Claim& claim, const std::vector<VertexId>& match, Mod
   for (const auto& moved : blocks) faults.add(moved);
 }
 
+/// Takes vertices that are claimed to be moved. A claim is not believed if the vertex is not on a curved patch, or is
+/// where it was as well; then the output vertex is matched with nothing.
+void take_moved(const Claim& claim, const std::vector<std::uint8_t>& is_single, std::vector<VertexId>& match,
+                Model& model, RunControl& control) {
+  if (claim.moved.empty() || !model.has_curved()) return;
+  const Surface& surface = claim.surface;
+  std::vector<double> allowed(surface.vertex_count(), -1);
+  StopCheck check(control);
+  for (std::size_t f = 0; f < surface.face_count(); ++f) {
+    const CurvedSurface* const curved = model.curved_surface(claim.surface_patch[f]);
+    if (curved == nullptr) continue;
+    for (const VertexId v : surface.face(FaceId(f))) {
+      check();
+      allowed[v.value] = std::max(allowed[v.value], curved->tolerance + model.tolerance);
+    }
+  }
+  std::vector<std::uint8_t> is_taken(surface.vertex_count(), 0);
+  for (const VertexId v : match)
+    if (v.is_valid()) is_taken[v.value] = 1;
+  model.points.moved.at.assign(surface.vertex_count(), kNone);
+  for (const auto& [output, v] : claim.moved) {
+    check();
+    const bool is_possible = !match[output.value].is_valid() && is_single[output.value] != 0 &&
+                             is_taken[v.value] == 0 && allowed[v.value] >= 0;
+    if (!is_possible) continue;
+    is_taken[v.value] = 1;
+    match[output.value] = v;
+    model.points.moved.at[v.value] = static_cast<std::uint32_t>(model.points.moved.to.size());
+    model.points.moved.to.push_back(model.scale * claim.positions[output.value]);
+    model.points.moved.allowed.push_back(allowed[v.value]);
+  }
+}
+
 Grouping by_patch(const Faces& faces, std::size_t patch_count, RunControl& control) {
   return group_by(
       faces.count(), patch_count, [&](std::uint32_t f) { return faces.patch[f].value; }, control);
@@ -125,6 +158,10 @@ bool is_well_formed(const Claim& claim, RunControl& control) {
       claim.surface_patch.size() != surface.face_count() || claim.face_patch.size() != claim.faces.size() ||
       claim.corner_uv.size() != 3 * claim.faces.size())
     return false;
+  const auto is_move = [&](const MovedVertex& moved) {
+    return moved.output.value < claim.positions.size() && moved.of_surface.value < surface.vertex_count();
+  };
+  if (!std::all_of(claim.moved.begin(), claim.moved.end(), is_move)) return false;
   if (claim.refinement != nullptr && !is_well_formed(*claim.refinement, claim.faces.size(), patch_count)) return false;
   std::atomic<bool> is_good{true};
   const auto test = [&](std::size_t n, const auto& is_item_good) {
@@ -173,6 +210,7 @@ Model make_model(const Claim& claim, FoundFaults& faults, RunControl& control) {
     match[v] = VertexId(model.points.size());
     model.points.push_back(claim.positions[v]);
   };
+  take_moved(claim, matches.is_single, match, model, control);
   StopCheck check(control);
   for (std::size_t v = 0; v < match.size(); ++v) {
     check();

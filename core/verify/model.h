@@ -16,6 +16,15 @@
 
 namespace remesh::verification {
 
+/// The vertices of the surface that are elsewhere in the output. In the input they are where they were.
+struct MovedVertices {
+  std::vector<std::uint32_t> at;  ///< indices of the following arrays, or kNone, by surface vertex; empty if none moved
+  std::vector<Vec3> to;
+  std::vector<double> allowed;  ///< the distance that a curved patch allows there
+
+  std::uint32_t index(VertexId v) const { return v.value < at.size() ? at[v.value] : kNone; }
+};
+
 /// Points in the model's scale. First come the surface's points, which are scaled at each access, then the points
 /// that were added.
 class Points {
@@ -28,6 +37,8 @@ class Points {
     return v < of_surface_.size() ? scale_ * of_surface_[v] : added_[v - of_surface_.size()];
   }
   void push_back(const Vec3& unscaled) { added_.push_back(scale_ * unscaled); }
+
+  MovedVertices moved;
 
  private:
   std::span<const Vec3> of_surface_;
@@ -85,6 +96,12 @@ struct Model {
     return has_curved() && std::any_of(uses.begin(), uses.end(),
                                        [&](const Use& use) { return curved_surface(use.patch()) != nullptr; });
   }
+
+  bool is_moved(VertexId v) const { return points.moved.index(v) != kNone; }
+  /// The place of a vertex in the output. `points` has its place in the input.
+  Vec3 output_point(VertexId v) const { return is_moved(v) ? points.moved.to[points.moved.index(v)] : points[v.value]; }
+  /// How far a vertex may be moved.
+  double allowed_move(VertexId v) const { return is_moved(v) ? points.moved.allowed[points.moved.index(v)] : 0; }
 
   /// True if a distance counts as within the tolerance. Besides a share of 1e-9 this permits the rounding of the
   /// measurement itself: about ten roundings of numbers no larger than `reach`.

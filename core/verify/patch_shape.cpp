@@ -130,8 +130,9 @@ class PatchCheck {
 
   /// Adds a face to heights and measures.
   /// Output: twice the area vector of the face.
-  Vec3 add_face(std::span<const VertexId> face, Reading& reading) const {
-    const Vec3 first = model_.points[face[0].value];
+  template <class PointOf>
+  Vec3 add_face(std::span<const VertexId> face, const PointOf& point_of, Reading& reading) const {
+    const Vec3 first = point_of(face[0]);
     Heights heights;
     double reach = 0, magnitude = 0;
     const auto add_point = [&](const Vec3& p) {
@@ -139,11 +140,11 @@ class PatchCheck {
       reach = std::max(reach, largest_coordinate(p - frame_.origin));
     };
     add_point(first);
-    const Vec3 second = model_.points[face[1].value];
+    const Vec3 second = point_of(face[1]);
     add_point(second);
     Vec3 twice_area, previous = second - first;
     for (std::size_t i = 2; i < face.size(); ++i) {
-      const Vec3 p = model_.points[face[i].value];
+      const Vec3 p = point_of(face[i]);
       add_point(p);
       const Vec3 next = p - first;
       twice_area += cross(previous, next);
@@ -164,7 +165,8 @@ class PatchCheck {
 
   void read_input(std::uint32_t f, Reading& reading) const {
     const auto face = model_.input.face(f);
-    const Vec3 twice_area = add_face(face, reading);
+    const Vec3 twice_area = add_face(
+        face, [&](VertexId v) { return model_.points[v.value]; }, reading);
     if (!(dot(twice_area, frame_.normal) > 0)) {
       const double extent = longest_extent(face, model_.points);
       const bool is_high = extent > 0 && !model_.is_within_tolerance(norm(twice_area) / extent / 2, extent);
@@ -176,13 +178,14 @@ class PatchCheck {
   void read_output(std::uint32_t f, Reading& reading) const {
     const auto report = [&](Fault fault) { reading.faults.push_back({PatchId(patch_), fault, f}); };
     const auto face = model_.output.face(f);
-    const Vec3 twice_area = add_face(face, reading);
-    // A new vertex was rounded when it was made. That rounding depends on its coordinates, not on its distance from
-    // the frame's origin.
+    const Vec3 twice_area = add_face(
+        face, [&](VertexId v) { return model_.output_point(v); }, reading);
+    // A new or moved vertex was rounded when it was made. That rounding depends on its coordinates, not on its distance
+    // from the frame's origin.
     for (const VertexId v : face)
-      if (model_.is_new(v)) reading.reach = std::max(reading.reach, largest_coordinate(model_.points[v.value]));
+      if (is_made(v)) reading.reach = std::max(reading.reach, largest_coordinate(model_.output_point(v)));
 
-    const Vec3 a = model_.points[face[0].value], b = model_.points[face[1].value], c = model_.points[face[2].value];
+    const Vec3 a = model_.output_point(face[0]), b = model_.output_point(face[1]), c = model_.output_point(face[2]);
     const double extent = std::sqrt(std::max({norm_squared(b - a), norm_squared(c - b), norm_squared(a - c)}));
     const double twice_size = std::sqrt(norm_squared(twice_area));
     if (!(twice_size > 1e-12 * extent * extent) && is_collinear(a, b, c) && !is_input_triangle(face))
@@ -217,14 +220,16 @@ class PatchCheck {
   /// sum of |d|'s coordinates. On the fine grid they may differ by a whole grid step, because no triangle has height
   /// 0 there. A new vertex may have been made in the plane; then the point in space was rounded.
   bool is_projection(Vec2 uv, VertexId v) const {
-    const Vec3 p = model_.points[v.value];
+    const Vec3 p = model_.output_point(v);
     const Vec3 d = p - frame_.origin;
     double noise = 0x1p-49 * (std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z)) / frame_.scale;
-    if (model_.is_new(v)) noise += Model::rounding(largest_coordinate(p)) / frame_.scale;
+    if (is_made(v)) noise += Model::rounding(largest_coordinate(p)) / frame_.scale;
     const double allowed = (frame_.grid == kFineGrid ? frame_.grid : frame_.grid / 2) + noise;
     return std::fabs(uv.x - dot(d, frame_.x_axis) / frame_.scale) <= allowed &&
            std::fabs(uv.y - dot(d, frame_.y_axis) / frame_.scale) <= allowed;
   }
+
+  bool is_made(VertexId v) const { return model_.is_new(v) || model_.is_moved(v); }
 
   bool is_input_triangle(std::span<const VertexId> face) const {
     return verification::is_input_triangle(model_, input_edges_, PatchId(patch_), face);

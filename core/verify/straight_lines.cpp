@@ -27,7 +27,7 @@ StraightLines::StraightLines(const Model& model, const BoundaryGraph& seams, Run
     const auto [a, b] = seams.neighbours(v);
     // Where a curve was cut anew, its new vertices are bends.
     const bool is_on_line = model.is_new(v) && !model.is_any_curved(seams.uses_at(v));
-    return is_on_line || is_between(model.points[v.value], model.points[a.value], model.points[b.value]);
+    return is_on_line || is_between(model.output_point(v), model.output_point(a), model.output_point(b));
   };
   seams.for_each_chain(
       control, is_inner,

@@ -57,14 +57,14 @@ VaryingSizes::VaryingSizes(const Claim& claim, const Model& model, const Boundar
   }
   std::vector<Segment> lines, pieces;
   StraightLines(model, output_seams, control).for_each_line([&](VertexId a, VertexId b) {
-    lines.push_back({model.points[a.value], model.points[b.value]});
+    lines.push_back({model.output_point(a), model.output_point(b)});
   });
   // These pieces run between vertices of the input. They may be too short, because a new vertex may happen to be
   // where a dropped one was.
   output_seams.for_each_chain(
       control, [&](VertexId v) { return output_seams.is_passage(v) && model.is_new(v); },
       [&](const Chain& chain, std::span<const VertexId>) {
-        pieces.push_back({model.points[chain.low.value], model.points[chain.high.value]});
+        pieces.push_back({model.output_point(chain.low), model.output_point(chain.high)});
       },
       [](const Edge&, VertexId, Stray) {});
   lines_ = Graded(std::move(lines), model, slope_, control);
@@ -81,7 +81,7 @@ bool VaryingSizes::is_missed(std::uint32_t f, FacingFacets::Doubt doubt) const {
   std::array<Vec3, 3> middle;
   std::array<double, 3> length{};
   for (std::size_t k = 0; k < 3; ++k) {
-    const Vec3 a = model_.points[corner[k].value], b = model_.points[corner[(k + 1) % 3].value];
+    const Vec3 a = model_.output_point(corner[k]), b = model_.output_point(corner[(k + 1) % 3]);
     middle[k] = 0.5 * (a + b);
     length[k] = norm(b - a);
   }

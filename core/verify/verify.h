@@ -49,6 +49,11 @@ struct CurvedClaim {
   double tolerance = 0;
 };
 
+/// The pipeline's claim that it has moved a vertex of the surface.
+struct MovedVertex {
+  VertexId output, of_surface;
+};
+
 /// The pipeline's claim about what it has done. This class is larger than the bound because it is a list of arguments.
 struct Claim {
   const Surface& surface;                  ///< the surface that was remeshed
@@ -73,6 +78,8 @@ struct Claim {
   /// planes. The frame and the plane coordinates of a curved patch are not read.
   std::span<const std::uint32_t> curved_of_patch = {};
   std::span<const CurvedClaim> curved = {};
+  /// The vertices on boundaries of curved patches that are elsewhere in the output, ascending in both numbers.
+  std::span<const MovedVertex> moved = {};
 };
 
 /// Tests the promises 1 to 3 of README.md.
@@ -82,7 +89,8 @@ struct Claim {
 /// `surface`:
 /// - Every output vertex is a surface vertex bit for bit. If new vertices are claimed, it may also be new: then it is
 ///   inside a patch and as near to its plane as the patch's input is, or on an edge between vertices that stay, to
-///   rounding.
+///   rounding. If it is claimed to be a vertex that was moved, it is as near to that vertex as a curved patch there
+///   allows, and keeps to the planes there.
 /// - Input and output lie within plane_tolerance of each other, in both directions, patch by patch.
 /// - Every patch retains its boundary loops: each output loop is the input loop without some vertices, each of which
 ///   is within the tolerance of the chord that replaces it.

@@ -51,6 +51,7 @@ TEST(options, the_table_has_every_option_of_the_contract_with_its_default) {
                                                          {"surface_tolerance", "auto"},
                                                          {"surface_tolerance_fraction", "none"},
                                                          {"elements_per_circle", "none"},
+                                                         {"circle_fit", "inscribed"},
                                                          {"normal_tolerance", "1e-06"},
                                                          {"weld_tolerance", "0"},
                                                          {"repair", "duplicates,degenerate,t_junctions,winding,seams"},

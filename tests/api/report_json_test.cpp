@@ -139,6 +139,7 @@ Report report_of_all_kinds() {
     surface.tolerance = 1e-9;
     surface.deviation = 1e-10;
     surface.allowed = 0.0625;
+    if (kind == SurfaceKind::kCone) surface.outside = 0.0078125;
     surface.bound = 0.03125;
     surface.side = SurfaceSide::kConcave;
     surface.extent = {{0, 0, 0}, {1, 2, 4}};
@@ -164,7 +165,8 @@ TEST(report_json, a_surface_has_the_members_of_its_kind) {
                      {"sweep_deg", 90},
                      {"input_chord_height", 0.125},
                      {"input_turn_deg", 10},
-                     {"tolerance", 0.0625}});
+                     {"tolerance", 0.0625},
+                     {"volume_offset", nullptr}});
   const auto with = [](json members, const json& more) {
     members.update(more);
     return members;
@@ -172,7 +174,7 @@ TEST(report_json, a_surface_has_the_members_of_its_kind) {
   const json expected{
       with(fitted, {{"id", 0}, {"kind", "plane"}, {"normal", axis}, {"offset", -3}}),
       with(curved, {{"id", 1}, {"kind", "cylinder"}, {"axis", axis}, {"radius", 5}}),
-      with(curved, {{"id", 2}, {"kind", "cone"}, {"axis", axis}, {"half_angle_deg", 45}}),
+      with(curved, {{"id", 2}, {"kind", "cone"}, {"axis", axis}, {"half_angle_deg", 45}, {"volume_offset", 0.0078125}}),
       with(curved, {{"id", 3}, {"kind", "sphere"}, {"radius", 5}}),
       with(curved, {{"id", 4}, {"kind", "torus"}, {"axis", axis}, {"major_radius", 5}, {"minor_radius", 0.5}}),
       with(curved, {{"id", 5}, {"kind", "revolution"}, {"axis", axis}, {"profile", {{1, 0}, {2, 0.5}}}}),

@@ -36,6 +36,7 @@ struct Example {
   bool are_these_all = true;                                      ///< whether the pairs above are all
   std::vector<std::uint32_t> curved_of_patch;                     ///< empty if all patches are planes
   std::vector<CurvedClaim> curved;
+  std::vector<MovedVertex> moved;
 
   Verdict verify() const {
     RunControl control;
@@ -47,6 +48,7 @@ struct Example {
     claim.intersections = &known;
     claim.curved_of_patch = curved_of_patch;
     claim.curved = curved;
+    claim.moved = moved;
     return remesh::verify(claim, control);
   }
   /// Claims that the input intersects where the output does.

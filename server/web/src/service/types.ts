@@ -87,6 +87,8 @@ export interface RecognisedSurface {
   input_turn_deg?: number;
   /** How far input and result may be apart on it. */
   tolerance?: number;
+  /** How far vertices lie outside of it, so that its volume is kept; null if they lie on it. */
+  volume_offset?: number | null;
   /** How far they are apart at most, as it was proven; null in an analysis. */
   bound: number | null;
   /** How far corners of facets may be from it, and how far they are. */

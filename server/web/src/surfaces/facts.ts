@@ -103,6 +103,7 @@ export function factsOf(surface: RecognisedSurface): [name: string, value: strin
   fact("Deviation of corners", surface.deviation);
   fact("Fit tolerance", surface.fit_tolerance);
   fact("Surface tolerance", surface.tolerance);
+  fact("Vertices outside by", surface.volume_offset);
   fact("Proven distance", surface.bound);
   return facts;
 }
