@@ -31,6 +31,8 @@ class Bench:
     runs: int
     faces: int  # of the large inputs
     largest: int  # where growth ends
+    steps: tuple = ()  # STEP files
+    tessellated: pathlib.Path = None  # where NAME-ANGLE.stl and its surfaces are for each of them
 
     def program(self, name):
         return self.build / name
@@ -48,10 +50,17 @@ class Bench:
 
     def run(self, *command):
         """To its end; what it prints to standard output is kept."""
+        run = self.attempt(*command)
+        if run is None:
+            sys.exit(f"{' '.join(map(str, command))} failed")
+        return run
+
+    def attempt(self, *command):
+        """The same of a program that may fail; then None."""
         figures = self.folder / "measured.json"
         done = subprocess.run([self.program("measured"), figures, *command], stdout=subprocess.PIPE, text=True)
         if done.returncode != 0:
-            sys.exit(f"{' '.join(map(str, command))} failed")
+            return None
         measured = json.loads(figures.read_text())
         return Run(measured["seconds"], measured["peak_bytes"], done.stdout)
 
