@@ -12,6 +12,8 @@ import xml.etree.ElementTree
 import cad
 import plot
 import step_surfaces
+
+import dihedral  # found as step_surfaces finds it
 from scaling import add_growth
 from step_surfaces import Face, StepSurfaces
 from surface_files import Surface
@@ -155,9 +157,26 @@ class StepSurfacesTest(unittest.TestCase):
             expected = min(max(faces[f].distance(point),
                                step_surfaces.distance_to_triangle(point, a, b, c) - faces[f].chord)
                            for a, b, c, f in triangles)
-            self.assertEqual(surfaces.distance(point), expected)
-            self.assertEqual(surfaces.distance(point, expected / 2), expected)
+            self.assertAlmostEqual(surfaces.distance(point), expected, places=12)
+            self.assertAlmostEqual(surfaces.distance(point, expected / 2), expected, places=12)
             self.assertLessEqual(surfaces.distance(point, 2 * expected), 2 * expected)
+
+    def test_pieces_are_short_and_cover_what_they_are_of(self):
+        numbers = random.Random(6)
+        area = lambda a, b, c: dihedral.length(dihedral.cross(dihedral.minus(b, a), dihedral.minus(c, a))) / 2
+        triangles = [tuple(random_point(numbers) for _ in range(3)) + (face,) for face in range(20)]
+        pieces = step_surfaces.cut_to_length(triangles, 0.3)
+        for a, b, c, _ in pieces:
+            self.assertLessEqual(max(math.dist(a, b), math.dist(b, c), math.dist(c, a)), 0.3)
+        for *corners, face in triangles:
+            own = [piece[:3] for piece in pieces if piece[3] == face]
+            self.assertAlmostEqual(sum(area(*piece) for piece in own), area(*corners))
+            normal = dihedral.cross(dihedral.minus(corners[1], corners[0]), dihedral.minus(corners[2], corners[0]))
+            for piece in own:
+                for p in piece:
+                    self.assertLess(step_surfaces.distance_to_triangle(p, *corners), 1e-12)
+                turned = dihedral.cross(dihedral.minus(piece[1], piece[0]), dihedral.minus(piece[2], piece[0]))
+                self.assertGreater(dihedral.dot(normal, turned), 0)
 
     def hole(self, pieces, radius, height):
         """Triangles of a round hole's wall and of the plate's top around it, to twice the radius."""

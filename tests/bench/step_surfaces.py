@@ -8,6 +8,7 @@ the nearest point of the surface lies within the face, the first is the true dis
 point belongs to: it is the nearest one, and a surface does not count beyond the edges of its face.
 """
 
+import collections
 import csv
 import math
 import pathlib
@@ -18,6 +19,8 @@ import surface_files  # noqa: E402
 from dihedral import cross, dot, length, minus  # noqa: E402
 
 LEAF = 4  # triangles at an end of the tree
+CELLS = 64  # no triangle in the tree is longer than this part of the diagonal
+RECENT = 8  # triangles that are tried first, since most points are near the last ones
 
 
 class Face:
@@ -61,10 +64,13 @@ class StepSurfaces:
 
     def __init__(self, triangles, faces):
         """`triangles`: corners and the index of the face, (a, b, c, face)."""
-        self.triangles = triangles
+        coordinates = list(zip(*(corner for triangle in triangles for corner in triangle[:3])))
+        diagonal = math.dist(list(map(min, coordinates)), list(map(max, coordinates)))
+        self.triangles = cut_to_length(triangles, diagonal / CELLS)
         self.faces = faces
         self._boxes, self._chords, self._rights, self._ranges = [], [], [], []
         self._order = self._build()
+        self._recent = collections.deque(maxlen=RECENT)  # triangles that were near enough, the last one first
 
     def _build(self):
         """Each node is followed by its left child; `_rights` has the other one, or 0 at an end of the tree."""
@@ -95,6 +101,9 @@ class StepSurfaces:
 
     def distance(self, point, enough=0.0):
         """Of the nearest face. It is exact where it exceeds `enough`, and else some number that does not."""
+        for i in self._recent:
+            if self._to_triangle(i, point, math.inf) <= enough:
+                return enough
         best = math.inf
         waiting = [(0.0, 0)]
         while waiting and best > enough:
@@ -108,12 +117,18 @@ class StepSurfaces:
                 continue
             first, last = self._ranges[node]
             for i in self._order[first:last]:
-                a, b, c, index = self.triangles[i]
-                face = self.faces[index]
-                exact = face.distance(point)
-                if exact < best:
-                    best = min(best, max(exact, distance_to_triangle(point, a, b, c) - face.chord))
+                best = min(best, self._to_triangle(i, point, best))
+                if best <= enough:
+                    self._recent.appendleft(i)
+                    break
         return best
+
+    def _to_triangle(self, i, point, below):
+        """The distance to its face as far as it reaches around this triangle; exact where it is below a number."""
+        a, b, c, index = self.triangles[i]
+        face = self.faces[index]
+        exact = face.distance(point)
+        return exact if exact >= below else max(exact, distance_to_triangle(point, a, b, c) - face.chord)
 
     def greatest_distance(self, surface):
         """Of the vertices, the middles of the edges and the centroids of a surface."""
@@ -122,9 +137,21 @@ class StepSurfaces:
             greatest = max(greatest, self.distance(point, greatest))
         return greatest
 
-    def diagonal(self):
-        low, high = self._boxes[0][:3], self._boxes[0][3:]
-        return math.dist(low, high)
+
+def cut_to_length(triangles, length):
+    """The same triangles in pieces without a longer edge: the box of a long one that lies askew has much room."""
+    pieces, waiting = [], list(triangles)
+    while waiting:
+        triangle = waiting.pop()
+        a, b, c, face = triangle
+        longest, i = max((math.dist(b, c), 0), (math.dist(c, a), 1), (math.dist(a, b), 2))
+        if longest <= length:
+            pieces.append(triangle)
+            continue
+        top, p, q = (a, b, c)[i], (b, c, a)[i], (c, a, b)[i]
+        middle = tuple((x + y) / 2 for x, y in zip(p, q))
+        waiting += [(top, p, middle, face), (top, middle, q, face)]
+    return pieces
 
 
 def points_of(surface):
