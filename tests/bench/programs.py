@@ -50,15 +50,16 @@ class Bench:
 
     def run(self, *command):
         """To its end; what it prints to standard output is kept."""
-        run = self.attempt(*command)
+        run = self.attempt(*command, stderr=None)
         if run is None:
             sys.exit(f"{' '.join(map(str, command))} failed")
         return run
 
-    def attempt(self, *command):
-        """The same of a program that may fail; then None."""
+    def attempt(self, *command, stderr=subprocess.DEVNULL):
+        """The same of a program that may fail; then None, and nobody hears what it says of it."""
         figures = self.folder / "measured.json"
-        done = subprocess.run([self.program("measured"), figures, *command], stdout=subprocess.PIPE, text=True)
+        done = subprocess.run([self.program("measured"), figures, *command], stdout=subprocess.PIPE, stderr=stderr,
+                              text=True)
         if done.returncode != 0:
             return None
         measured = json.loads(figures.read_text())
