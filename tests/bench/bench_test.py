@@ -6,6 +6,7 @@ import pathlib
 import random
 import struct
 import tempfile
+import types
 import unittest
 import xml.etree.ElementTree
 
@@ -91,6 +92,7 @@ class FaceTest(unittest.TestCase):
     STEPS = 400
 
     def place(self, x, y, z):
+        """A point by its coordinates in the frame."""
         frame = zip(self.ORIGIN, self.SIDE, self.ACROSS, self.AXIS)
         return tuple(o + x * s + y * a + z * h for o, s, a, h in frame)
 
@@ -102,8 +104,8 @@ class FaceTest(unittest.TestCase):
 
     def check(self, face, profile):
         numbers = random.Random(3)
-        for _ in range(30):
-            point = random_point(numbers, 2)
+        for i in range(40):
+            point = random_point(numbers, 2) if i % 2 else self.place(*random_point(numbers, 0.3))
             self.assertAlmostEqual(face.distance(point), self.nearest(point, profile), delta=1e-3)
 
     def test_formulas_agree_with_points_of_the_surface(self):
@@ -145,12 +147,13 @@ class StepSurfacesTest(unittest.TestCase):
 
     def test_the_tree_finds_what_all_triangles_give(self):
         numbers = random.Random(5)
-        faces = [Face("other"), Face("plane", (0, 0, 0), (0, 0, 1), chord=0.05), Face("sphere", (0, 0, 0), None, 1)]
+        faces = [Face("other"), Face("other", chord=0.3), Face("plane", (0, 0, 0), (0, 0, 1), chord=0.05),
+                 Face("sphere", (0, 0, 0), None, 1)]
         triangles = []
         for _ in range(300):
             corner = random_point(numbers, 3)
             others = [tuple(x + 0.3 * y for x, y in zip(corner, random_point(numbers))) for _ in range(2)]
-            triangles.append((corner, *others, numbers.randrange(3)))
+            triangles.append((corner, *others, numbers.randrange(4)))
         surfaces = StepSurfaces(triangles, faces)
         for _ in range(200):
             point = random_point(numbers, 4)
@@ -237,6 +240,17 @@ class CadTest(unittest.TestCase):
         self.assertEqual(told["remesh, distance"], (0.8, 1))
         self.assertEqual(told["remesh, more below 25 degrees than Gmsh"], (1, 0))
         self.assertEqual([row["what"] for row in table.above_bounds()], ["remesh, more below 25 degrees than Gmsh"])
+
+    def test_what_there_is_nothing_to_measure_with_is_left_out_and_says_so(self):
+        table = Table()
+        with tempfile.TemporaryDirectory() as folder:
+            bench = types.SimpleNamespace(steps=(), tessellated=pathlib.Path(folder))
+            cad.measure_cad(bench, table)
+            self.assertIsNone(cad.measure_step(bench, table, pathlib.Path("part.step")))
+        nothing, part = table.rows
+        self.assertIn("not measured: ../shared/meshes/step is not there", nothing["unit"])
+        self.assertIn("part.step", part["case"])
+        self.assertIn("not measured: it was not tessellated", part["unit"])
 
     def test_a_file_that_gmsh_cannot_mesh_has_our_figures_and_says_so(self):
         table = Table()
