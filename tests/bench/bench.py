@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Measures this project, its parts and its peers on the same work in one run, alternating, and writes one table.
 
-usage: bench.py BUILD_FOLDER [--runs N] [--faces N] [--largest N] [--mesh PATH]... [--only PART]...
+usage: bench.py BUILD_FOLDER [--runs N] [--faces N] [--largest N] [--mesh PATH]... [--step PATH]... [--only PART]...
 
 Writes bench/table.md and bench/table.json into the parent of the build folder, and prints the table; the part `growth`
 also draws bench/growth.svg. Every figure is the median of the runs; what counts is the ratio to the row that it names,
 as machines and their moods differ. The bounds are the project's own: a ratio above one is told. Peers that could not be
-had are named as not measured.
+had are named as not measured. The part `cad` finds the tessellations of STEP files in the folder `tessellated` beside
+the build folder, where `./dev bench` puts them.
 """
 
 import argparse
@@ -14,6 +15,7 @@ import pathlib
 import sys
 import time
 
+from cad import measure_cad
 from coarse import measure_coarse
 from file_to_file import measure_io, measure_way
 from in_the_plane import measure_points, measure_polygons, measure_refinement
@@ -31,6 +33,7 @@ PARTS = {
     "coarse": measure_coarse,
     "io": measure_io,
     "way": measure_way,
+    "cad": measure_cad,
     "http": measure_http,
     "cores": measure_cores,
     "growth": measure_growth,
@@ -45,13 +48,15 @@ def main():
     parser.add_argument("--largest", type=int, default=1_000_000, help="where growth ends")
     parser.add_argument("--mesh", action="append", type=pathlib.Path, default=[], metavar="PATH",
                         help="for the part coarse, instead of its own")
+    parser.add_argument("--step", action="append", default=[], type=pathlib.Path, metavar="PATH",
+                        help="a STEP file for the part cad")
     parser.add_argument("--only", action="append", choices=list(PARTS), metavar="PART", help=", ".join(PARTS))
     arguments = parser.parse_args()
     build = arguments.build.resolve()
     folder = build.parent / "bench"
     folder.mkdir(exist_ok=True)
-    bench = Bench(build, folder, arguments.runs, arguments.faces, arguments.largest,
-                  tuple(arguments.mesh))
+    bench = Bench(build, folder, arguments.runs, arguments.faces, arguments.largest, tuple(arguments.mesh),
+                  tuple(arguments.step), build.parent / "tessellated")
     table = Table()
     for part in arguments.only or PARTS:
         start = time.monotonic()

@@ -32,6 +32,8 @@ class Bench:
     faces: int  # of the large inputs
     largest: int  # where growth ends
     meshes: tuple = ()  # files that the part `coarse` remeshes instead of its own
+    steps: tuple = ()  # STEP files
+    tessellated: pathlib.Path = None  # where NAME-ANGLE.stl and its surfaces are for each of them
 
     def program(self, name):
         return self.build / name
@@ -49,10 +51,18 @@ class Bench:
 
     def run(self, *command):
         """To its end; what it prints to standard output is kept."""
-        figures = self.folder / "measured.json"
-        done = subprocess.run([self.program("measured"), figures, *command], stdout=subprocess.PIPE, text=True)
-        if done.returncode != 0:
+        run = self.attempt(*command, stderr=None)
+        if run is None:
             sys.exit(f"{' '.join(map(str, command))} failed")
+        return run
+
+    def attempt(self, *command, stderr=subprocess.DEVNULL):
+        """The same of a program that may fail; then None, and nobody hears what it says of it."""
+        figures = self.folder / "measured.json"
+        done = subprocess.run([self.program("measured"), figures, *command], stdout=subprocess.PIPE, stderr=stderr,
+                              text=True)
+        if done.returncode != 0:
+            return None
         measured = json.loads(figures.read_text())
         return Run(measured["seconds"], measured["peak_bytes"], done.stdout)
 

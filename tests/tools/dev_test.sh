@@ -16,11 +16,11 @@ printf '#!/bin/sh\n[ "$1" != install ] || { echo "$*" >"%s/asked"; exit 1; }\n' 
 printf '#!/bin/sh\nwhile [ "${1#*=}" != "$1" ]; do shift; done\nexec "$@"\n' >"$work/bin/sudo"
 chmod +x "$work"/bin/*
 
-# asked COMMAND: the packages, one a line; npm aside, which node may have brought
+# asked COMMAND [ARGUMENT]...: the packages, one a line; npm aside, which node may have brought
 asked() {
   rm -f "$work/asked"
-  ! PATH="$work/bin:$PATH" "$root/dev" "$1" >"$work/log" 2>&1 || fail "./dev $1 goes on without its packages"
-  [ -s "$work/asked" ] || fail "./dev $1 asks for nothing: $(cat "$work/log")"
+  ! PATH="$work/bin:$PATH" "$root/dev" "$@" >"$work/log" 2>&1 || fail "./dev $* goes on without its packages"
+  [ -s "$work/asked" ] || fail "./dev $* asks for nothing: $(cat "$work/log")"
   tr ' ' '\n' <"$work/asked" | grep -vE '^(install|npm|-.*)$' | sort
 }
 
@@ -34,3 +34,12 @@ asked setup >"$work/setup"
 for package in chromium docker-compose libcgal-dev python3-vtk9; do
   grep -qx "$package" "$work/setup" || fail "./dev setup leaves out $package"
 done
+# What only some parts of the benchmark need.
+for parts in '' '--only cad' '--only io --only cad --runs 1'; do
+  asked bench $parts >"$work/bench"
+  grep -qx occt-draw "$work/bench" || fail "./dev bench $parts leaves out occt-draw"
+done
+asked bench --only io --step cad >"$work/bench"
+! grep -qx occt-draw "$work/bench" || fail "./dev bench --only io asks for occt-draw"
+asked volume-check part.stl >"$work/volume-check"
+grep -qx python3-netgen "$work/volume-check" || fail "./dev volume-check leaves out python3-netgen"

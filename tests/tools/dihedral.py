@@ -45,13 +45,16 @@ def least_dihedral(a, b, c, d):
 
 
 def least_corner(surface):
-    """The smallest angle at a corner of a face."""
+    """The smallest angle at a corner of all faces."""
+    return min(least_corner_of(surface, face) for face in surface.faces)
+
+
+def least_corner_of(surface, face):
     least = 180.0
-    for face in surface.faces:
-        for i, b in enumerate(face):
-            p = minus(surface.points[face[i - 1]], surface.points[b])
-            q = minus(surface.points[face[(i + 1) % len(face)]], surface.points[b])
-            least = min(least, math.degrees(math.atan2(length(cross(p, q)), dot(p, q))))
+    for i, b in enumerate(face):
+        p = minus(surface.points[face[i - 1]], surface.points[b])
+        q = minus(surface.points[face[(i + 1) % len(face)]], surface.points[b])
+        least = min(least, math.degrees(math.atan2(length(cross(p, q)), dot(p, q))))
     return least
 
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Does a volume mesher like what the remesher makes? Meshes the inside of parts with TetGen and Gmsh, from the part as
-it is and from the remesher's output, and compares.
+"""Does a volume mesher like what the remesher makes? Meshes the inside of parts with TetGen, Gmsh and Netgen, from the
+part as it is and from the remesher's output, and compares.
 
 For each closed part: whether the mesher succeeds, the number of tetrahedra, and the worst (smallest) dihedral angle,
 over all tetrahedra and over those apart that touch no sharp edge: an edge of the input with a dihedral angle under 30
@@ -9,12 +9,14 @@ degrees, where the input itself asks for flat tetrahedra.
   tetgen -pYq1.4   keeps the surface as it is: what the surface is worth
   tetgen -pq1.4    may split its facets: the number of tetrahedra to compare with
   gmsh -3          keeps the surface
+  netgen           keeps the surface
 
 Which flat tetrahedra TetGen leaves depends on the order of vertices and faces, too: --orders tells for the output what
 comes out on average, and how often it holds. The verdict is on the order as it is.
 
 Writes a Markdown table to standard output, what it is doing to standard error. Exit code: 0 if from every part that
-TetGen can mesh, it also meshes the remesher's output, within --at-least and --at-most; 1 if not; 2 for misuse.
+TetGen can mesh, it also meshes the remesher's output, within --at-least and --at-most; 1 if not; 2 for misuse. Outputs
+that Gmsh or Netgen cannot mesh are told, but do not fail.
 """
 
 import argparse
@@ -37,6 +39,11 @@ import surface_files
 DEFAULT_REMESH_OPTIONS = ["--proximity", "1", "--min-angle-deg", "20"]
 SHARP_DEG = 30
 FEW = 1000  # tetrahedra, too few to compare
+
+
+# The package is for Debian's own Python.
+NETGEN_PYTHON = "/usr/bin/python3" if pathlib.Path("/usr/bin/python3").exists() else sys.executable
+NETGEN_SCRIPT = pathlib.Path(__file__).resolve().parent / "netgen_fill.py"
 
 
 class ToolFailed(Exception):
@@ -108,16 +115,21 @@ def tetgen(switches):
                 raise ToolFailed("self-intersection")
             stages = re.findall(r"^(\w.*\w) ?\.\.\.", output, re.MULTILINE)
             raise ToolFailed(f"{how_it_ended(code)} {stages[-1].lower() if stages else 'reading'}")
-        with open(folder / "part.1.node", encoding="ascii") as lines:
-            rows = (line.split() for line in lines if not line.startswith("#"))
-            next(rows)
-            points = {row[0]: tuple(map(float, row[1:4])) for row in rows if row}
-        with open(folder / "part.1.ele", encoding="ascii") as lines:
-            rows = (line.split() for line in lines if not line.startswith("#"))
-            next(rows)
-            return points, [row[1:5] for row in rows if row]
+        return read_tetgen_mesh(folder, "part.1")
 
     return mesh
+
+
+def read_tetgen_mesh(folder, name):
+    """Points by their names, and tetrahedra: of NAME.node and NAME.ele."""
+    with open(folder / f"{name}.node", encoding="ascii") as lines:
+        rows = (line.split() for line in lines if not line.startswith("#"))
+        next(rows)
+        points = {row[0]: tuple(map(float, row[1:4])) for row in rows if row}
+    with open(folder / f"{name}.ele", encoding="ascii") as lines:
+        rows = (line.split() for line in lines if not line.startswith("#"))
+        next(rows)
+        return points, [row[1:5] for row in rows if row]
 
 
 def gmsh(surface, folder, seconds):
@@ -147,6 +159,24 @@ def gmsh(surface, folder, seconds):
     return points, tetrahedra
 
 
+def netgen(surface, folder, seconds):
+    """A mesher: Netgen, in a process of its own, as it may crash and cannot be stopped."""
+    surface_files.write_obj(in_triangles(surface), folder / "part.obj")
+    command = [NETGEN_PYTHON, "-B", str(NETGEN_SCRIPT), "part.obj", "part.1"]
+    code, output = run(command, folder, seconds)
+    if code != 0 or not (folder / "part.1.ele").exists():
+        if re.search("intersect|overlap", output, re.IGNORECASE):
+            raise ToolFailed("self-intersection")
+        said = re.findall(r"^netgen: (.{1,40})", output, re.MULTILINE)
+        raise ToolFailed(said[-1].strip().lower() if said else how_it_ended(code))
+    return read_tetgen_mesh(folder, "part.1")
+
+
+def has_netgen():
+    tried = subprocess.run([NETGEN_PYTHON, "-c", "import netgen.meshing"], capture_output=True, check=False)
+    return tried.returncode == 0
+
+
 def in_triangles(surface):
     """Errors: ToolFailed - a face is not convex, and may have no fan of triangles."""
     triangles = []
@@ -160,7 +190,12 @@ def in_triangles(surface):
     return surface_files.Surface(surface.points, triangles)
 
 
-MESHERS = {"tetgen -pYq1.4": tetgen("-pYq1.4"), "tetgen -pq1.4": tetgen("-pq1.4"), "gmsh -3": gmsh}
+MESHERS = {
+    "tetgen -pYq1.4": tetgen("-pYq1.4"),
+    "tetgen -pq1.4": tetgen("-pq1.4"),
+    "gmsh -3": gmsh,
+    "netgen": netgen,
+}
 KEPT, SPLIT = "tetgen -pYq1.4", "tetgen -pq1.4"
 
 
@@ -265,6 +300,16 @@ def failures_of(before, after, at_least, at_most):
     return failures
 
 
+def others_of(before, after):
+    """What meshers other than TetGen could not do with the output; it tells of each whether it could mesh the input."""
+    found = []
+    for name, volume in after.volumes.items():
+        if name not in (KEPT, SPLIT) and volume.failure:
+            of_input = before.volumes[name].failure
+            found.append(f"{name}: {volume.failure}; the input: " + (of_input or "meshed"))
+    return found
+
+
 def describe(volume):
     if volume.failure:
         return volume.failure
@@ -349,7 +394,8 @@ def parse_arguments(arguments):
     parser.add_argument(
         "--orders", type=int, default=1, metavar="N", help="of vertices and faces, in which TetGen is given the output"
     )
-    parser.add_argument("--without-gmsh", action="store_true", help="TetGen only")
+    parser.add_argument("--without-gmsh", action="store_true", help="leave out Gmsh")
+    parser.add_argument("--without-netgen", action="store_true", help="leave out Netgen")
     parsed = parser.parse_args(arguments[:end])
     parsed.options = arguments[end + 1 :] or DEFAULT_REMESH_OPTIONS
     program = shutil.which(parsed.remesh)
@@ -359,6 +405,8 @@ def parse_arguments(arguments):
     for tool in ["tetgen"] + ([] if parsed.without_gmsh else ["gmsh"]):
         if shutil.which(tool) is None:
             parser.error(f"{tool} is not installed: it is a package of Debian")
+    if not parsed.without_netgen and not has_netgen():
+        parser.error("Netgen is not installed: python3-netgen is a package of Debian")
     parsed.files = []
     for path in map(pathlib.Path, parsed.paths):
         found = sorted(p for p in path.rglob("*") if p.is_file()) if path.is_dir() else [path]
@@ -371,8 +419,9 @@ def parse_arguments(arguments):
 def main(arguments):
     asked = parse_arguments(arguments)
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))  # so that a tool that runs ends, too
-    meshers = {name: mesher for name, mesher in MESHERS.items() if name != "gmsh -3" or not asked.without_gmsh}
-    rows, failures = [], []
+    left_out = {"gmsh -3": asked.without_gmsh, "netgen": asked.without_netgen}
+    meshers = {name: mesher for name, mesher in MESHERS.items() if not left_out.get(name)}
+    rows, failures, others = [], [], []
     for path in asked.files:
         say(str(path))
         before, after = check_part(
@@ -386,11 +435,16 @@ def main(arguments):
         for failure in failures_of(before, after, asked.at_least, asked.at_most):
             say(f"  FAILED: {failure}")
             failures.append(f"{path.name}: {failure}")
+        others += [f"{path.name}: {failure}" for failure in others_of(before, after)]
     print_table(rows, meshers)
     if asked.orders > 1:
         print_orders(rows, asked.at_least)
     print(f"\nremesh {' '.join(asked.options)}: " + (f"{len(failures)} failed" if failures else "all well"))
     for failure in failures:
+        print(f"- {failure}")
+    if others:
+        print(f"\nOutputs that others cannot mesh, which is not judged: {len(others)}")
+    for failure in others:
         print(f"- {failure}")
     return 1 if failures else 0
 

@@ -7,6 +7,7 @@ import math
 import pathlib
 import random
 import struct
+import sys
 import tempfile
 import unittest
 
@@ -157,6 +158,59 @@ class SurfaceFiles(unittest.TestCase):
         self.assertEqual((back.points, back.faces), (surface.points, surface.faces))
 
 
+def volume_of(points, tetrahedra):
+    """Errors: a tetrahedron is flat. The sum of what they enclose."""
+    whole = 0
+    for a, b, c, d in ([points[corner] for corner in corners] for corners in tetrahedra):
+        edges = [dihedral.minus(p, a) for p in (b, c, d)]
+        volume = abs(dihedral.dot(dihedral.cross(edges[0], edges[1]), edges[2])) / 6
+        assert volume > 0
+        whole += volume
+    return whole
+
+
+def outside_of(points, tetrahedra):
+    """The triangles, as sets of points, that only one tetrahedron has."""
+    counts = {}
+    for corners in tetrahedra:
+        for left_out in range(4):
+            triangle = frozenset(points[c] for i, c in enumerate(corners) if i != left_out)
+            counts[triangle] = counts.get(triangle, 0) + 1
+    return {triangle for triangle, count in counts.items() if count == 1}
+
+
+class Netgen(unittest.TestCase):
+    def setUp(self):
+        if not volume_check.has_netgen():
+            print("SKIPPED: netgen is not installed (Debian's python3-netgen)", file=sys.stderr, flush=True)
+            self.skipTest("netgen is not installed")
+
+    def fill(self, surface, seconds=60):
+        with tempfile.TemporaryDirectory() as folder:
+            return volume_check.netgen(surface, pathlib.Path(folder), seconds)
+
+    def test_it_fills_a_surface_and_keeps_it(self):
+        cube = Surface(CUBE_POINTS, CUBE_TRIANGLES)
+        prism_of_seven = volume_check.in_triangles(
+            prism([(math.cos(2 * math.pi * i / 7), math.sin(2 * math.pi * i / 7)) for i in range(7)])
+        )
+        for surface in (cube, turned_inside_out(cube), prism_of_seven):
+            points, tetrahedra = self.fill(surface)
+            self.assertAlmostEqual(volume_of(points, tetrahedra), abs(dihedral.signed_volume(surface)) / 6, places=12)
+            self.assertEqual(
+                outside_of(points, tetrahedra),
+                {frozenset(surface.points[c] for c in face) for face in surface.faces},
+            )
+
+    def test_what_it_cannot_fill_it_tells_in_a_few_words(self):
+        open_cube = Surface(CUBE_POINTS, CUBE_TRIANGLES[:-1])
+        with self.assertRaises(volume_check.ToolFailed) as caught:
+            self.fill(open_cube)
+        self.assertRegex(str(caught.exception), "^[^\\n]{2,40}$")
+        with self.assertRaisesRegex(volume_check.ToolFailed, "no end in 0.01 s"):
+            self.fill(Surface(CUBE_POINTS, CUBE_TRIANGLES), 0.01)
+
+
 class Verdict(unittest.TestCase):
     def failures(self, before, after, note=""):
         names = (volume_check.KEPT, volume_check.SPLIT)
@@ -174,6 +228,20 @@ class Verdict(unittest.TestCase):
         self.assertEqual(len(self.failures([failed, volume(100, 6, 6)], [failed])), 1)
         self.assertEqual(self.failures([failed, failed], [failed]), [])
         self.assertEqual(self.failures(input_volumes, [], note="remesh: crashed"), ["remesh: crashed"])
+
+    def test_what_others_cannot_mesh_is_told_but_not_judged(self):
+        volume, failed = volume_check.Volume, volume_check.Volume(failure="crashed")
+        rows = [volume_check.Row("part", kind) for kind in ("input", "output")]
+        for row in rows:
+            row.volumes = {volume_check.KEPT: volume(100, 6, 6), volume_check.SPLIT: volume(100, 6, 6)}
+        rows[0].volumes.update({"gmsh -3": volume(100, 6, 6), "netgen": failed})
+        rows[1].volumes.update({"gmsh -3": failed, "netgen": failed})
+        self.assertEqual(
+            volume_check.others_of(*rows),
+            ["gmsh -3: crashed; the input: meshed", "netgen: crashed; the input: crashed"],
+        )
+        self.assertEqual(volume_check.failures_of(*rows, at_least=3, at_most=1.5), [])
+        self.assertEqual(volume_check.others_of(rows[0], volume_check.Row("part", "output")), [])
 
     def test_a_tool_that_hangs_or_crashes_is_told_from_one_that_refuses(self):
         with self.assertRaisesRegex(volume_check.ToolFailed, "no end in 0.2 s"):
