@@ -30,13 +30,13 @@ bool reaches_apex(const Surface& surface, const PatchSet& patches, PatchId p, co
 }
 
 /// Squeezes the maps of patches along their rulings. Without a bound on angles, edges may be as long as a patch there.
-void squeeze_maps(const Surface& surface, CurvedPatches& joined, RunControl& control) {
+void squeeze_maps(const Surface& surface, const PatchSet& patches, CurvedPatches& joined, RunControl& control) {
   StopCheck check(control);
   for (std::size_t p = 0; p < joined.at.size(); ++p) {
     check();
     if (joined.at[PatchId(p)] == kNone) continue;
     SurfaceMap& map = joined.curved[joined.at[PatchId(p)]].map;
-    if (!reaches_apex(surface, joined.patches, PatchId(p), map, check)) map = map.squeezed();
+    if (!reaches_apex(surface, patches, PatchId(p), map, check)) map = map.squeezed();
   }
 }
 
@@ -69,7 +69,7 @@ void CurvedStage::run(Partition& partition, const PatchSet& facets_before, Prepa
       is_outside_ = outside_.move_outside(
           {surface, prepared.adjacency(control), partition.patches, partition.loops, cuts_, ladder.forced()}, curved_,
           *with_cuts_, control);
-    if (!options.refine) squeeze_maps(surface, curved_, control);
+    if (!options.refine) squeeze_maps(surface, partition.patches, curved_, control);
   }
   tell_failures(partition);
   surfaces_ = curved_.has_any() ? curved_.surfaces : recognised_;

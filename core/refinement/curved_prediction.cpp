@@ -22,6 +22,8 @@ constexpr double kColumnArea = 0.97;
 /// See experiments.md, Prediction of curved patches, for these numbers. A bound on angles makes this many times as many
 /// faces in patches with columns.
 constexpr double kFacesForAngle = 1.7;
+/// Most cylinders and cones are divided into strips, with triangles that are twice as long.
+constexpr double kFacesInStrips = 1.15;
 /// A ball has this many times the faces of equilateral triangles with the longest edges.
 constexpr double kFacesPerIdeal = 1.9, kFacesPerIdealByAngle = 1.6;
 /// Edges of a ball are this part of what its turn allows, because triangles are deeper than their edges.
@@ -131,7 +133,8 @@ class CirclePrediction {
     double radius = shape.kind == SurfaceKind::kCylinder ? shape.radius : distance_from_axis(shape, at);
     if (shape.kind == SurfaceKind::kTorus) radius = std::min(radius, shape.minor_radius);
     if (!(radius > 0)) return 0;
-    return (by_angle ? kFacesForAngle : 1) * area / (kColumnArea * radius * radius);
+    const double factor = shape.kind == SurfaceKind::kTorus ? kFacesForAngle : kFacesInStrips;
+    return (by_angle ? factor : 1) * area / (kColumnArea * radius * radius);
   }
 
   bool is_boundary(EdgeId e) const {

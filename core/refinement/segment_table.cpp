@@ -13,6 +13,7 @@
 #include "core/base/stoppable.h"
 #include "core/refinement/column_cuts.h"
 #include "core/refinement/local_features.h"
+#include "core/refinement/segment_depths.h"
 #include "core/refinement/strips.h"
 
 namespace remesh {
@@ -187,11 +188,8 @@ SegmentTable::SegmentTable(const Surface& surface, const TriangulatedPatches& tr
       rounding = std::max(rounding, seen[i].grid_step);
     }
   });
-  if (triangulated.charts.has_curved()) {
-    std::vector<double> distances;
-    for (const Seen& of_side : seen) distances.push_back(of_side.distance);
-    straighten_near_planes(distances, triangulated.charts, control);
-  }
+  const auto distance = [&](std::uint32_t i) { return seen[i].distance; };
+  for (const SegmentId s : segments_without_room(*this, distance, triangulated.charts, control)) traced_.straighten(s);
   const auto end_at_start = [&](const SegmentSide& side) {
     const PatchMesh& patch = meshes[side.patch];
     const bool is_from = patch.vertices[patch.mesh.from(side.half_edge)] == segments_[side.segment].from;
@@ -233,43 +231,10 @@ SegmentTable::SegmentTable(const Surface& surface, const TriangulatedPatches& tr
     // Shells at an angle below 60 degrees are nearer to each other than to the corner.
     const double shortest_piece = goals.min_edge_length / std::min(1.0, 2 * std::sin(angle / 2));
     const double of_features = std::max(kFloorShare * size, noise / std::sin(angle));
-    // If pieces were shorter than a straight segment is deep below its surface, they would be near to the new vertices
-    // of the curved patch in its plane and far from them in space. No triangle there would have good angles.
-    constexpr double kPerDepth = 2;
-    segment.floor = std::max({shortest_piece, of_features, kPerDepth * depth_of(s, triangulated.charts)});
+    segment.floor = std::max({shortest_piece, of_features, floor_below_surface(*this, s, triangulated.charts)});
     segment.is_floor_asked = shortest_piece > of_features;
     segment.is_floor_raised = segment.floor > kFloorShare * size;
   });
-}
-
-/// Returns how far a segment lies off the surfaces of the curved patches beside it.
-double SegmentTable::depth_of(SegmentId s, const PatchCharts& charts) const {
-  double depth = 0;
-  if (!charts.has_curved()) return depth;
-  for (const SegmentSide& side : sides(s)) {
-    const PatchChart chart = charts[side.patch];
-    if (chart.curved() == nullptr) continue;
-    for (const double t : {0.0, 0.25, 0.5, 0.75, 1.0}) depth = std::max(depth, std::fabs(chart.height(position(s, t))));
-  }
-  return depth;
-}
-
-/// Makes the segments straight that would move too near to another boundary of a planar patch if they were cut on their
-/// curves. Beside a sliver that is thinner than that, its boundaries would cross.
-/// Input: the distance to the nearest feature for each side.
-void SegmentTable::straighten_near_planes(std::span<const double> distances, const PatchCharts& charts,
-                                          RunControl& control) {
-  constexpr double kShareOfRoom = 0.25;
-  StopCheck check(control);
-  for (std::uint32_t i = 0; i < sides_.size(); ++i) {
-    check();
-    const SegmentId s = sides_[i].segment;
-    if (traced_.of(s) == nullptr || charts[sides_[i].patch].curved() != nullptr) continue;
-    const Vec3 &from = surface_.positions[segments_[s].from], &to = surface_.positions[segments_[s].to];
-    double moved = 0;
-    for (const double t : {0.25, 0.5, 0.75}) moved = std::max(moved, norm(position(s, t) - (from + t * (to - from))));
-    if (moved > kShareOfRoom * distances[i]) traced_.straighten(s);
-  }
 }
 
 void SegmentTable::plan_cuts(const TriangulatedPatches& triangulated, const SizeField& sizes, const Goals& goals,

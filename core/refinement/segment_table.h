@@ -96,7 +96,6 @@ class SegmentTable {
   void plan_cuts(const TriangulatedPatches& triangulated, const SizeField& sizes, const Goals& goals,
                  RunControl& control);
 
-  /// Returns the surface on whose vertices the segments end.
   const Surface& surface() const { return surface_; }
   std::size_t size() const { return segments_.size(); }
   const BoundarySegment& operator[](SegmentId s) const { return segments_[s]; }
@@ -135,8 +134,6 @@ class SegmentTable {
   std::vector<double> size_cuts(SegmentId s, const SizeField& sizes) const;
 
  private:
-  double depth_of(SegmentId s, const PatchCharts& charts) const;
-  void straighten_near_planes(std::span<const double> distances, const PatchCharts& charts, RunControl& control);
   void cut_at_corners(SegmentId s, std::span<const double> at_from, std::span<const double> at_to,
                       const SizeField& sizes, std::vector<double>& cuts) const;
   void cut_between_parts(SegmentId s, const SizeField& sizes, std::vector<double>& cuts) const;
@@ -148,8 +145,7 @@ class SegmentTable {
   double min_edge_length_;
   std::vector<double> feature_;  ///< distance from each segment to its nearest feature; empty after `plan_cuts`
   std::vector<Corner> corners_;  ///< empty after `plan_cuts`
-  /// Joins the ends of segments that meet under small angles. It is empty after `plan_cuts`.
-  UnionFind clusters_;
+  UnionFind clusters_;           ///< joins the ends of segments that meet under small angles; empty after `plan_cuts`
   IdVector<SegmentId, BoundarySegment> segments_;
   std::vector<SegmentSide> sides_;
   std::vector<std::uint32_t> begin_;

@@ -323,8 +323,9 @@ TEST(curved_remesh, the_side_of_a_cylinder_has_hardly_more_faces_than_columns_ma
   }
 }
 
-TEST(curved_remesh, the_seams_of_a_tube_have_the_points_of_columns) {
-  // Where the halves of a cylinder meet, the pieces between the rims are as long as the steps of columns, and equal.
+TEST(curved_remesh, the_seams_of_a_tube_are_divided_into_equal_parts) {
+  // Where the halves of a cylinder meet, there is a ruling like all others. It is divided into equal parts, and where
+  // the parts of the next ruling end in their middles, the first and the last one are halves.
   const double radius = 10, height = 30;
   const Model model = primitives::cylinder(72, radius, height);
   for (const double elements : {12.0, 16.0, 24.0}) {
@@ -344,11 +345,13 @@ TEST(curved_remesh, the_seams_of_a_tube_have_the_points_of_columns) {
       if (patch < other && is_side(patch) && is_side(other))
         lengths.push_back(norm(result.mesh.positions[edge.first] - result.mesh.positions[edge.second]));
     }
-    const double step = 1.94 * 2 * kPi / elements * radius;
-    const double rows = std::ceil(height / (step / 2) * (1 - 1e-9));
-    EXPECT_EQ(lengths.size(), static_cast<std::size_t>(2 * std::ceil(rows / 2))) << elements;
     const double longest = *std::max_element(lengths.begin(), lengths.end());
-    EXPECT_NEAR(longest, 2 * height / rows, 1e-9) << elements;
+    double sum = 0;
+    for (const double length : lengths) {
+      EXPECT_TRUE(std::fabs(length - longest) < 1e-9 || std::fabs(length - longest / 2) < 1e-9) << length;
+      sum += length;
+    }
+    EXPECT_NEAR(sum, 2 * height, 1e-9) << elements;
   }
 }
 
@@ -416,8 +419,8 @@ TEST(curved_remesh, a_turned_cylinder_has_as_many_faces) {
     const std::size_t faces = faces_of(model.mesh, with_circle(elements));
     for (const double angle : {17.0, 71.0, 140.0}) {
       const PolygonMesh turned = shapes::rotated(model.mesh, {1, 2, -3}, angle);
-      EXPECT_NEAR(static_cast<double>(faces_of(turned, with_circle(elements))), static_cast<double>(faces),
-                  0.03 * static_cast<double>(faces))
+      // Which rulings are divided half a part later than their neighbours depends on which one comes first.
+      EXPECT_NEAR(static_cast<double>(faces_of(turned, with_circle(elements))), static_cast<double>(faces), elements)
           << elements << " elements, turned by " << angle;
     }
   }
@@ -470,11 +473,12 @@ TEST(curved_remesh, a_model_that_is_turned_has_about_as_many_faces) {
   for (const Model& model : models()) {
     // The promise is 3 %. Which of several corners that are alike is the first one, and in which order cocircular
     // points of planes are joined, still depends on the directions of the axes.
-    constexpr double kShare = 0.05;
+    // In a small model, that is one row of the triangles in its strips.
+    constexpr double kShare = 0.05, kRow = 12;
     const auto count = static_cast<double>(faces_of(model.mesh, with_circle(16)));
     for (const double degrees : {33.0, 100.0}) {
       const PolygonMesh turned = shapes::rotated(model.mesh, {1, 2, 3}, degrees);
-      EXPECT_NEAR(static_cast<double>(faces_of(turned, with_circle(16))), count, kShare * count)
+      EXPECT_NEAR(static_cast<double>(faces_of(turned, with_circle(16))), count, std::max(kShare * count, kRow))
           << model.name << " turned by " << degrees;
     }
   }

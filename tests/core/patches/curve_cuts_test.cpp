@@ -540,7 +540,7 @@ TEST(curve_cuts, an_oblique_cut_leaves_its_section_along_the_surface_by_no_more_
       SCOPED_TRACE(slope);
       SCOPED_TRACE(along);
       const Part input = cut_off(360, slope, 0);
-      const CutPart part(input, {tolerance, kPi, along}), free(input, {tolerance, kPi, 0});
+      const CutPart part(input, {tolerance, kPi, HUGE_VAL, HUGE_VAL, along}), free(input, {tolerance, kPi});
       const std::vector<Vec3> points = part.points(part.first_loop(kTop));
       double farthest = 0;
       for (std::size_t i = 0; i < points.size(); ++i)
