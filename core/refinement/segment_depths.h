@@ -14,8 +14,8 @@ namespace remesh {
 
 /// Returns the length below which no piece of a segment may be, because the segment lies below the surfaces of curved
 /// patches beside it. New vertices of such a patch lie on its surface. If pieces were shorter than the segment is deep,
-/// these vertices would be near in the plane and far in space, and no triangle there would have good angles. It is about
-/// 0 if cuts follow the curve in which the surfaces meet.
+/// these vertices would be near in the plane and far in space, and no triangle there would have good angles. It is
+/// about 0 if cuts follow the curve in which the surfaces meet.
 double floor_below_surface(const SegmentTable& table, SegmentId s, const PatchCharts& charts);
 
 /// Returns the segments that would come too near to another boundary of a planar patch if they were cut on their
