@@ -38,7 +38,7 @@ struct PresentPatches {
 /// Predicts the faces for some values of elements_per_circle. All other options stay. Nothing is refined for that, and
 /// no boundary is cut.
 /// Output:  the predicted faces of the whole result for 8, 12, 16, 24 and 36 elements. It is empty if no surface can be
-///          remeshed as a whole. The numbers are mostly right within a factor of 1.5. Sizes that vary (proximity) count
+///          remeshed as a whole. The numbers are mostly right within a factor of 2. Sizes that vary (proximity) count
 ///          in the planes only.
 /// Holds:   the numbers grow with the number of elements.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
