@@ -24,7 +24,7 @@ struct PatchMesh {
   /// exists elsewhere on the surface already, and the chord rule forbids that (core/README.md, Glossary, chord). They
   /// are in no boundary loop.
   std::set<std::pair<std::uint32_t, std::uint32_t>> reserved;
-  /// Constrained edges inside a curved patch run along rulings of its surface and divide it into strips. No edge of the
+  /// This is true if constrained edges along rulings divide a curved patch into strips. Then no edge of the
   /// triangulation turns too far.
   bool has_rulings = false;
   std::uint32_t loops = 0;

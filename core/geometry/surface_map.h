@@ -32,6 +32,7 @@ class SurfaceMap {
   /// the rulings, and the surface turns little along them. A cone is laid out in the angle around its axis and in the
   /// distance from its apex. The maps of other surfaces do not change.
   SurfaceMap squeezed() const;
+  /// Returns whether this map was made by `squeezed` and is not the same as before.
   bool is_squeezed() const { return squeeze_ != 1; }
 
   /// Returns whether there is a map for that surface.
