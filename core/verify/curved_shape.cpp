@@ -1,12 +1,12 @@
 #include "core/verify/curved_shape.h"
 
-#include <array>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
 #include <vector>
 
 #include "core/base/largest_coordinate.h"
+#include "core/verify/torus_face.h"
 
 namespace remesh::verification {
 namespace {
@@ -279,70 +279,16 @@ CurvedFace CurvedShape::read_sphere(std::span<const Vec3> corners, const Vec3& n
   return face;
 }
 
-/// Measures a face at a torus piece by piece. Over a piece, the distance deviates from the plane through its values at
-/// the corners by no more than half of its largest second derivative times the square of the piece's radius (see
-/// Waldron, The error in linear interpolation at the vertices of a simplex, SIAM J. Numer. Anal. 1998).
+/// Measures a face at a torus, in coordinates about its axis.
 CurvedFace CurvedShape::read_torus(std::span<const Vec3> corners, const Vec3& normal, const Range& known) const {
-  constexpr int kMaxDepth = 5;
-  struct Piece {
-    std::array<Vec3, 3> corners;
-    int depth;
-  };
-  CurvedFace face;
-  face.area = {0, 0};
-  Range sampled = known;
-  std::vector<Piece> pieces;
-  for (std::size_t i = corners.size() - 1; i > 1; --i) pieces.push_back({{corners[0], corners[i - 1], corners[i]}, 0});
-  while (!pieces.empty()) {
-    const auto [p, depth] = pieces.back();
-    pieces.pop_back();
-    const Vec3 centre = (1.0 / 3) * (p[0] + p[1] + p[2]);
-    const double extent = std::max({norm(p[0] - centre), norm(p[1] - centre), norm(p[2] - centre)}) + noise_;
-    Range at_corners;
-    for (const Vec3& q : p) at_corners.add(distance(q));
-    sampled.add(at_corners);
-    const Local at = local(centre);
-    const double from_axis = at.radius(), from_circle = length({from_axis - radius_, at.height});
-    const double to_axis = from_axis - extent, to_circle = from_circle - extent;
-    Range distances{-kInfinite, kInfinite}, facing{-1, 1}, covered{0, kInfinite};
-    if (to_axis > 0 && to_circle > 0) {
-      // The second derivative is 1 / from_circle around the tube, and the cosine of the place's angle on the tube,
-      // divided by the distance from the axis, around the axis.
-      const double outer = std::min(1.0, std::max(0.0, (from_axis + extent - radius_) / to_circle));
-      const double inner = std::min(1.0, std::max(0.0, (radius_ - from_axis + extent) / to_circle));
-      const double up = std::max(1 / to_circle, outer / to_axis), down = inner / to_axis;
-      distances = {at_corners.low - up * extent * extent / 2, at_corners.high + down * extent * extent / 2};
-      const double middle = dot(normal, CurvedShape::normal(centre)), turn = extent / std::min(to_axis, to_circle);
-      facing = {middle - turn, middle + turn};
-      // The nearest point must be on the same side of the axis.
-      const double foot = radius_ - minor_radius_ * inner;
-      if (!(foot > 0)) facing = {-1, 1};
-      const double depth_here = std::max(std::fabs(distances.low), std::fabs(distances.high));
-      const double area = norm(cross(p[1] - p[0], p[2] - p[0])) / 2;
-      const double least = std::min(std::fabs(facing.low), std::fabs(facing.high));
-      const double around = depth_here / to_axis;
-      covered.low =
-          facing.low * facing.high > 0 ? area * least * (1 - around) * minor_radius_ / (minor_radius_ + depth_here) : 0;
-      covered.high =
-          depth_here < minor_radius_ ? area * (1 + around) * minor_radius_ / (minor_radius_ - depth_here) : kInfinite;
-    }
-    const double enough = (sampled.high - sampled.low) / 64 + noise_;
-    const bool is_exact = distances.low >= sampled.low - enough && distances.high <= sampled.high + enough;
-    const bool is_sure = facing.low > 0 || facing.high < 0;
-    if ((is_exact && is_sure) || depth == kMaxDepth) {
-      face.distance.add(distances);
-      face.facing.add(facing);
-      face.area.low += std::max(0.0, covered.low);
-      face.area.high += covered.high;
-      continue;
-    }
-    const Vec3 ab = 0.5 * (p[0] + p[1]), bc = 0.5 * (p[1] + p[2]), ca = 0.5 * (p[2] + p[0]);
-    pieces.push_back({{ab, bc, ca}, depth + 1});
-    pieces.push_back({{ca, bc, p[2]}, depth + 1});
-    pieces.push_back({{ab, p[1], bc}, depth + 1});
-    pieces.push_back({{p[0], ab, ca}, depth + 1});
+  std::vector<Vec3> centred;
+  centred.reserve(corners.size());
+  for (const Vec3& p : corners) {
+    const Local at = local(p);
+    centred.push_back({at.across.x, at.across.y, at.height});
   }
-  return face;
+  return read_torus_face({radius_, minor_radius_, noise_}, centred,
+                         {dot(normal, x_), dot(normal, y_), dot(normal, axis_)}, known);
 }
 
 }  // namespace remesh::verification
