@@ -152,6 +152,7 @@ class Run {
     // The triangles are not part of the report, but they predict what refinement would make of the patches.
     triangulate();
     examine_input();
+    report_.surfaces.join_bands();
     watch_.enter(Stage::kRefinement);
     refiner_->predict_faces(patched(), candidate_.triangulated);
     tell_curves({[&](PatchId p) {
@@ -434,6 +435,7 @@ class Run {
     summarise();
     report_.volume_bound = report_.verified.volume_bound;
     take_bounds(report_);
+    report_.surfaces.join_bands();
     for (std::size_t p = 0; p < candidate_.triangulated.meshes.size(); ++p)
       report_.patches[p].output_faces = candidate_.triangulated.meshes[PatchId(p)].mesh.triangle_count();
     prepared_.release();

@@ -1,5 +1,6 @@
 #include "core/patches/recognised_surfaces.h"
 
+#include <algorithm>
 #include <utility>
 
 namespace remesh {
@@ -14,6 +15,21 @@ void RecognisedSurfaces::follow(const PatchSet& before, const PatchSet& now) {
     ++surfaces[s].patches;
   }
   of_patch = std::move(followed);
+}
+
+void RecognisedSurfaces::join_bands() {
+  for (SurfaceId& s : of_patch)
+    if (const SurfaceId whole = surfaces[s].whole; whole.is_valid()) {
+      ++surfaces[whole].patches;
+      s = whole;
+    }
+  for (const RecognisedSurface& band : surfaces) {
+    if (!band.whole.is_valid()) continue;
+    RecognisedSurface& whole = surfaces[band.whole];
+    whole.allowed = std::max(whole.allowed, band.allowed);
+    whole.bound = std::max(whole.bound, band.bound);
+  }
+  std::erase_if(surfaces.items(), [](const RecognisedSurface& s) { return s.whole.is_valid(); });
 }
 
 std::string_view side_name(SurfaceSide side) {

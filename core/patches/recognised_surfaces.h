@@ -57,6 +57,8 @@ struct RecognisedSurface {
   std::optional<double> outside;
   SurfaceSide side = SurfaceSide::kConvex;  ///< it has no meaning for planes and free regions
   Box3 extent;                              ///< the bounding box of the facets
+  /// A band of a surface of revolution: that surface. It is invalid for all others.
+  SurfaceId whole;
   // The following are for free regions only.
   FreeReason reason = FreeReason::kNone;
   SurfaceKind nearest_kind = SurfaceKind::kFree;  ///< the kind that fits best, or kFree if none could be fitted
@@ -64,13 +66,17 @@ struct RecognisedSurface {
 };
 
 /// The surfaces of a mesh. They are ordered by kind, then from large to small, so that the order depends on geometry
-/// alone.
+/// alone. A surface of revolution has no formula, so the cones and cylinders that its facets lie on stand behind all
+/// others, as its bands.
 struct RecognisedSurfaces {
   IdVector<SurfaceId, RecognisedSurface> surfaces;
-  IdVector<PatchId, SurfaceId> of_patch;  ///< every patch belongs to one
+  IdVector<PatchId, SurfaceId> of_patch;  ///< every patch belongs to one; to a band rather than to its whole
 
   /// Gives the same surfaces to other patches of the same faces. Each belongs to the surface of its first face.
   void follow(const PatchSet& before, const PatchSet& now);
+
+  /// Removes the bands. Their patches belong to the surfaces of revolution then, and so do their tolerances and bounds.
+  void join_bands();
 };
 
 }  // namespace remesh

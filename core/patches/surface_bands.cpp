@@ -120,6 +120,7 @@ class BandJoiner {
       joined.facets.insert(joined.facets.end(), band.facets.begin(), band.facets.end());
       joined.area += band.area;
       joined.deviation = std::max(joined.deviation, band.deviation);
+      joined.bands.push_back(band);
       band.facets.clear();
     }
     // Neighbouring bands share a rim.

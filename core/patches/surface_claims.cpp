@@ -433,7 +433,7 @@ std::optional<Claim> ClaimGrower::conclude(AnalyticSurface shape, int side, std:
     const std::size_t before = members.size();
     trim(shape, tolerance_, side, members);
     if (members.size() == before) {
-      Claim claim{shape, side, std::move(members), {}, 0, 0, chord_height};
+      Claim claim{shape, side, std::move(members), {}, 0, 0, chord_height, {}};
       const Gauge gauge(shape);
       std::size_t close = 0;
       for (const Vec3& p : points_) {

@@ -28,6 +28,7 @@ struct Claim {
   double area = 0;            ///< sum of the facets' areas
   double deviation = 0;       ///< largest distance of a corner from the surface
   double chord_height = 0;    ///< the facets' distance from the surface: the mean of their largest ones, by area
+  std::vector<Claim> bands;   ///< only a surface of revolution has them: the cones and cylinders that it was made of
 };
 
 /// The claims, and which facets belong to which.

@@ -183,6 +183,18 @@ class Records {
   }
 
   void add_claim(const Claim& claim) {
+    const SurfaceId id = add_surface(claim);
+    // Bands may have lost facets since they were joined.
+    for (Claim band : claim.bands) {
+      std::erase_if(band.facets, [&](PatchId p) { return result_.of_patch[p] != id; });
+      if (!band.facets.empty()) result_.surfaces[add_surface(band)].whole = id;
+    }
+    // The patches are the bands'.
+    if (!claim.bands.empty()) result_.surfaces[id].patches = 0;
+  }
+
+  /// Makes the record of a claim, and gives the claim's facets to it.
+  SurfaceId add_surface(const Claim& claim) {
     AnalyticSurface shape = claim.shape;
     // A cone points away from its apex, and the heights of a profile go along the axis.
     if (shape.kind != SurfaceKind::kCone && shape.kind != SurfaceKind::kRevolution)
@@ -215,7 +227,9 @@ class Records {
     for (const Vec3& p : corners) record.deviation = std::max(record.deviation, std::fabs(shape.distance(p)));
     record.deviation *= unit();
     record.side = claim.side > 0 ? SurfaceSide::kConvex : claim.side < 0 ? SurfaceSide::kConcave : SurfaceSide::kBoth;
-    add_facets(claim.facets, result_.surfaces.push_back(std::move(record)));
+    const SurfaceId id = result_.surfaces.push_back(std::move(record));
+    add_facets(claim.facets, id);
+    return id;
   }
 
   /// Finds the free regions among the facets that nobody claims.
@@ -316,12 +330,13 @@ class Records {
     }
   }
 
-  /// Numbers the surfaces by kind, and from large to small.
+  /// Numbers the surfaces by kind, and from large to small. Bands come last.
   void put_in_order() {
     std::vector<std::uint32_t> order(result_.surfaces.size());
     for (std::uint32_t i = 0; i < order.size(); ++i) order[i] = i;
     sort_stoppable(order.begin(), order.end(), control_, [&](std::uint32_t i, std::uint32_t j) {
       const RecognisedSurface &a = result_.surfaces[SurfaceId(i)], &b = result_.surfaces[SurfaceId(j)];
+      if (a.whole.is_valid() != b.whole.is_valid()) return b.whole.is_valid();
       if (a.shape.kind != b.shape.kind) return a.shape.kind < b.shape.kind;
       // Sums of areas differ in their last bits with the order of faces.
       const auto area_of = [](const RecognisedSurface& s) { return static_cast<float>(s.area); };
@@ -339,6 +354,8 @@ class Records {
     }
     result_.surfaces = std::move(sorted);
     for (SurfaceId& s : result_.of_patch) s = now[s.value];
+    for (RecognisedSurface& s : result_.surfaces)
+      if (s.whole.is_valid()) s.whole = now[s.whole.value];
   }
 
   const Facets& facets_;

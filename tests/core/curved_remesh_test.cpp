@@ -588,10 +588,62 @@ TEST(curved_remesh, without_refinement_no_triangle_of_a_ball_or_a_ring_is_too_de
   }
 }
 
+TEST(curved_remesh, a_surface_of_revolution_is_remeshed_band_by_band) {
+  constexpr int kAround = 72, kBands = 12;
+  const Model model = primitives::vase(kAround, kBands);
+  const PolygonMesh& input = model.mesh;
+  std::map<double, double> radius_at;
+  for (const Vec3& p : input.positions) radius_at[p.z] = std::hypot(p.x, p.y);
+  ASSERT_EQ(radius_at.size(), kBands + 1U);
+  std::size_t fewer = 0;
+  for (const int elements : {8, 12, 16, 24, 36}) {
+    SCOPED_TRACE(elements);
+    Options options = with_circle(elements);
+    options.min_angle_deg = 20;
+    const Result result = remeshed(input, options);
+    expect_sound(options, result);
+    const auto& surfaces = result.report.surfaces.surfaces;
+    ASSERT_EQ(std::count_if(surfaces.begin(), surfaces.end(),
+                            [](const RecognisedSurface& s) { return s.shape.kind == SurfaceKind::kRevolution; }),
+              1);
+    EXPECT_EQ(surfaces.size(), 1U);
+    for (const RecognisedSurface& s : surfaces) {
+      if (s.shape.kind != SurfaceKind::kRevolution) continue;
+      EXPECT_GT(s.allowed, 0);
+      EXPECT_GT(s.bound, 0);
+      EXPECT_LE(s.bound, s.allowed + result.report.plane_tolerance);
+      EXPECT_EQ(s.faces, input.face_count());
+      EXPECT_GE(s.patches, 2U * kBands);
+    }
+    // Each circle between two bands keeps its place, and is divided as it was asked for. All vertices between them lie
+    // on the cones through the circles.
+    std::map<double, int> on_circle;
+    for (const Vec3& p : result.mesh.positions) {
+      const auto above = radius_at.lower_bound(p.z - 1e-9);
+      ASSERT_NE(above, radius_at.end());
+      const double r = std::hypot(p.x, p.y);
+      if (std::fabs(above->first - p.z) < 1e-9) {
+        if (std::fabs(r - above->second) < 1e-9) ++on_circle[above->first];
+        continue;
+      }
+      const auto below = std::prev(above);
+      const double t = (p.z - below->first) / (above->first - below->first);
+      EXPECT_NEAR(r, below->second + t * (above->second - below->second), 1e-9);
+    }
+    EXPECT_EQ(on_circle.size(), kBands + 1U);
+    for (const auto& [height, count] : on_circle) EXPECT_GE(count, elements) << height;
+    EXPECT_GE(result.mesh.faces.size(), fewer);
+    if (elements <= 16) {
+      EXPECT_LT(2 * result.mesh.faces.size(), input.face_count());
+    }
+    fewer = result.mesh.faces.size();
+  }
+}
+
 TEST(curved_remesh, surfaces_that_cannot_be_joined_come_through) {
-  // A surface of revolution has no chart, flanks of a screw are free, and a pin turns in its bore.
-  for (const Model& model : {primitives::vase(24, 12), primitives::thread(24, 3), primitives::pin_in_its_bore(36),
-                             primitives::torus_with_flat_rings(48, 24, 5, 2)})
+  // The flanks of a screw are free, a pin turns in its bore, and a torus has flat rings.
+  for (const Model& model :
+       {primitives::thread(24, 3), primitives::pin_in_its_bore(36), primitives::torus_with_flat_rings(48, 24, 5, 2)})
     for (const double elements : {8.0, 16.0, 36.0}) {
       SCOPED_TRACE(model.name + " " + std::to_string(elements));
       const Options options = with_circle(elements);
