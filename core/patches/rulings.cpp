@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/bisection.h"
 #include "core/base/stoppable.h"
 #include "core/geometry/surface_map.h"
 
@@ -26,15 +27,11 @@ struct OnAxis {
 
 /// Returns the largest turn around the axis that an edge may have where the surface is widest.
 double widest_turn(const CurvedChart& chart, double way) {
-  double good = 0, bad = std::numbers::pi / 2;
-  constexpr int kSteps = 40;
-  for (int i = 0; i < kSteps; ++i) {
-    const double turn = 0.5 * (good + bad);
+  return largest_allowed(std::numbers::pi / 2, [&](double turn) {
     const SpacePoint a = chart.space_point(chart.map().point(Around{-turn / 2, way}));
     const SpacePoint b = chart.space_point(chart.map().point(Around{turn / 2, way}));
-    (chart.is_bent(a, b) ? bad : good) = turn;
-  }
-  return good;
+    return chart.is_bent(a, b);
+  });
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/base/bisection.h"
 #include "core/base/stoppable.h"
 
 namespace remesh {
@@ -80,25 +81,16 @@ class ColumnLayout {
     }
     return false;
   }
-  /// Returns the largest number up to `most` for which `is_too_much` is false, to a small part of it.
-  template <class Test>
-  static double largest(double most, const Test& is_too_much) {
-    if (!is_too_much(most)) return most;
-    double good = 0, bad = most;
-    for (int i = 0; i < 40; ++i) (is_too_much(0.5 * (good + bad)) ? bad : good) = 0.5 * (good + bad);
-    return good;
-  }
-
   double widest_turn() const {
     // Edges from column to column also go half a step along the axis.
-    return largest(std::numbers::pi / 2, [&](double turn) {
+    return largest_allowed(std::numbers::pi / 2, [&](double turn) {
       return is_bent(turn, 0) || (is_doubly_curved() && is_bent(turn, kStepOfColumns * turn));
     });
   }
   bool is_doubly_curved() const { return chart_.map().shape().kind == SurfaceKind::kTorus; }
   double longest_step() const {
-    return largest(2 * kStepOfColumns * width_,
-                   [&](double way) { return is_bent(0, way) || is_bent(width_, way / 2); });
+    return largest_allowed(2 * kStepOfColumns * width_,
+                           [&](double way) { return is_bent(0, way) || is_bent(width_, way / 2); });
   }
 
   /// Chooses the columns' width and where they start. Pieces of the boundary around the axis decide it.
