@@ -9,6 +9,7 @@
 #include "core/geometry/section_curve.h"
 #include "core/patches/chain_sections.h"
 #include "core/patches/chain_thinning.h"
+#include "core/patches/curved_chart.h"
 
 namespace remesh {
 namespace {
@@ -38,7 +39,7 @@ class ChainCutter {
       limits_.tolerance = std::min(limits_.tolerance, side.tolerance);
       sideways_ = std::min(sideways_, side.sideways > 0 ? side.sideways : kShareOfThinning * side.tolerance);
       limits_.max_turn = std::min(limits_.max_turn, side.max_turn);
-      limits_.depths.push_back({side.shape, side.max_depth});
+      limits_.depths.push_back({side.shape, (is_seam() ? CurvedChart::kDepthOfEdges : 1) * side.max_depth});
     }
   }
 
@@ -58,6 +59,14 @@ class ChainCutter {
     points.reserve(nodes.size());
     for (const ChainNode& node : nodes) points.push_back(at(node));
     return points;
+  }
+
+  /// Returns whether the chain divides a ball into two patches. Triangles at it are deeper than its pieces, and nobody
+  /// asked for their number.
+  bool is_seam() const {
+    return sides_.planes.empty() && sides_.curved.size() == 2 && sides_.curved[0].shape->kind == SurfaceKind::kSphere &&
+           sides_.curved[0].shape->origin == sides_.curved[1].shape->origin &&
+           sides_.curved[0].shape->radius == sides_.curved[1].shape->radius;
   }
 
   /// Returns whether the ladder has forced a vertex inside of the chain, or both ends of a chain of one piece.

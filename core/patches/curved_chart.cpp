@@ -10,10 +10,6 @@ namespace {
 
 /// Edges may be a little deeper, and turn a little more, than is allowed: rounding alone makes as much difference.
 constexpr double kRoundingFactor = 1 + 1e-9;
-/// A triangle of a ball is deeper in its middle than at its edges. With acute angles, its circumradius is at most its
-/// longest edge over the root of 3, instead of half of that edge, so its depth is at most 4/3 of that of its edges.
-constexpr double kDepthOfEdges = 0.75;
-
 bool is_doubly_curved(SurfaceKind kind) { return kind == SurfaceKind::kSphere || kind == SurfaceKind::kTorus; }
 
 /// Returns the centre of a ball, or the point in the middle of a torus' tube that is nearest to a point.
@@ -34,6 +30,33 @@ double highest_of_parabola(double at_0, double at_half, double at_1) {
   return highest;
 }
 
+/// Returns how far along a segment it is deepest below a cylinder, cone or ball, from 0 at a to 1 at b. The distance
+/// from these is convex on a line.
+double deepest_place(const AnalyticSurface& shape, const Vec3& a, const Vec3& b) {
+  const Vec3 from = a - shape.origin, way = b - a;
+  // For a ball it is the place nearest to the centre. For the others, the slope of the distance from the axis is that
+  // of the surface.
+  const double along = shape.kind == SurfaceKind::kSphere ? 0 : dot(way, shape.axis);
+  const Vec3 across = way - along * shape.axis;
+  const double square = norm_squared(across), foot = dot(from, across);
+  if (!(square > 0)) return 0;
+  double beyond = 0;
+  if (shape.kind == SurfaceKind::kCone) {
+    const double slope = along * std::tan(shape.half_angle), steepness = 1 - slope * slope / square;
+    if (!(steepness > 0)) return slope > 0 ? 1 : 0;
+    const Vec3 past = from - dot(from, shape.axis) * shape.axis - foot / square * across;
+    beyond = slope * norm(past) / std::sqrt(steepness);
+  }
+  return std::clamp((beyond - foot) / square, 0.0, 1.0);
+}
+
+/// Returns how far the deepest place of a segment is from a surface.
+double largest_depth(const AnalyticSurface& shape, const Vec3& a, const Vec3& b, double at_a, double at_b) {
+  if (shape.kind == SurfaceKind::kTorus) return highest_of_parabola(at_a, shape.distance(0.5 * (a + b)), at_b);
+  const double t = deepest_place(shape, a, b);
+  return std::max({std::fabs(at_a), std::fabs(at_b), std::fabs(shape.distance(a + t * (b - a)))});
+}
+
 }  // namespace
 
 CurvedChart::CurvedChart(const CurvedPatch& patch)
@@ -41,6 +64,12 @@ CurvedChart::CurvedChart(const CurvedPatch& patch)
   max_edge_height_ = is_doubly_curved(patch.map.shape().kind) ? kDepthOfEdges * max_height_ : max_height_;
   const double distance = 2 * std::sin(patch.limits.max_turn / 2) * kRoundingFactor;
   max_turn_squared_ = distance * distance;
+  if (patch.map.shape().kind != SurfaceKind::kCone) return;
+  // Faces at an apex that reached around the axis would look along the surface. They turn by a third of a circle at
+  // most, which changes the normals by the cosine of the half angle times the root of 3.
+  const double cosine = std::cos(patch.map.shape().half_angle);
+  max_turn_squared_at_apex_ = 3 * cosine * cosine;
+  max_turn_squared_ = std::min(max_turn_squared_, max_turn_squared_at_apex_);
 }
 
 SpacePoint CurvedChart::space_point(const Vec3& position) const {
@@ -50,22 +79,26 @@ SpacePoint CurvedChart::space_point(const Vec3& position) const {
   constexpr double kAtApex = 1e-3;
   if (radius < kAtApex * max_edge_height_) return {position, {}, true};
   // So near to its apex, a cone is within the tolerance of edges that turn by a sixth of a circle.
-  constexpr double kHeightOfSixth = 0.134;
-  const bool is_near_apex = radius * kHeightOfSixth * std::cos(shape.half_angle) < max_edge_height_;
-  return {position, map_.side() * shape.normal(position), is_near_apex};
+  // Still nearer, it is within the tolerance of edges that turn by a third.
+  constexpr double kHeightOfSixth = 0.134, kHeightOfThird = 0.5;
+  const double depth = radius * std::cos(shape.half_angle);
+  return {position, map_.side() * shape.normal(position), kHeightOfSixth * depth < max_edge_height_,
+          kHeightOfThird * depth < max_edge_height_};
 }
 
 bool CurvedChart::is_bent(const SpacePoint& a, const SpacePoint& b) const {
   const bool is_at_apex = a.normal == Vec3{} || b.normal == Vec3{};
+  double max_squared = max_turn_squared_;
   // Two normals that are 60 degrees apart differ by 1.
-  const double max_squared = a.is_near_apex || b.is_near_apex ? std::max(max_turn_squared_, 1.0) : max_turn_squared_;
+  if (a.is_near_apex || b.is_near_apex) max_squared = std::max(max_squared, std::min(1.0, max_turn_squared_at_apex_));
+  if (a.is_beside_apex || b.is_beside_apex) max_squared = max_turn_squared_at_apex_;
   if (!is_at_apex && norm_squared(a.normal - b.normal) > max_squared) return true;
   const AnalyticSurface& shape = map_.shape();
   const double at_a = shape.distance(a.position), at_b = shape.distance(b.position);
   // Some boundaries are straight and deeper than that. Smaller edges at a vertex of them would be as deep.
   const double at_ends = std::max(std::fabs(at_a), std::fabs(at_b));
   const double limit = std::max(max_edge_height_, at_ends * kRoundingFactor);
-  return highest_of_parabola(at_a, shape.distance(0.5 * (a.position + b.position)), at_b) > limit;
+  return largest_depth(shape, a.position, b.position, at_a, at_b) > limit;
 }
 
 bool CurvedChart::is_deep(const Vec3& a, const Vec3& b, const Vec3& c) const {

@@ -11,12 +11,17 @@ namespace remesh {
 struct SpacePoint {
   Vec3 position;
   Vec3 normal;  ///< of the surface at its point that is nearest; null at the apex of a cone, which has none
-  bool is_near_apex = false;
+  bool is_near_apex = false;    ///< edges that turn by a sixth of a circle are within the tolerance there
+  bool is_beside_apex = false;  ///< edges that turn by a third of a circle are
 };
 
 /// A map of a curved patch, and how coarse the patch may become.
 class CurvedChart {
  public:
+  /// A triangle of a ball is deeper in its middle than at its edges. With acute angles, its circumradius is at most its
+  /// longest edge over the root of 3, instead of half of that edge, so its depth is at most 4/3 of that of its edges.
+  static constexpr double kDepthOfEdges = 0.75;
+
   CurvedChart() = default;
   explicit CurvedChart(const CurvedPatch& patch);
 
@@ -38,6 +43,7 @@ class CurvedChart {
   double max_height_ = 0;        ///< of faces
   double max_edge_height_ = 0;   ///< of edges; less on spheres and tori
   double max_turn_squared_ = 0;  ///< the square of the distance of two unit normals that are the largest turn apart
+  double max_turn_squared_at_apex_ = 0;  ///< the same for edges beside the apex of a cone
 };
 
 }  // namespace remesh

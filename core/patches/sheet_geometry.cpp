@@ -256,6 +256,20 @@ bool SheetGeometry::goes_around(PatchId facet, const AnalyticSurface& shape) {
   return gap < kPi;
 }
 
+/// Returns whether a sheet reaches the apex of a cone that is so narrow that half of it, unrolled, has no two triangles
+/// at the apex. A single one would reach over the axis.
+bool SheetGeometry::reaches_narrow_apex(const Sheet& sheet, const AngleFrame& frame) {
+  constexpr double kMaxSine = 1.0 / 3;  // half of the cone unrolls to 60 degrees
+  if (frame.shape.kind != SurfaceKind::kCone || !(std::sin(frame.shape.half_angle) < kMaxSine)) return false;
+  double nearest = HUGE_VAL, farthest = 0;
+  for (const PatchId p : sheet)
+    for_each_corner(p, [&](const Vec3& corner) {
+      nearest = std::min(nearest, frame.radius(corner));
+      farthest = std::max(farthest, frame.radius(corner));
+    });
+  return nearest < kOnAxis * farthest;
+}
+
 std::vector<std::uint8_t> SheetGeometry::sectors(const Sheet& sheet, const AnalyticSurface& shape) {
   std::vector<std::uint8_t> result(sheet.size(), 0);
   if (shape.kind == SurfaceKind::kSphere) {
@@ -270,9 +284,11 @@ std::vector<std::uint8_t> SheetGeometry::sectors(const Sheet& sheet, const Analy
   const bool is_tube = shape.kind == SurfaceKind::kTorus && gap_of(sheet, frame, &Angles::tube).width < kFreeAngle;
   if (!is_around && !is_tube) return result;
   const Angles first = frame.of(dividing_corner(sheet, shape));
+  const bool is_needle = reaches_narrow_apex(sheet, frame);
   for (std::size_t i = 0; i < sheet.size(); ++i) {
     const Angles at = frame.of(middle_of(sheet[i]));
     if (is_around && is_in_second_half(at.around, first.around)) result[i] |= 1;
+    if (is_needle && is_in_second_half(2 * at.around, 2 * first.around)) result[i] |= 2;
     if (is_tube && is_in_second_half(at.tube, first.tube)) result[i] |= 2;
   }
   return result;

@@ -96,6 +96,7 @@ class SheetGeometry {
   Vec3 pole_of(const Sheet& sheet, const AnalyticSurface& shape);
   AngleFrame frame_of(const Sheet& sheet, const AnalyticSurface& shape);
   Covered covered_by(PatchId p, const AngleFrame& frame, double Angles::*which);
+  bool reaches_narrow_apex(const Sheet& sheet, const AngleFrame& frame);
   static Gap largest_gap(std::vector<Covered>& covered, const RunControl& control);
   Gap gap_of(const Sheet& sheet, const AngleFrame& frame, double Angles::*which);
 

@@ -90,10 +90,10 @@ struct Bounds {
 /// One comes from the values at the corners. The distance deviates from the plane through them by no more than half of
 /// its largest second derivative times the square of the ball's radius (see Waldron, The error in linear interpolation
 /// at the vertices of a simplex, SIAM J. Numer. Anal. 1998). The other comes from its Taylor polynomial of second order
-/// about the centre, which is quadratic on the piece, and a bound on its third derivative. Along a unit vector w with the
-/// parts w_n along the normal, w_t around the tube, w_a around the axis and w_r away from the axis, the second derivative
-/// is w_t^2 / d + cos w_a^2 / r with the distances d from the circle and r from the axis. On the line along w, its
-/// derivative is
+/// about the centre, which is quadratic on the piece, and a bound on its third derivative. Along a unit vector w with
+/// the parts w_n along the normal, w_t around the tube, w_a around the axis and w_r away from the axis, the second
+/// derivative is w_t^2 / d + cos w_a^2 / r with the distances d from the circle and r from the axis. On the line along
+/// w, its derivative is
 ///   -3 (w_t^2 w_n / d^2 + sin w_t w_a^2 / (r d) + cos w_a^2 w_r / r^2),
 /// and no product of a square of one part and another part, at right angles to it, exceeds 2 / (3 sqrt 3).
 Range bound_distance(const CentredTorus& torus, const Piece& piece, const Vec3& centre, double extent, const Place& at,
