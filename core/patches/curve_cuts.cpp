@@ -1,11 +1,13 @@
 #include "core/patches/curve_cuts.h"
 
 #include <algorithm>
+#include <cmath>
 #include <tuple>
 #include <utility>
 
 #include "core/base/blocks.h"
 #include "core/base/stoppable.h"
+#include "core/geometry/distances.h"
 #include "core/patches/boundary_chains.h"
 #include "core/patches/chain_gaps.h"
 
@@ -34,7 +36,11 @@ class CurveCutter {
     chains_ = boundary_chains(in_.surface, in_.adjacency, in_.patches, in_.loops, in_.essential, in_.pinched, curved,
                               control_);
     cut_all();
-    for (const ChainCut& cut : cuts_) apply(cut);
+    result_.sideways.assign(surfaces_.size(), 0);
+    for (const ChainCut& cut : cuts_) {
+      apply(cut);
+      measure_way_along_surfaces(cut);
+    }
     part_doubled_edges();
     std::sort(result_.starts.begin(), result_.starts.end(),
               [](const CurveCuts::Start& a, const CurveCuts::Start& b) { return a.half_edge < b.half_edge; });
@@ -135,6 +141,42 @@ class CurveCutter {
         result_.essential.stays[cut.nodes[i].vertex] = 0;
     }
     if (!cut.points.empty()) add_points(cut, cut.points);
+  }
+
+  /// Finds how far a cut has moved the boundary of each curved patch beside it along the patch's surface.
+  void measure_way_along_surfaces(const ChainCut& cut) {
+    std::vector<Vec3> before, now;
+    for (const ChainNode& node : cut.nodes) before.push_back(in_.surface.positions[node.vertex]);
+    now.push_back(before.front());
+    for (const std::uint32_t i : cut.kept) now.push_back(before[i]);
+    now.insert(now.end(), cut.points.begin(), cut.points.end());
+    now.push_back(before.back());
+    for (const std::uint32_t h : half_edges_along(in_.adjacency, cut.nodes.front().after)) {
+      const PatchId p = in_.patches.of_face[in_.adjacency.face_of(h)];
+      if (!is_curved(surfaces_[p])) continue;
+      const AnalyticSurface& shape = *surfaces_[p].shape;
+      result_.sideways[p] =
+          std::max({result_.sideways[p], way_along(before, now, shape), way_along(now, before, shape)});
+    }
+  }
+
+  /// Returns the largest way along a surface from points of one polyline to another one that runs beside it.
+  double way_along(std::span<const Vec3> points, std::span<const Vec3> line, const AnalyticSurface& shape) {
+    double longest = 0;
+    std::size_t i = 0;
+    for (const Vec3& p : points) {
+      check_();
+      const auto way_to = [&](std::size_t k) { return nearest_on_segment(p, line[k], line[k + 1]) - p; };
+      Vec3 way = way_to(i);
+      for (; i + 2 < line.size(); ++i) {
+        const Vec3 next = way_to(i + 1);
+        if (norm_squared(next) > norm_squared(way)) break;
+        way = next;
+      }
+      const double across = dot(way, shape.normal(p));
+      longest = std::max(longest, std::sqrt(std::max(0.0, norm_squared(way) - across * across)));
+    }
+    return longest;
   }
 
   /// Adds new vertices between the ends of a cut, for the patches on all of its sides.

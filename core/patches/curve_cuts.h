@@ -36,10 +36,13 @@ struct CurveCuts {
     std::uint32_t begin, end;  ///< in `lists`
   };
 
-  EssentialVertices essential;   ///< the input's vertices that stay
-  std::vector<Vec3> positions;   ///< the i-th new vertex has the number surface.vertex_count() + i; in model units
-  std::vector<Start> starts;     ///< ascending by half-edge
-  std::vector<VertexId> lists;   ///< one list after another
+  EssentialVertices essential;  ///< the input's vertices that stay
+  std::vector<Vec3> positions;  ///< the i-th new vertex has the number surface.vertex_count() + i; in model units
+  std::vector<Start> starts;    ///< ascending by half-edge
+  std::vector<VertexId> lists;  ///< one list after another
+  /// How far boundaries have moved along the surface of each patch at most, in model units. It is 0 for planar patches.
+  /// It is empty if no patch is curved.
+  IdVector<PatchId, double> sideways;
   std::uint64_t cut_chains = 0;  ///< chains that have other vertices than before, in some part at least
   std::uint64_t capped = 0;  ///< chains that have more pieces than were asked for, because other boundaries are near
 

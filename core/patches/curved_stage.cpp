@@ -137,10 +137,30 @@ void CurvedStage::cut_boundaries(Partition& partition, Prepared& prepared, Ladde
                       options.feature_angle_deg * std::numbers::pi / 180, max_length_per_width},
                      control);
   partition.essential = cuts_.essential;
+  leave_room_for_boundaries();
   with_cuts_ = prepared.surface;
   with_cuts_->positions.change(
       [&](std::vector<Vec3>& all) { all.insert(all.end(), cuts_.positions.begin(), cuts_.positions.end()); });
   for (const Vec3& p : cuts_.positions) with_cuts_->local.push_back(with_cuts_->to_local(p));
+}
+
+/// Makes patches finer whose boundaries have moved along their surfaces. What is proven for a patch is the root of the
+/// squares of this way and of its depth, and both have to stay within one tolerance.
+void CurvedStage::leave_room_for_boundaries() {
+  // What the checker computes for the way is a little longer, as it is farther around outside of the surface.
+  constexpr double kWay = 1.05, kRoom = 0.98, kMinShare = 0.5;
+  // A shorter way than this part of the tolerance makes no difference.
+  constexpr double kShortWay = 0.1;
+  for (std::size_t p = 0; p < cuts_.sideways.size(); ++p) {
+    if (curved_.at[PatchId(p)] == kNone) continue;
+    CurvedPatch& patch = curved_.curved[curved_.at[PatchId(p)]];
+    // The limits of tori know of this, because all circles of a torus move along it.
+    if (patch.map.shape().kind == SurfaceKind::kTorus) continue;
+    const double way = kWay * cuts_.sideways[PatchId(p)], tolerance = patch.limits.tolerance;
+    if (way < kShortWay * tolerance || std::hypot(patch.limits.max_height, way) <= tolerance) continue;
+    const double room = std::sqrt(std::max(0.0, tolerance * tolerance - way * way));
+    patch.limits.max_height = std::max(kRoom * room, kMinShare * patch.limits.max_height);
+  }
 }
 
 std::vector<PatchId> CurvedStage::at_fault(const std::vector<FailedPatch>& failed, const PatchSet& patches,

@@ -78,6 +78,7 @@ class CurvedStage {
  private:
   void recognise(const Partition& partition, Prepared& prepared, const Options& options, double plane_tolerance,
                  RunControl& control);
+  void leave_room_for_boundaries();
   void tell_failures(Partition& partition) const;
   void cut_boundaries(Partition& partition, Prepared& prepared, Ladder& ladder, const Options& options,
                       double min_angle_deg, RunControl& control);

@@ -321,6 +321,35 @@ TEST(curved_remesh, balls_and_cones_of_fine_facets_are_remeshed_at_once) {
     }
 }
 
+/// Makes a cylinder of radius 1 between two parallel planes that rise by `slope` across it.
+PolygonMesh oblique_cylinder(std::uint32_t n, double slope) {
+  std::vector<Vec3> positions;
+  std::vector<std::vector<std::uint32_t>> faces(2);
+  for (const double height : {0.0, 6.0})
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const double angle = 2 * kPi * i / n;
+      positions.push_back({std::cos(angle), std::sin(angle), height + slope * std::cos(angle)});
+    }
+  for (std::uint32_t i = 0; i < n; ++i) {
+    faces[0].push_back(n - 1 - i);
+    faces[1].push_back(n + i);
+    faces.push_back({i, (i + 1) % n, n + (i + 1) % n, n + i});
+  }
+  return shapes::from_lists(positions, faces);
+}
+
+TEST(curved_remesh, oblique_cuts_leave_room_for_their_way_along_the_surface) {
+  for (const double slope : {0.5, 1.0, 2.0})
+    for (const double elements : kElements) {
+      SCOPED_TRACE(std::to_string(slope) + " " + std::to_string(elements));
+      const Options options = with_circle(elements);
+      const Result result = remeshed(oblique_cylinder(144, slope), options);
+      expect_sound(options, result);
+      EXPECT_EQ(result.report.patches.size(), 4U);
+      for (const PatchSummary& patch : result.report.patches) EXPECT_EQ(patch.status, PatchStatus::kRemeshed);
+    }
+}
+
 TEST(curved_remesh, the_side_of_a_cylinder_has_hardly_more_faces_than_columns_make) {
   // The half of a step at each end of a column, and a row of triangles at each rim, come on top.
   const Model model = primitives::cylinder(72, 10, 30);
