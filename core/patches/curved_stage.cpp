@@ -147,7 +147,7 @@ void CurvedStage::cut_boundaries(Partition& partition, Prepared& prepared, Ladde
 /// Makes patches finer whose boundaries have moved along their surfaces. What is proven for a patch is the root of the
 /// squares of this way and of its depth, and both have to stay within one tolerance.
 void CurvedStage::leave_room_for_boundaries() {
-  // What the checker computes for the way is a little longer, as it is farther around outside of the surface.
+  // The checker computes a way that is a little longer, as it is farther around outside of the surface.
   constexpr double kWay = 1.05, kRoom = 0.98, kMinShare = 0.5;
   // A shorter way than this part of the tolerance makes no difference.
   constexpr double kShortWay = 0.1;

@@ -22,6 +22,8 @@ using Sheet = std::vector<PatchId>;
 
 /// Measures sheets and pieces of sheets. All lengths are in model units. Sums depend on the order of facets in their
 /// last digits only.
+/// This class is larger than the bound because every kind of surface has a rule of its own for where it is divided, and
+/// all of these rules read the same angles of the same facets.
 class SheetGeometry {
  public:
   /// Input: the surface and the facets outlive this object.

@@ -78,7 +78,7 @@ struct Quadratic {
   }
 };
 
-/// What is known of a piece.
+/// The ranges in which the measures of a piece lie.
 struct Bounds {
   Range distance{-kInfinite, kInfinite};
   Range facing{-1, 1};

@@ -10,8 +10,8 @@ namespace remesh::verification {
 
 /// A torus about the z axis, with its centre at the origin.
 struct CentredTorus {
-  double radius = 0;        ///< of the circle in the middle of the tube
-  double minor_radius = 0;  ///< of the tube
+  double radius = 0;        ///< radius of the circle in the middle of the tube
+  double minor_radius = 0;  ///< radius of the tube
   double noise = 0;         ///< a bound on the rounding of a distance
 };
 

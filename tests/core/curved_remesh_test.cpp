@@ -309,7 +309,7 @@ TEST(curved_remesh, cones_are_as_coarse_as_asked_at_once_and_their_rims_have_equ
 }
 
 TEST(curved_remesh, balls_and_cones_of_fine_facets_are_remeshed_at_once) {
-  // What the input's own facets lack leaves no room here for triangles that are deeper than the chords at their sides.
+  // The facets are so near to their surface that they leave no room for triangles that are deeper than their sides.
   for (const Model& model : {primitives::globe(120, 60, 3), primitives::icosphere(4, 3), primitives::cone(128, 2, 4),
                              primitives::cone(144, 1, 7), primitives::cone(144, 7, 2)})
     for (const double elements : {8.0, 16.0}) {
