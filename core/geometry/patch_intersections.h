@@ -39,6 +39,6 @@ inline constexpr std::uint32_t kFewFaces = 16;
 /// Cost:    O(n) and, for the faces near other patches, the cost of self_intersections. If it takes more than 256 looks
 ///          at patches per face, on average, to find the faces near others, the cost of self_intersections for all
 ///          faces.
-SelfIntersections patch_intersections(const PatchedFaces& surface, std::size_t max_pairs, RunControl& control);
+SelfIntersections patch_intersections(const PatchedFaces& surface, const SearchLimits& limits, RunControl& control);
 
 }  // namespace remesh

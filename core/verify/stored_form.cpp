@@ -295,9 +295,11 @@ class StoredCheck {
     std::vector<Vec3> normals(claim_.normals.begin(), claim_.normals.end());
     for (std::size_t p = 0; p < normals.size(); ++p)
       if (is_curved(PatchId(p))) normals[p] = {0, 0, 1};  // any direction serves
-    SelfIntersections found = patch_intersections(
-        {claim_.stored, corners_of(claim_.faces), claim_.face_patch, normals, is_simple}, kMaxPairs, control_);
     const bool is_known_complete = claim_.intersections == nullptr || claim_.intersections->is_complete;
+    SearchLimits limits(kMaxPairs);
+    if (!is_known_complete) limits.max_steps = SearchLimits::steps_for(claim_.faces.size());
+    SelfIntersections found = patch_intersections(
+        {claim_.stored, corners_of(claim_.faces), claim_.face_patch, normals, is_simple}, limits, control_);
     std::uint64_t count = 0;
     if (is_known_complete)
       for (const auto& [f, g] : found.pairs)
@@ -305,6 +307,7 @@ class StoredCheck {
     verdict_.has_intersections = true;
     verdict_.are_all_intersections_known = is_known_complete && found.is_complete;
     verdict_.intersections = std::move(found.pairs);
+    verdict_.searched = found.searched;
     return count == 0 || fail(StoredFault::kNewIntersections, count);
   }
 
@@ -375,7 +378,8 @@ class StoredCheck {
               VertexId(static_cast<std::size_t>(std::lower_bound(keys.begin(), keys.end(), key) - keys.begin()));
         }
     });
-    const SelfIntersections found = self_intersections(flat, faces, {}, kMaxPairs, control_);
+    const SelfIntersections found =
+        self_intersections(flat, faces, {}, {kMaxPairs, SearchLimits::steps_for(faces.size())}, control_);
     for (const auto& [f, g] : found.pairs) is_simple[claim_.face_patch[rim[f.value].value].value] = 0;
     if (found.is_complete) return;
     for (std::size_t p = 0; p < is_simple.size(); ++p)

@@ -34,6 +34,9 @@ struct Verdict {
   /// False if the input or the output has too many intersections to know for all of them whether their patches
   /// intersect in the input.
   bool are_all_intersections_known = true;
+  /// The share of the output faces that were held against all others; below 1 only if the input has too many
+  /// intersections to know them all.
+  double searched = 1;
   /// Descriptions of the first failures, for logs and tests.
   std::vector<std::string> failures;
 

@@ -128,10 +128,14 @@ void check_intersections(const Claim& claim, const std::vector<std::uint8_t>& is
     check();
     if (!is_positive[f]) is_simple[claim.face_patch[f].value] = 0;
   }
-  SelfIntersections found = patch_intersections(
-      {claim.positions, corners_of(claim.faces), claim.face_patch, normals, is_simple}, kMaxPairs, control);
   static const InputIntersections kNoIntersections;
   const InputIntersections& known = claim.intersections != nullptr ? *claim.intersections : kNoIntersections;
+  // If the input's intersections are not all known, nothing is proven from those of the output, and the search may be
+  // cut short as well. Otherwise it goes on, however long it takes.
+  SearchLimits limits(kMaxPairs);
+  if (!known.is_complete) limits.max_steps = SearchLimits::steps_for(claim.faces.size());
+  SelfIntersections found = patch_intersections(
+      {claim.positions, corners_of(claim.faces), claim.face_patch, normals, is_simple}, limits, control);
   if (known.is_complete)
     for (const auto& [f, g] : found.pairs) {
       check();
@@ -142,6 +146,7 @@ void check_intersections(const Claim& claim, const std::vector<std::uint8_t>& is
     }
   verdict.are_all_intersections_known = known.is_complete && found.is_complete;
   verdict.intersections = std::move(found.pairs);
+  verdict.searched = found.searched;
 }
 
 }  // namespace
