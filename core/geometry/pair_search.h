@@ -24,15 +24,67 @@ using FacePairs = std::vector<std::pair<FaceId, FaceId>>;
 inline constexpr std::uint64_t kStepsPerTest = 8;
 
 /// What a search for pairs has found so far, and what it may still do.
-struct PairSearch {
-  PairSearch(const SearchLimits& of_search, RunControl& watched) : limits(of_search), control(watched) {}
+class PairSearch {
+ public:
+  PairSearch(const SearchLimits& limits, RunControl& control, SelfIntersections found = {})
+      : limits_(limits), control_(control), result_(std::move(found)) {
+    if (!result_.are_all_listed && result_.is_complete) unexpected_ = result_.pairs.size() - move_expected_to_end();
+  }
 
-  bool goes_on() const { return result.is_complete; }
+  const SearchLimits& limits() const { return limits_; }
+  RunControl& control() const { return control_; }
+  SelfIntersections& result() { return result_; }
+  bool goes_on() const { return result_.is_complete; }
 
-  const SearchLimits limits;
-  RunControl& control;
-  SelfIntersections result;
-  std::uint64_t steps = 0;  ///< taken so far
+  /// Returns how many more pairs may be found.
+  std::size_t room() const { return limits_.max_pairs - (result_.are_all_listed ? result_.pairs.size() : unexpected_); }
+  /// Returns whether a pair is neither listed nor tested. This changes only between rounds.
+  bool is_passed_over(FaceId f, FaceId g) const { return !result_.are_all_listed && limits_.is_expected(f, g); }
+
+  /// Appends what was found.
+  void add(const FacePairs& pairs, std::uint64_t steps) {
+    steps_ += steps;
+    for (const auto& pair : pairs) {
+      const bool is_listed = result_.are_all_listed || !limits_.is_expected(pair.first, pair.second);
+      if (!is_listed) continue;
+      result_.pairs.push_back(pair);
+      if (!result_.are_all_listed)
+        ++unexpected_;
+      else if (result_.pairs.size() > limits_.max_pairs)
+        end_list();
+      if (unexpected_ > limits_.max_pairs) result_.is_complete = false;
+      if (!result_.is_complete) return;
+    }
+  }
+  /// Ends the search if it has taken more steps than it may.
+  void end_if_long() {
+    if (steps_ > limits_.max_steps) result_.are_all_listed = result_.is_complete = false;
+  }
+
+ private:
+  /// Lists only pairs that are not expected from now on.
+  void end_list() {
+    result_.are_all_listed = false;
+    if (!limits_.is_expected) {
+      result_.is_complete = false;
+      return;
+    }
+    unexpected_ = result_.pairs.size() - move_expected_to_end();
+    result_.pairs.resize(std::max(limits_.max_pairs, unexpected_));
+  }
+  /// Returns the number of pairs that are expected.
+  std::size_t move_expected_to_end() {
+    const auto expected = std::stable_partition(result_.pairs.begin(), result_.pairs.end(), [&](const auto& pair) {
+      return !limits_.is_expected(pair.first, pair.second);
+    });
+    return static_cast<std::size_t>(result_.pairs.end() - expected);
+  }
+
+  const SearchLimits limits_;
+  RunControl& control_;
+  SelfIntersections result_;
+  std::size_t unexpected_ = 0;  ///< the number of pairs that are not expected; 0 as long as all pairs are listed
+  std::uint64_t steps_ = 0;     ///< taken so far
 };
 
 /// What was found for some items, one after the other.
@@ -68,25 +120,23 @@ std::size_t gather_pairs(std::size_t n, std::size_t block, PairSearch& search, c
     for (; round.size() < blocks && begin < n; begin = round.back().end)
       round.push_back({begin, std::min(n, begin + block)});
     if (round.empty()) break;
-    const std::size_t room = search.limits.max_pairs - search.result.pairs.size();
-    const auto found = map_blocks<FoundInTurn>(round.size(), 1, search.control, [&](std::size_t r, std::size_t) {
+    const std::size_t room = search.room();
+    const auto found = map_blocks<FoundInTurn>(round.size(), 1, search.control(), [&](std::size_t r, std::size_t) {
       FoundInTurn in_turn;
-      std::size_t i = round[r].begin;
-      while (i < round[r].end && in_turn.pairs.size() <= room && in_turn.steps <= kStepsInTurn)
-        item(i++, in_turn, room);
-      in_turn.next = i;
+      for (std::size_t i = round[r].begin; i < round[r].end && in_turn.steps <= kStepsInTurn; in_turn.next = ++i) {
+        in_turn.next = i;
+        item(i, in_turn, room);
+        if (in_turn.pairs.size() > room) return in_turn;  // not all pairs of the item were found
+      }
       return in_turn;
     });
-    for (std::size_t r = 0; r < round.size(); ++r) {
+    for (std::size_t r = 0; r < round.size() && search.goes_on(); ++r) {
       const FoundInTurn& in_turn = found[r];
-      search.result.pairs.insert(search.result.pairs.end(), in_turn.pairs.begin(), in_turn.pairs.end());
-      search.steps += in_turn.steps;
+      search.add(in_turn.pairs, in_turn.steps);
       done += in_turn.next - round[r].begin;
       if (in_turn.next < round[r].end) left.push_back({in_turn.next, round[r].end});
     }
-    const bool is_done = left.empty() && begin == n;
-    search.result.is_complete =
-        search.result.pairs.size() <= search.limits.max_pairs && (is_done || search.steps <= search.limits.max_steps);
+    if (!left.empty() || begin < n) search.end_if_long();
   }
   return done;
 }
@@ -118,7 +168,7 @@ template <class FaceOf, class IsOfNoInterest, class IsPair>
 std::size_t find_pairs(const SearchedTriangles& triangles, const FaceOf& face_of,
                        const IsOfNoInterest& is_of_no_interest, const IsPair& is_pair, PairSearch& pair_search) {
   const TriangleTree& tree = triangles.tree;
-  RunControl& control = pair_search.control;
+  RunControl& control = pair_search.control();
   constexpr std::size_t kBlock = 256;
   constexpr std::uint64_t kStepsBetweenChecks = 1 << 15;
   // If a slot needs more tests without success than `most_in_vain`, its pairs are dropped and it is searched again

@@ -38,7 +38,7 @@ constexpr std::size_t kManyParts = 1 << 16;
 
 /// If there are more tests per face than this whether it is near a patch, looking at patches gains nothing either. For
 /// example, if the facets of a cone stand on a fan of needles, all boxes meet all others in one point.
-constexpr std::size_t kMaxLooksPerFace = 256;
+constexpr std::size_t kMaxLooksPerFace = 64;
 
 /// The rounding error of heights, relative to the largest coordinate. Heights are sums of three products.
 constexpr double kHeightMargin = 0x1p-49;
@@ -416,7 +416,7 @@ class Meetings {
     const auto parts_in = [&](std::size_t meetings) { return static_cast<double>(begin_[meetings]); };
     const std::size_t done =
         gather_pairs(size(), kMeetings, found, [&](std::size_t m, FoundInTurn& in_turn, std::size_t room) {
-          if (!is_large(meeting(m))) hold_against_each_other(meeting(m), room, in_turn);
+          if (!is_large(meeting(m))) hold_against_each_other(meeting(m), found, room, in_turn);
         });
     if (!found.goes_on()) return parts_in(done) / parts_in(size());
     StopCheck check(control_);
@@ -449,11 +449,13 @@ class Meetings {
     const std::size_t one = first_of_other(meeting), other = meeting.size() - one;
     return one > kFewParts && other > kFewParts && one * other > kMaxTests;
   }
-  bool do_faces_intersect(std::uint32_t a, std::uint32_t b) const {
+  bool do_faces_intersect(std::uint32_t a, std::uint32_t b, const PairSearch& search) const {
+    if (search.is_passed_over(FaceId(parts_[a].face), FaceId(parts_[b].face))) return false;
     return do_intersect(excerpt_.face(parts_[a].face), excerpt_.face(parts_[b].face), positions_);
   }
 
-  void hold_against_each_other(std::span<const std::uint32_t> meeting, std::size_t room, FoundInTurn& found) const {
+  void hold_against_each_other(std::span<const std::uint32_t> meeting, const PairSearch& search, std::size_t room,
+                               FoundInTurn& found) const {
     const std::size_t other = first_of_other(meeting);
     std::uint32_t looks = 0;
     for (const std::uint32_t a : meeting.first(other))
@@ -462,7 +464,7 @@ class Meetings {
         ++found.steps;
         if (!do_meet(parts_[a].box, parts_[b].box)) continue;
         found.steps += kStepsPerTest;
-        if (!do_faces_intersect(a, b)) continue;
+        if (!do_faces_intersect(a, b, search)) continue;
         found.pairs.push_back(std::minmax(FaceId(parts_[a].face), FaceId(parts_[b].face)));
         if (found.pairs.size() > room) return;
       }
@@ -498,7 +500,7 @@ class Meetings {
             look();
             in_turn.steps += kStepsPerTest;
             const std::uint32_t b = many[tree.face(slot).value];
-            if (do_faces_intersect(few[i], b))
+            if (do_faces_intersect(few[i], b, found))
               in_turn.pairs.push_back(std::minmax(FaceId(parts_[few[i]].face), FaceId(parts_[b].face)));
             return in_turn.pairs.size() <= room;
           });
@@ -530,24 +532,29 @@ SelfIntersections patch_intersections(const PatchedFaces& surface, const SearchL
       pieces[i] = cull.is_looked_at_inside(f) ? kNoPiece : surface.patch[f].value;
     }
   });
-  PairSearch search(limits, control);
-  SelfIntersections& found = search.result;
-  found = self_intersections(excerpt.positions(), faces, pieces, limits, control);
+  SearchLimits of_whole = limits;
+  if (limits.is_expected)
+    of_whole.is_expected = [&](FaceId f, FaceId g) {
+      return limits.is_expected(FaceId(cull.faces()[f.value]), FaceId(cull.faces()[g.value]));
+    };
+  SelfIntersections of_faces = self_intersections(excerpt.positions(), faces, pieces, of_whole, control);
   StopCheck check(control);
-  for (auto& [f, g] : found.pairs) {
+  for (auto& [f, g] : of_faces.pairs) {
     check();
     f = FaceId(cull.faces()[f.value]);
     g = FaceId(cull.faces()[g.value]);
   }
+  PairSearch search(limits, control, std::move(of_faces));
+  SelfIntersections& found = search.result();
   // If one of two patches is large, each face is compared only in the place where the other patch is.
   if (!cull.parts().empty()) {
-    const double searched = found.is_complete ? Meetings(cull, excerpt, control).find_pairs(search) : 0;
+    const double searched = search.goes_on() ? Meetings(cull, excerpt, control).find_pairs(search) : 0;
     const auto whole = static_cast<double>(faces.size()), parts = static_cast<double>(cull.parts().size());
     found.searched = (found.searched * whole + searched * parts) / (whole + parts);
   }
   sort_stoppable(found.pairs.begin(), found.pairs.end(), control);
   found.pairs.erase(std::unique(found.pairs.begin(), found.pairs.end()), found.pairs.end());
-  if (found.pairs.size() > limits.max_pairs) found.pairs.resize(limits.max_pairs);
+  if (!found.is_complete) found.pairs.resize(std::min(found.pairs.size(), limits.max_pairs));
   return std::move(found);
 }
 

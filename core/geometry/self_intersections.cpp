@@ -71,11 +71,20 @@ class AxialSearch {
     }
     sort_stoppable(at_edge.begin(), at_edge.end(), control);
     of_slot_.resize(tree.size());
+    std::vector<std::pair<std::size_t, std::size_t>> ranges;  // in `at_edge`, one for each edge
     for (std::size_t begin = 0, end = 0; begin < at_edge.size(); begin = end) {
-      const HubEdge edge = at_edge[begin].first;
-      while (end < at_edge.size() && at_edge[end].first == edge) ++end;
+      check();
+      while (end < at_edge.size() && at_edge[end].first == at_edge[begin].first) ++end;
       // To test all pairs of a few slots takes less time than to compute the bounds of all nodes.
-      if ((end - begin) * (end - begin) < tree.size()) continue;
+      if ((end - begin) * (end - begin) >= tree.size()) ranges.push_back({begin, end});
+    }
+    // The bounds about an edge take some bytes for each node of the tree. So only the edges with the most slots get any.
+    constexpr std::size_t kMaxEdges = 32;
+    std::stable_sort(ranges.begin(), ranges.end(),
+                     [](const auto& a, const auto& b) { return a.second - a.first > b.second - b.first; });
+    ranges.resize(std::min(ranges.size(), kMaxEdges));
+    for (const auto& [begin, end] : ranges) {
+      const HubEdge edge = at_edge[begin].first;
       bounds_.emplace_back(tree, positions, faces, edge.first, edge.second, control);
       for (std::size_t i = begin; i < end; ++i) {
         check();
@@ -122,13 +131,14 @@ class Search {
       done += find_at_hub(begin, end);
       begin = end;
     }
-    SelfIntersections& result = search_.result;
+    SelfIntersections& result = search_.result();
     if (!result.is_complete) {
       const std::size_t all = faces_.size() + at_edge_.size() + at_hub_.size();
       result.searched = static_cast<double>(done) / static_cast<double>(all);
+      result.pairs.resize(std::min(result.pairs.size(), search_.limits().max_pairs));
     }
-    if (result.pairs.size() > search_.limits.max_pairs) result.pairs.resize(search_.limits.max_pairs);
     sort_stoppable(result.pairs.begin(), result.pairs.end(), control_);
+    result.pairs.erase(std::unique(result.pairs.begin(), result.pairs.end()), result.pairs.end());
     return std::move(result);
   }
 
@@ -216,7 +226,7 @@ class Search {
 
   bool do_count(FaceId f, FaceId g) const {
     if (!pieces_.empty() && pieces_[f.value] == pieces_[g.value] && pieces_[f.value] != kNoPiece) return false;
-    return do_intersect(faces_[f.value], faces_[g.value], positions_);
+    return !search_.is_passed_over(f, g) && do_intersect(faces_[f.value], faces_[g.value], positions_);
   }
 
   /// Estimates the number of all pairs by those of a few slots that are spread over the tree.
@@ -279,8 +289,8 @@ class Search {
           return !shared_hubs(f, g)[0].is_valid() && do_count(f, g);
         },
         search_);
-    if (!search_.goes_on() && search_.limits.is_estimate_wanted)
-      search_.result.estimated_pairs = std::max(estimate(tree), static_cast<double>(search_.result.pairs.size()));
+    if (!search_.goes_on() && search_.limits().is_estimate_wanted)
+      search_.result().estimated_pairs = std::max(estimate(tree), static_cast<double>(search_.result().pairs.size()));
     return done;
   }
 
@@ -411,7 +421,7 @@ SelfIntersections self_intersections(std::span<const Vec3> positions, std::span<
 }
 
 std::uint64_t SearchLimits::steps_for(std::size_t faces) {
-  constexpr std::uint64_t kFewSteps = 1 << 25, kStepsPerFace = 96;
+  constexpr std::uint64_t kFewSteps = 1 << 25, kStepsPerFace = 192;
   return kFewSteps + kStepsPerFace * faces * std::bit_width(faces);
 }
 

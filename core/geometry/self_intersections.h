@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -17,6 +18,9 @@ namespace remesh {
 struct SelfIntersections {
   std::vector<std::pair<FaceId, FaceId>> pairs;  ///< (f, g) with f < g, sorted
   bool is_complete = true;                       ///< false if the search was cut short, so there may be more pairs
+  /// False if there are more pairs than are listed. If the search was complete, all others are expected
+  /// (SearchLimits::is_expected).
+  bool are_all_listed = true;
   /// The share of the faces that were held against all others that they might meet; 1 if the search was complete.
   double searched = 1;
   /// About how many pairs there are in all, if that was asked for and the search was cut short; otherwise 0. It is
@@ -34,9 +38,14 @@ struct SearchLimits {
   /// A bound that is in proportion to n log n for n faces. Surfaces of well-shaped faces take less than a hundredth of
   /// these steps.
   static std::uint64_t steps_for(std::size_t faces);
+  /// An eighth of these steps. That is enough to show where a surface intersects, if nothing is proven from it.
+  static std::uint64_t few_steps_for(std::size_t faces) { return steps_for(faces) / 8; }
 
   std::size_t max_pairs;
-  std::uint64_t max_steps;          ///< the search ends soon after it has taken more steps than this
+  std::uint64_t max_steps;  ///< the search ends soon after it has taken more steps than this
+  /// If this is set, pairs for which it returns true do not end the search. After the first `max_pairs` pairs they are
+  /// neither listed nor tested. It is called from several threads.
+  std::function<bool(FaceId, FaceId)> is_expected = {};
   bool is_estimate_wanted = false;  ///< if the search is cut short, the number of pairs is estimated
 };
 

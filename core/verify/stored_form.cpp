@@ -285,9 +285,7 @@ class StoredCheck {
   }
 
   bool is_known(PatchId p, PatchId q) const {
-    if (claim_.intersections == nullptr) return false;
-    const auto& known = claim_.intersections->patches;
-    return std::binary_search(known.begin(), known.end(), std::pair(std::min(p, q), std::max(p, q)));
+    return claim_.intersections != nullptr && claim_.intersections->has(p, q);
   }
 
   bool check_intersections() {
@@ -297,7 +295,12 @@ class StoredCheck {
       if (is_curved(PatchId(p))) normals[p] = {0, 0, 1};  // any direction serves
     const bool is_known_complete = claim_.intersections == nullptr || claim_.intersections->is_complete;
     SearchLimits limits(kMaxPairs);
-    if (!is_known_complete) limits.max_steps = SearchLimits::steps_for(claim_.faces.size());
+    if (!is_known_complete)
+      limits.max_steps = SearchLimits::few_steps_for(claim_.faces.size());
+    else
+      limits.is_expected = [&](FaceId f, FaceId g) {
+        return is_known(claim_.face_patch[f.value], claim_.face_patch[g.value]);
+      };
     SelfIntersections found = patch_intersections(
         {claim_.stored, corners_of(claim_.faces), claim_.face_patch, normals, is_simple}, limits, control_);
     std::uint64_t count = 0;
