@@ -22,6 +22,8 @@ using FacePairs = std::vector<std::pair<FaceId, FaceId>>;
 
 /// A test of two faces takes about as long as this many looks at nodes of a tree.
 inline constexpr std::uint64_t kStepsPerTest = 8;
+/// The same for a look at a box along the triangles of a node.
+inline constexpr std::uint64_t kStepsPerOrientedBox = 4;
 
 /// What a search for pairs has found so far, and what it may still do.
 class PairSearch {
@@ -39,11 +41,13 @@ class PairSearch {
   /// Returns how many more pairs may be found.
   std::size_t room() const { return limits_.max_pairs - (result_.are_all_listed ? result_.pairs.size() : unexpected_); }
   /// Returns whether a pair is neither listed nor tested. This changes only between rounds.
-  bool is_passed_over(FaceId f, FaceId g) const { return !result_.are_all_listed && limits_.is_expected(f, g); }
+  bool is_passed_over(FaceId f, FaceId g) const {
+    return !result_.are_all_listed && limits_.is_expected && limits_.is_expected(f, g);
+  }
 
   /// Appends what was found.
   void add(const FacePairs& pairs, std::uint64_t steps) {
-    steps_ += steps;
+    result_.steps += steps;
     for (const auto& pair : pairs) {
       const bool is_listed = result_.are_all_listed || !limits_.is_expected(pair.first, pair.second);
       if (!is_listed) continue;
@@ -58,7 +62,7 @@ class PairSearch {
   }
   /// Ends the search if it has taken more steps than it may.
   void end_if_long() {
-    if (steps_ > limits_.max_steps) result_.are_all_listed = result_.is_complete = false;
+    if (result_.steps > limits_.max_steps) result_.are_all_listed = result_.is_complete = false;
   }
 
  private:
@@ -84,7 +88,6 @@ class PairSearch {
   RunControl& control_;
   SelfIntersections result_;
   std::size_t unexpected_ = 0;  ///< the number of pairs that are not expected; 0 as long as all pairs are listed
-  std::uint64_t steps_ = 0;     ///< taken so far
 };
 
 /// What was found for some items, one after the other.
@@ -200,7 +203,7 @@ std::size_t find_pairs(const SearchedTriangles& triangles, const FaceOf& face_of
     tree.visit_meeting(
         box, slot + 1,
         [&](std::size_t node) {
-          step(query ? kStepsPerTest : 1);
+          step(query ? kStepsPerOrientedBox : 1);
           return is_of_no_interest(slot, node) || (query && oriented->are_apart(*query, node));
         },
         [&](std::size_t other) {

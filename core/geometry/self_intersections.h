@@ -21,6 +21,7 @@ struct SelfIntersections {
   /// False if there are more pairs than are listed. If the search was complete, all others are expected
   /// (SearchLimits::is_expected).
   bool are_all_listed = true;
+  std::uint64_t steps = 0;  ///< the work that was done, as SearchLimits counts it
   /// The share of the faces that were held against all others that they might meet; 1 if the search was complete.
   double searched = 1;
   /// About how many pairs there are in all, if that was asked for and the search was cut short; otherwise 0. It is
