@@ -25,7 +25,7 @@ inline constexpr std::uint64_t kStepsPerTest = 8;
 /// The same for a look at a box along the triangles of a node.
 inline constexpr std::uint64_t kStepsPerOrientedBox = 4;
 
-/// What a search for pairs has found so far, and what it may still do.
+/// The pairs that a search has found so far, and its limits.
 class PairSearch {
  public:
   PairSearch(const SearchLimits& limits, RunControl& control, SelfIntersections found = {})
@@ -90,7 +90,7 @@ class PairSearch {
   std::size_t unexpected_ = 0;  ///< the number of pairs that are not expected; 0 as long as all pairs are listed
 };
 
-/// What was found for some items, one after the other.
+/// The pairs of some items that were treated one after the other.
 struct FoundInTurn {
   FacePairs pairs;
   std::uint64_t steps = 0;

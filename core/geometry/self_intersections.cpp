@@ -78,7 +78,8 @@ class AxialSearch {
       // To test all pairs of a few slots takes less time than to compute the bounds of all nodes.
       if ((end - begin) * (end - begin) >= tree.size()) ranges.push_back({begin, end});
     }
-    // The bounds about an edge take some bytes for each node of the tree. So only the edges with the most slots get any.
+    // The bounds about an edge take some bytes for each node of the tree. So only the edges with the most slots get
+    // any.
     constexpr std::size_t kMaxEdges = 32;
     std::stable_sort(ranges.begin(), ranges.end(),
                      [](const auto& a, const auto& b) { return a.second - a.first > b.second - b.first; });

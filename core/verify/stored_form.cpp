@@ -27,6 +27,20 @@ using verification::Standing;
 /// The largest number of intersecting pairs that are searched for.
 constexpr std::size_t kMaxPairs = 100'000;
 
+/// The limits of the search for intersections, which has to find all new ones if those of before are all known.
+SearchLimits limits_of_search(const StoredClaim& claim) {
+  SearchLimits limits(kMaxPairs);
+  const InputIntersections* const known = claim.intersections;
+  if (known == nullptr) return limits;
+  if (!known->is_complete)
+    limits.max_steps = SearchLimits::few_steps_for(claim.faces.size());
+  else
+    limits.is_expected = [known, patch = claim.face_patch](FaceId f, FaceId g) {
+      return known->has(patch[f.value], patch[g.value]);
+    };
+  return limits;
+}
+
 /// A run of consecutive verified triangles that belong to one patch.
 struct FaceRun {
   PatchId patch;
@@ -294,15 +308,9 @@ class StoredCheck {
     for (std::size_t p = 0; p < normals.size(); ++p)
       if (is_curved(PatchId(p))) normals[p] = {0, 0, 1};  // any direction serves
     const bool is_known_complete = claim_.intersections == nullptr || claim_.intersections->is_complete;
-    SearchLimits limits(kMaxPairs);
-    if (!is_known_complete)
-      limits.max_steps = SearchLimits::few_steps_for(claim_.faces.size());
-    else
-      limits.is_expected = [&](FaceId f, FaceId g) {
-        return is_known(claim_.face_patch[f.value], claim_.face_patch[g.value]);
-      };
-    SelfIntersections found = patch_intersections(
-        {claim_.stored, corners_of(claim_.faces), claim_.face_patch, normals, is_simple}, limits, control_);
+    SelfIntersections found =
+        patch_intersections({claim_.stored, corners_of(claim_.faces), claim_.face_patch, normals, is_simple},
+                            limits_of_search(claim_), control_);
     std::uint64_t count = 0;
     if (is_known_complete)
       for (const auto& [f, g] : found.pairs)

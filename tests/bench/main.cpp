@@ -1,6 +1,6 @@
 /// Prints how the time of triangulating and of remeshing grows with the size of the input, beside CGAL's, and what
-/// refinement makes of regions of one size, beside CGAL's, too. The part `hostile` shows the growth on surfaces that are
-/// made to keep a core busy, each size once; it runs only if it is asked for.
+/// refinement makes of regions of one size, beside CGAL's, too. The part `hostile` shows the growth on surfaces that
+/// are made to keep a core busy, each size once; it runs only if it is asked for.
 /// Usage: remesh_bench [--only PART] [--json FILE] [max_size [workers]]; sizes are the decades from 10,000 to max_size
 /// (1,000,000). Every time is the median of three runs, in milliseconds; the factor behind it is the growth over one
 /// decade. The file gets the same figures as a list of flat objects (rows.h).
