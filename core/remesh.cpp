@@ -411,6 +411,7 @@ class Run {
     const BodyLabels labels = labels_of_sources(input_.labels, source, control_);
     report_.volume_obstacles = find_volume_obstacles(surface().positions.items(), faces.corners(), edges, labels, pairs,
                                                      report_.plane_tolerance, control_);
+    add_incomplete_check(input_intersections_->searched, faces.size(), report_.volume_obstacles);
   }
 
   /// Tells which curved surfaces are refined facet by facet.

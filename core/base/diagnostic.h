@@ -30,6 +30,7 @@ enum class DiagnosticCode {
   kSmallDihedral,
   kSeam,
   kRoundingCapped,
+  kIncompleteCheck,
 };
 
 /// Something that was found, dropped, merged or split. `elements` has the first 100, in the input's numbering from 0.

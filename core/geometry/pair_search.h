@@ -20,24 +20,128 @@ namespace remesh {
 
 using FacePairs = std::vector<std::pair<FaceId, FaceId>>;
 
-/// Appends to `result` what body(begin, end, room) returns for blocks of 0 .. n-1, block after block, until there are
-/// more than `max_pairs`. A body may stop as soon as it has more than `room` pairs.
-/// Holds:   the result is the same for any number of threads.
-/// Errors:  kCancelled, kTimeout - asked to stop through `control`.
-template <class Body>
-void gather_pairs(std::size_t n, std::size_t block, std::size_t max_pairs, SelfIntersections& result,
-                  RunControl& control, const Body& body) {
-  // The number of blocks between two checks of the number of pairs. It is small, so that a surface that lies on itself
-  // many times does not take quadratic time until it is noticed.
-  constexpr std::size_t kBlocksInRound = 64;
-  for (std::size_t begin = 0; begin < n && result.is_complete; begin += block * kBlocksInRound) {
-    const std::size_t room = max_pairs - result.pairs.size();
-    const auto found = map_blocks<FacePairs>(
-        std::min(n - begin, block * kBlocksInRound), block, control,
-        [&](std::size_t first, std::size_t last) { return body(begin + first, begin + last, room); });
-    for (const FacePairs& pairs : found) result.pairs.insert(result.pairs.end(), pairs.begin(), pairs.end());
-    result.is_complete = result.pairs.size() <= max_pairs;
+/// A test of two faces takes about as long as this many looks at nodes of a tree.
+inline constexpr std::uint64_t kStepsPerTest = 8;
+/// The same for a look at a box along the triangles of a node.
+inline constexpr std::uint64_t kStepsPerOrientedBox = 4;
+
+/// The pairs that a search has found so far, and its limits.
+class PairSearch {
+ public:
+  PairSearch(const SearchLimits& limits, RunControl& control, SelfIntersections found = {})
+      : limits_(limits), control_(control), result_(std::move(found)) {
+    if (!result_.are_all_listed && result_.is_complete) unexpected_ = result_.pairs.size() - move_expected_to_end();
   }
+
+  const SearchLimits& limits() const { return limits_; }
+  RunControl& control() const { return control_; }
+  SelfIntersections& result() { return result_; }
+  bool goes_on() const { return result_.is_complete; }
+
+  /// Returns how many more pairs may be found.
+  std::size_t room() const { return limits_.max_pairs - (result_.are_all_listed ? result_.pairs.size() : unexpected_); }
+  /// Returns whether a pair is neither listed nor tested. This changes only between rounds.
+  bool is_passed_over(FaceId f, FaceId g) const {
+    return !result_.are_all_listed && limits_.is_expected && limits_.is_expected(f, g);
+  }
+
+  /// Appends what was found.
+  void add(const FacePairs& pairs, std::uint64_t steps) {
+    result_.steps += steps;
+    for (const auto& pair : pairs) {
+      const bool is_listed = result_.are_all_listed || !limits_.is_expected(pair.first, pair.second);
+      if (!is_listed) continue;
+      result_.pairs.push_back(pair);
+      if (!result_.are_all_listed)
+        ++unexpected_;
+      else if (result_.pairs.size() > limits_.max_pairs)
+        end_list();
+      if (unexpected_ > limits_.max_pairs) result_.is_complete = false;
+      if (!result_.is_complete) return;
+    }
+  }
+  /// Ends the search if it has taken more steps than it may.
+  void end_if_long() {
+    if (result_.steps > limits_.max_steps) result_.are_all_listed = result_.is_complete = false;
+  }
+
+ private:
+  /// Lists only pairs that are not expected from now on.
+  void end_list() {
+    result_.are_all_listed = false;
+    if (!limits_.is_expected) {
+      result_.is_complete = false;
+      return;
+    }
+    unexpected_ = result_.pairs.size() - move_expected_to_end();
+    result_.pairs.resize(std::max(limits_.max_pairs, unexpected_));
+  }
+  /// Returns the number of pairs that are expected.
+  std::size_t move_expected_to_end() {
+    const auto expected = std::stable_partition(result_.pairs.begin(), result_.pairs.end(), [&](const auto& pair) {
+      return !limits_.is_expected(pair.first, pair.second);
+    });
+    return static_cast<std::size_t>(result_.pairs.end() - expected);
+  }
+
+  const SearchLimits limits_;
+  RunControl& control_;
+  SelfIntersections result_;
+  std::size_t unexpected_ = 0;  ///< the number of pairs that are not expected; 0 as long as all pairs are listed
+};
+
+/// The pairs of some items that were treated one after the other.
+struct FoundInTurn {
+  FacePairs pairs;
+  std::uint64_t steps = 0;
+  std::size_t next = 0;  ///< the first item that was not treated
+};
+
+/// Calls item(i, found) for i from 0 to n - 1, which adds to found.pairs and found.steps, and appends the pairs to the
+/// result. An item may stop as soon as there are more than `room` pairs, which is the third argument.
+/// Output:  the number of items that were treated. It is less than n if the search was cut short, because there are
+///          more than max_pairs or because it took more than max_steps.
+/// Holds:   the result is the same for any number of threads. To this end, work is done in rounds, and limits are
+///          looked at between rounds. In a round, a block of items has a bounded turn. What is left of it comes first
+///          in the next round.
+/// Errors:  kCancelled, kTimeout - asked to stop through `control`.
+template <class Item>
+std::size_t gather_pairs(std::size_t n, std::size_t block, PairSearch& search, const Item& item) {
+  // The largest number of blocks in a round. It is small, so that a surface that lies on itself many times does not
+  // take quadratic time until it is noticed. For the same reason the first rounds have fewer blocks.
+  constexpr std::size_t kMaxBlocks = 64;
+  // The steps after which a block waits for its next turn. A round takes less than a second.
+  constexpr std::uint64_t kStepsInTurn = 1 << 19;
+  struct Range {
+    std::size_t begin, end;
+  };
+  std::vector<Range> left, round;
+  std::size_t begin = 0, done = 0;
+  for (std::size_t blocks = 1; search.goes_on(); blocks = std::min(2 * blocks, kMaxBlocks)) {
+    round = std::move(left);
+    left.clear();
+    for (; round.size() < blocks && begin < n; begin = round.back().end)
+      round.push_back({begin, std::min(n, begin + block)});
+    if (round.empty()) break;
+    const std::size_t room = search.room();
+    const auto found = map_blocks<FoundInTurn>(round.size(), 1, search.control(), [&](std::size_t r, std::size_t) {
+      FoundInTurn in_turn;
+      for (std::size_t i = round[r].begin; i < round[r].end && in_turn.steps <= kStepsInTurn; in_turn.next = ++i) {
+        in_turn.next = i;
+        item(i, in_turn, room);
+        if (in_turn.pairs.size() > room) return in_turn;  // not all pairs of the item were found
+      }
+      return in_turn;
+    });
+    for (std::size_t r = 0; r < round.size() && search.goes_on(); ++r) {
+      const FoundInTurn& in_turn = found[r];
+      search.add(in_turn.pairs, in_turn.steps);
+      done += in_turn.next - round[r].begin;
+      if (in_turn.next < round[r].end) left.push_back({in_turn.next, round[r].end});
+    }
+    if (!left.empty() || begin < n) search.end_if_long();
+  }
+  return done;
 }
 
 /// The triangles of a tree, and how to search them.
@@ -53,28 +157,31 @@ struct SearchedTriangles {
   std::function<bool(std::span<const std::uint32_t> slots)> lose_interest = {};
 };
 
-/// Appends to `result` the pairs of a tree's slots whose triangles meet, within the margin, and for which is_pair(slot,
-/// other) holds, until there are more than `max_pairs`. Of the pairs that are further apart, is_pair is called for
-/// some.
+/// Appends to the result the pairs of a tree's slots whose triangles meet, within the margin, and for which
+/// is_pair(slot, other) holds, until the search is cut short. Of the pairs that are further apart, is_pair is called
+/// for some.
 /// Input:   face_of(slot) is the face that is reported for a slot. is_of_no_interest(slot, node) says that no slot of
 ///          the node makes a pair with this one.
+/// Output:  the number of slots whose pairs have all been found.
 /// Holds:   the earlier one of two slots finds the pair. The result is the same for any number of threads.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:    for each slot, O(log n) and the number of slots whose boxes meet its own. If these are many more than the
 ///          pairs, as among needles askew to the axes, the number of slots whose OrientedBoxes meet its own.
 template <class FaceOf, class IsOfNoInterest, class IsPair>
-void find_pairs(const SearchedTriangles& triangles, const FaceOf& face_of, const IsOfNoInterest& is_of_no_interest,
-                const IsPair& is_pair, std::size_t max_pairs, SelfIntersections& result, RunControl& control) {
+std::size_t find_pairs(const SearchedTriangles& triangles, const FaceOf& face_of,
+                       const IsOfNoInterest& is_of_no_interest, const IsPair& is_pair, PairSearch& pair_search) {
   const TriangleTree& tree = triangles.tree;
+  RunControl& control = pair_search.control();
   constexpr std::size_t kBlock = 256;
-  constexpr std::uint32_t kTestsBetweenChecks = 4096;
+  constexpr std::uint64_t kStepsBetweenChecks = 1 << 15;
   // If a slot needs more tests without success than `most_in_vain`, its pairs are dropped and it is searched again
-  // later.
+  // later. This would gain nothing for a slot with nearly as many pairs.
+  constexpr std::size_t kMaxInVainPerPair = 4;
   std::vector<std::uint32_t> slots;
   std::vector<std::uint8_t> is_for_later(tree.size(), 0);
   std::optional<OrientedBoxes> oriented;
-  std::size_t most_in_vain = 0;
-  const auto search = [&](std::size_t slot, std::size_t room, std::uint32_t& tests, FacePairs& pairs) {
+  std::size_t most_in_vain = 0, done = 0;
+  const auto search = [&](std::size_t slot, FoundInTurn& found, std::size_t room) {
     control.check();  // a search of many nodes may find nothing, and would not check otherwise
     Box3 box = tree.box(slot);
     for (int axis = 0; axis < 3; ++axis) {
@@ -83,50 +190,58 @@ void find_pairs(const SearchedTriangles& triangles, const FaceOf& face_of, const
     }
     std::optional<OrientedBoxes::Query> query;
     if (oriented) query = oriented->query(triangles.faces[tree.face(slot).value]);
-    const std::size_t before = pairs.size();
+    const std::size_t before = found.pairs.size();
     std::size_t in_vain = 0;
+    const auto allowed = [&] { return std::max(most_in_vain, kMaxInVainPerPair * (found.pairs.size() - before)); };
+    std::uint64_t steps = 0, next_check = kStepsBetweenChecks;
+    const auto step = [&](std::uint64_t more) {
+      steps += more;
+      if (steps < next_check) return;
+      next_check = steps + kStepsBetweenChecks;
+      control.check();
+    };
     tree.visit_meeting(
         box, slot + 1,
-        [&](std::size_t node) { return is_of_no_interest(slot, node) || (query && oriented->are_apart(*query, node)); },
+        [&](std::size_t node) {
+          step(query ? kStepsPerOrientedBox : 1);
+          return is_of_no_interest(slot, node) || (query && oriented->are_apart(*query, node));
+        },
         [&](std::size_t other) {
-          if (++tests % kTestsBetweenChecks == 0) control.check();
-          if (!is_pair(slot, other)) return ++in_vain <= most_in_vain;
-          pairs.push_back(std::minmax(face_of(slot), face_of(other)));
-          return pairs.size() <= room;
+          step(kStepsPerTest);
+          if (!is_pair(slot, other)) return ++in_vain <= allowed();
+          found.pairs.push_back(std::minmax(face_of(slot), face_of(other)));
+          return found.pairs.size() <= room;
         });
-    if (in_vain <= most_in_vain) return;
-    pairs.resize(before);
+    found.steps += steps;
+    if (in_vain <= allowed()) return;
+    found.pairs.resize(before);
     is_for_later[slot] = 1;
   };
   const auto search_all = [&](std::size_t n, std::size_t most, const auto& slot_at) {
     most_in_vain = most;
-    gather_pairs(n, kBlock, max_pairs, result, control, [&](std::size_t begin, std::size_t end, std::size_t room) {
-      FacePairs pairs;
-      std::uint32_t tests = 0;
-      for (std::size_t i = begin; i < end && pairs.size() <= room; ++i) search(slot_at(i), room, tests, pairs);
-      return pairs;
-    });
+    done += gather_pairs(n, kBlock, pair_search,
+                         [&](std::size_t i, FoundInTurn& found, std::size_t room) { search(slot_at(i), found, room); });
     slots = select_ids<std::uint32_t>(tree.size(), kItemsPerBlock, control,
                                       [&](std::size_t slot) { return is_for_later[slot] != 0; });
+    done -= slots.size();
     std::fill(is_for_later.begin(), is_for_later.end(), std::uint8_t{0});
+    return !slots.empty() && pair_search.goes_on();
   };
   // Well-shaped faces have some twenty neighbours. A few slots may have more, as long as all of them together make only
   // a few times n tests.
   constexpr std::size_t kFewInVain = 64, kInVainPerSlot = 4;
-  search_all(tree.size(), kFewInVain, [](std::size_t i) { return i; });
+  if (!search_all(tree.size(), kFewInVain, [](std::size_t i) { return i; })) return done;
   const auto search_later = [&](std::size_t most) {
     const std::vector<std::uint32_t> later = std::move(slots);
-    search_all(later.size(), most, [&](std::size_t i) { return later[i]; });
+    return search_all(later.size(), most, [&](std::size_t i) { return later[i]; });
   };
-  if (slots.empty() || !result.is_complete) return;
   const std::size_t share = kInVainPerSlot * tree.size() / slots.size();
-  if (share > 4 * kFewInVain) search_later(share);
-  if (slots.empty() || !result.is_complete) return;
-  if (triangles.lose_interest && triangles.lose_interest(slots)) search_later(kFewInVain);
-  if (slots.empty() || !result.is_complete) return;
+  if (share > 4 * kFewInVain && !search_later(share)) return done;
+  if (triangles.lose_interest && triangles.lose_interest(slots) && !search_later(kFewInVain)) return done;
   if (triangles.by == SearchedTriangles::kByTriangles)
     oriented.emplace(tree, triangles.positions, triangles.faces, triangles.margin, control);
   search_later(tree.size());
+  return done;
 }
 
 }  // namespace remesh

@@ -38,7 +38,7 @@ constexpr std::size_t kManyParts = 1 << 16;
 
 /// If there are more tests per face than this whether it is near a patch, looking at patches gains nothing either. For
 /// example, if the facets of a cone stand on a fan of needles, all boxes meet all others in one point.
-constexpr std::size_t kMaxLooksPerFace = 256;
+constexpr std::size_t kMaxLooksPerFace = 64;
 
 /// The rounding error of heights, relative to the largest coordinate. Heights are sums of three products.
 constexpr double kHeightMargin = 0x1p-49;
@@ -410,21 +410,22 @@ class Meetings {
     begin_.push_back(static_cast<std::uint32_t>(order_.size()));
   }
 
-  /// Adds the pairs, until there are more than `max_pairs`.
-  void find_pairs(std::size_t max_pairs, SelfIntersections& found) const {
+  /// Adds the pairs, until the search is cut short. Returns the share of the parts that were treated.
+  double find_pairs(PairSearch& found) const {
     constexpr std::size_t kMeetings = 64;
-    gather_pairs(size(), kMeetings, max_pairs, found, control_,
-                 [&](std::size_t begin, std::size_t end, std::size_t room) {
-                   FacePairs pairs;
-                   for (std::size_t m = begin; m < end && pairs.size() <= room; ++m)
-                     if (!is_large(meeting(m))) hold_against_each_other(meeting(m), room, pairs);
-                   return pairs;
-                 });
+    const auto parts_in = [&](std::size_t meetings) { return static_cast<double>(begin_[meetings]); };
+    const std::size_t done =
+        gather_pairs(size(), kMeetings, found, [&](std::size_t m, FoundInTurn& in_turn, std::size_t room) {
+          if (!is_large(meeting(m))) hold_against_each_other(meeting(m), found, room, in_turn);
+        });
+    if (!found.goes_on()) return parts_in(done) / parts_in(size());
     StopCheck check(control_);
-    for (std::size_t m = 0; m < size() && found.is_complete; ++m) {
+    std::size_t m = 0;
+    for (; m < size() && found.goes_on(); ++m) {
       check();
-      if (is_large(meeting(m))) search(meeting(m), max_pairs, found);
+      if (is_large(meeting(m))) search(meeting(m), found);
     }
+    return parts_in(m) / parts_in(size());
   }
 
  private:
@@ -448,24 +449,29 @@ class Meetings {
     const std::size_t one = first_of_other(meeting), other = meeting.size() - one;
     return one > kFewParts && other > kFewParts && one * other > kMaxTests;
   }
-  bool do_faces_intersect(std::uint32_t a, std::uint32_t b) const {
+  bool do_faces_intersect(std::uint32_t a, std::uint32_t b, const PairSearch& search) const {
+    if (search.is_passed_over(FaceId(parts_[a].face), FaceId(parts_[b].face))) return false;
     return do_intersect(excerpt_.face(parts_[a].face), excerpt_.face(parts_[b].face), positions_);
   }
 
-  void hold_against_each_other(std::span<const std::uint32_t> meeting, std::size_t room, FacePairs& pairs) const {
+  void hold_against_each_other(std::span<const std::uint32_t> meeting, const PairSearch& search, std::size_t room,
+                               FoundInTurn& found) const {
     const std::size_t other = first_of_other(meeting);
-    std::uint32_t tests = 0;
+    std::uint32_t looks = 0;
     for (const std::uint32_t a : meeting.first(other))
       for (const std::uint32_t b : meeting.subspan(other)) {
-        if (++tests % kTestsBetweenChecks == 0) control_.check();
-        if (!do_meet(parts_[a].box, parts_[b].box) || !do_faces_intersect(a, b)) continue;
-        pairs.push_back(std::minmax(FaceId(parts_[a].face), FaceId(parts_[b].face)));
-        if (pairs.size() > room) return;
+        if (++looks % kTestsBetweenChecks == 0) control_.check();
+        ++found.steps;
+        if (!do_meet(parts_[a].box, parts_[b].box)) continue;
+        found.steps += kStepsPerTest;
+        if (!do_faces_intersect(a, b, search)) continue;
+        found.pairs.push_back(std::minmax(FaceId(parts_[a].face), FaceId(parts_[b].face)));
+        if (found.pairs.size() > room) return;
       }
   }
 
   /// Looks up the parts of one patch in a tree of those of the other, which has more.
-  void search(std::span<const std::uint32_t> meeting, std::size_t max_pairs, SelfIntersections& found) const {
+  void search(std::span<const std::uint32_t> meeting, PairSearch& found) const {
     constexpr std::size_t kPartsPerTask = 256;
     const std::size_t other = first_of_other(meeting);
     std::span<const std::uint32_t> few = meeting.first(other), many = meeting.subspan(other);
@@ -478,20 +484,27 @@ class Meetings {
       boxes.push_back(parts_[i].box);
     }
     const TriangleTree tree = cull_.tree_of(boxes);
-    gather_pairs(few.size(), kPartsPerTask, max_pairs, found, control_,
-                 [&](std::size_t begin, std::size_t end, std::size_t room) {
-                   FacePairs pairs;
-                   std::uint32_t tests = 0;
-                   for (std::size_t i = begin; i < end && pairs.size() <= room; ++i)
-                     tree.visit_meeting(parts_[few[i]].box, 0, [&](std::size_t slot) {
-                       if (++tests % kTestsBetweenChecks == 0) control_.check();
-                       const std::uint32_t b = many[tree.face(slot).value];
-                       if (do_faces_intersect(few[i], b))
-                         pairs.push_back(std::minmax(FaceId(parts_[few[i]].face), FaceId(parts_[b].face)));
-                       return pairs.size() <= room;
-                     });
-                   return pairs;
-                 });
+    gather_pairs(few.size(), kPartsPerTask, found, [&](std::size_t i, FoundInTurn& in_turn, std::size_t room) {
+      std::uint32_t looks = 0;
+      const auto look = [&] {
+        if (++looks % kTestsBetweenChecks == 0) control_.check();
+        ++in_turn.steps;
+      };
+      tree.visit_meeting(
+          parts_[few[i]].box, 0,
+          [&](std::size_t) {
+            look();
+            return false;
+          },
+          [&](std::size_t slot) {
+            look();
+            in_turn.steps += kStepsPerTest;
+            const std::uint32_t b = many[tree.face(slot).value];
+            if (do_faces_intersect(few[i], b, found))
+              in_turn.pairs.push_back(std::minmax(FaceId(parts_[few[i]].face), FaceId(parts_[b].face)));
+            return in_turn.pairs.size() <= room;
+          });
+    });
   }
 
   const Cull& cull_;
@@ -505,7 +518,7 @@ class Meetings {
 
 }  // namespace
 
-SelfIntersections patch_intersections(const PatchedFaces& surface, std::size_t max_pairs, RunControl& control) {
+SelfIntersections patch_intersections(const PatchedFaces& surface, const SearchLimits& limits, RunControl& control) {
   Cull cull(surface, control);
   cull.run();
   const Excerpt excerpt(surface, cull, control);
@@ -519,17 +532,30 @@ SelfIntersections patch_intersections(const PatchedFaces& surface, std::size_t m
       pieces[i] = cull.is_looked_at_inside(f) ? kNoPiece : surface.patch[f].value;
     }
   });
-  SelfIntersections found = self_intersections(excerpt.positions(), faces, pieces, max_pairs, control);
-  for (auto& [f, g] : found.pairs) {
+  SearchLimits of_whole = limits;
+  if (limits.is_expected)
+    of_whole.is_expected = [&](FaceId f, FaceId g) {
+      return limits.is_expected(FaceId(cull.faces()[f.value]), FaceId(cull.faces()[g.value]));
+    };
+  SelfIntersections of_faces = self_intersections(excerpt.positions(), faces, pieces, of_whole, control);
+  StopCheck check(control);
+  for (auto& [f, g] : of_faces.pairs) {
+    check();
     f = FaceId(cull.faces()[f.value]);
     g = FaceId(cull.faces()[g.value]);
   }
+  PairSearch search(limits, control, std::move(of_faces));
+  SelfIntersections& found = search.result();
   // If one of two patches is large, each face is compared only in the place where the other patch is.
-  if (!cull.parts().empty()) Meetings(cull, excerpt, control).find_pairs(max_pairs, found);
-  std::sort(found.pairs.begin(), found.pairs.end());
+  if (!cull.parts().empty()) {
+    const double searched = search.goes_on() ? Meetings(cull, excerpt, control).find_pairs(search) : 0;
+    const auto whole = static_cast<double>(faces.size()), parts = static_cast<double>(cull.parts().size());
+    found.searched = (found.searched * whole + searched * parts) / (whole + parts);
+  }
+  sort_stoppable(found.pairs.begin(), found.pairs.end(), control);
   found.pairs.erase(std::unique(found.pairs.begin(), found.pairs.end()), found.pairs.end());
-  if (found.pairs.size() > max_pairs) found.pairs.resize(max_pairs);
-  return found;
+  if (!found.is_complete) found.pairs.resize(std::min(found.pairs.size(), limits.max_pairs));
+  return std::move(found);
 }
 
 }  // namespace remesh

@@ -36,9 +36,9 @@ inline constexpr std::uint32_t kFewFaces = 16;
 /// Holds:   no pair of faces of different patches is missed. A face is left out only if, for every other patch, no part
 ///          of the face is both in that patch's box and, by height over its plane, where that patch is. Simple patches
 ///          of few faces are tested inside, too.
-/// Cost:    O(n) and, for the faces near other patches, the cost of self_intersections. If it takes more than 256 looks
+/// Cost:    O(n) and, for the faces near other patches, the cost of self_intersections. If it takes more than 64 looks
 ///          at patches per face, on average, to find the faces near others, the cost of self_intersections for all
 ///          faces.
-SelfIntersections patch_intersections(const PatchedFaces& surface, std::size_t max_pairs, RunControl& control);
+SelfIntersections patch_intersections(const PatchedFaces& surface, const SearchLimits& limits, RunControl& control);
 
 }  // namespace remesh

@@ -14,6 +14,9 @@ constexpr std::size_t kBlock = 1 << 14;
 namespace exact {
 
 int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  // Points in one plane at right angles to an axis are frequent, and expansions would take a hundred times as long.
+  for (int axis = 0; axis < 3; ++axis)
+    if (a[axis] == b[axis] && a[axis] == c[axis] && a[axis] == d[axis]) return 0;
   const auto ab_x = difference(b.x, a.x), ab_y = difference(b.y, a.y), ab_z = difference(b.z, a.z);
   const auto ac_x = difference(c.x, a.x), ac_y = difference(c.y, a.y), ac_z = difference(c.z, a.z);
   const auto ad_x = difference(d.x, a.x), ad_y = difference(d.y, a.y), ad_z = difference(d.z, a.z);

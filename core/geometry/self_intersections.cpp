@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
+#include <cmath>
 #include <optional>
 #include <tuple>
 
@@ -69,11 +71,21 @@ class AxialSearch {
     }
     sort_stoppable(at_edge.begin(), at_edge.end(), control);
     of_slot_.resize(tree.size());
+    std::vector<std::pair<std::size_t, std::size_t>> ranges;  // in `at_edge`, one for each edge
     for (std::size_t begin = 0, end = 0; begin < at_edge.size(); begin = end) {
-      const HubEdge edge = at_edge[begin].first;
-      while (end < at_edge.size() && at_edge[end].first == edge) ++end;
+      check();
+      while (end < at_edge.size() && at_edge[end].first == at_edge[begin].first) ++end;
       // To test all pairs of a few slots takes less time than to compute the bounds of all nodes.
-      if ((end - begin) * (end - begin) < tree.size()) continue;
+      if ((end - begin) * (end - begin) >= tree.size()) ranges.push_back({begin, end});
+    }
+    // The bounds about an edge take some bytes for each node of the tree. So only the edges with the most slots get
+    // any.
+    constexpr std::size_t kMaxEdges = 32;
+    std::stable_sort(ranges.begin(), ranges.end(),
+                     [](const auto& a, const auto& b) { return a.second - a.first > b.second - b.first; });
+    ranges.resize(std::min(ranges.size(), kMaxEdges));
+    for (const auto& [begin, end] : ranges) {
+      const HubEdge edge = at_edge[begin].first;
       bounds_.emplace_back(tree, positions, faces, edge.first, edge.second, control);
       for (std::size_t i = begin; i < end; ++i) {
         check();
@@ -102,27 +114,33 @@ class AxialSearch {
 class Search {
  public:
   Search(std::span<const Vec3> positions, std::span<const Triangle> faces, std::span<const std::uint32_t> pieces,
-         std::size_t max_pairs, RunControl& control)
+         const SearchLimits& limits, RunControl& control)
       : positions_(scaled_for_predicates(positions, control)),
         faces_(faces),
         pieces_(pieces),
-        max_pairs_(max_pairs),
-        control_(control) {}
+        control_(control),
+        search_(limits, control) {}
 
   SelfIntersections run() {
     find_hubs();
-    find_everywhere();
-    find_at_edges();
-    for (std::size_t begin = 0; begin < at_hub_.size() && result_.is_complete;) {
+    std::size_t done = find_everywhere();
+    done += find_at_edges();
+    for (std::size_t begin = 0; begin < at_hub_.size() && search_.goes_on();) {
       control_.check();
       std::size_t end = begin + 1;
       while (end < at_hub_.size() && at_hub_[end].first == at_hub_[begin].first) ++end;
-      find_at_hub(begin, end);
+      done += find_at_hub(begin, end);
       begin = end;
     }
-    if (!result_.is_complete) result_.pairs.resize(max_pairs_);
-    std::sort(result_.pairs.begin(), result_.pairs.end());
-    return std::move(result_);
+    SelfIntersections& result = search_.result();
+    if (!result.is_complete) {
+      const std::size_t all = faces_.size() + at_edge_.size() + at_hub_.size();
+      result.searched = static_cast<double>(done) / static_cast<double>(all);
+      result.pairs.resize(std::min(result.pairs.size(), search_.limits().max_pairs));
+    }
+    sort_stoppable(result.pairs.begin(), result.pairs.end(), control_);
+    result.pairs.erase(std::unique(result.pairs.begin(), result.pairs.end()), result.pairs.end());
+    return std::move(result);
   }
 
  private:
@@ -209,10 +227,34 @@ class Search {
 
   bool do_count(FaceId f, FaceId g) const {
     if (!pieces_.empty() && pieces_[f.value] == pieces_[g.value] && pieces_[f.value] != kNoPiece) return false;
-    return do_intersect(faces_[f.value], faces_[g.value], positions_);
+    return !search_.is_passed_over(f, g) && do_intersect(faces_[f.value], faces_[g.value], positions_);
   }
 
-  void find_everywhere() {
+  /// Estimates the number of all pairs by those of a few slots that are spread over the tree.
+  double estimate(const TriangleTree& tree) const {
+    constexpr std::uint64_t kMaxSteps = 1 << 23;
+    constexpr std::size_t kMaxSlots = 1024;
+    std::uint64_t steps = 0, pairs = 0;
+    std::size_t slots = 0;
+    StopCheck check(control_);
+    // The multiples of the golden ratio, without their whole parts, are spread evenly however many are taken.
+    constexpr double kGoldenRatio = 0.6180339887498949;
+    for (double place = 0.5; slots < std::min(kMaxSlots, tree.size()) && steps <= kMaxSteps; ++slots) {
+      const auto slot = static_cast<std::size_t>(place * static_cast<double>(tree.size()));
+      place += kGoldenRatio;
+      place -= std::floor(place);
+      tree.visit_meeting(tree.box(slot), 0, [&](std::size_t other) {
+        check();
+        steps += kStepsPerTest;
+        pairs += slot != other && do_count(tree.face(slot), tree.face(other));
+        return true;
+      });
+    }
+    const auto n = static_cast<double>(tree.size());
+    return slots == 0 ? 0 : n * static_cast<double>(pairs) / (2 * static_cast<double>(slots));
+  }
+
+  std::size_t find_everywhere() {
     static_assert(kNoPiece == TriangleTree::kNoGroup);
     const TriangleTree tree(positions_, faces_, control_, pieces_);
     std::vector<Hubs> hubs;
@@ -226,7 +268,7 @@ class Search {
                                      [](std::uint32_t a, std::uint32_t b) { return a == b ? a : kNoPiece; }, control_);
     const auto face_of = [&](std::size_t slot) { return tree.face(slot); };
     AxialSearch axial;
-    find_pairs(
+    const std::size_t done = find_pairs(
         {.tree = tree,
          .positions = positions_,
          .faces = faces_,
@@ -247,12 +289,17 @@ class Search {
           const FaceId f = face_of(slot), g = face_of(other);
           return !shared_hubs(f, g)[0].is_valid() && do_count(f, g);
         },
-        max_pairs_, result_, control_);
+        search_);
+    if (!search_.goes_on() && search_.limits().is_estimate_wanted)
+      search_.result().estimated_pairs = std::max(estimate(tree), static_cast<double>(search_.result().pairs.size()));
+    return done;
   }
 
   /// Compares faces that share two hubs. Such faces meet elsewhere, too, only if they are in one half-plane about the
   /// edge between these hubs.
-  void find_at_edges() {
+  /// Output: the number of entries of `at_edge_` that were treated.
+  std::size_t find_at_edges() {
+    if (!search_.goes_on()) return 0;
     struct Grouped {
       HubEdge edge;
       FaceId face;
@@ -278,26 +325,25 @@ class Search {
         first = last;
       }
     });
-    gather_pairs(faces.size(), kFacesPerTask, max_pairs_, result_, control_,
-                 [&](std::size_t begin, std::size_t end, std::size_t room) {
-                   FacePairs pairs;
-                   std::uint32_t tests = 0;
-                   for (std::size_t i = begin; i < end; ++i)
-                     for (std::size_t j = i + 1; j < faces[i].group_end; ++j) {
-                       if (++tests % kFacesBetweenChecks == 0) control_.check();
-                       const FaceId f = faces[i].face, g = faces[j].face;
-                       const Hubs shared = shared_hubs(f, g);
-                       if (HubEdge(shared[0], shared[1]) != faces[i].edge || !do_count(f, g)) continue;
-                       pairs.push_back({f, g});
-                       if (pairs.size() > room) return pairs;
-                     }
-                   return pairs;
-                 });
+    const std::size_t done =
+        gather_pairs(faces.size(), kFacesPerTask, search_, [&](std::size_t i, FoundInTurn& found, std::size_t room) {
+          std::uint32_t tests = 0;
+          for (std::size_t j = i + 1; j < faces[i].group_end && found.pairs.size() <= room; ++j) {
+            if (++tests % kFacesBetweenChecks == 0) control_.check();
+            const FaceId f = faces[i].face, g = faces[j].face;
+            const Hubs shared = shared_hubs(f, g);
+            if (HubEdge(shared[0], shared[1]) == faces[i].edge && do_count(f, g)) found.pairs.push_back({f, g});
+          }
+          found.steps += kStepsPerTest * (tests + 1);
+        });
+    // The faces that have a half-plane to themselves are treated as well.
+    return at_edge_.size() - (faces.size() - done);
   }
 
   /// Compares the faces at one hub. Seen from the hub, the faces are arcs, and two faces that share nothing else meet
   /// elsewhere, too, only if their arcs meet.
-  void find_at_hub(std::size_t begin, std::size_t end) {
+  /// Output: the number of entries of `at_hub_` that were treated.
+  std::size_t find_at_hub(std::size_t begin, std::size_t end) {
     const VertexId hub = at_hub_[begin].first;
     std::vector<Vec3> corners;
     std::vector<Triangle> arcs, faces;
@@ -315,7 +361,7 @@ class Search {
     const auto face_of = [&](std::size_t slot) { return at_hub_[begin + tree.face(slot).value].second; };
     const auto hubs = tree.joined<Hubs>([&](std::size_t slot) { return hubs_of(face_of(slot)); }, common, control_);
     AxialSearch axial;
-    find_pairs(
+    return find_pairs(
         {.tree = tree,
          .positions = corners,
          .faces = arcs,
@@ -338,7 +384,7 @@ class Search {
           const Hubs shared = shared_hubs(f, g);
           return shared[0] == hub && !shared[1].is_valid() && do_count(f, g);
         },
-        max_pairs_, result_, control_);
+        search_);
   }
 
   /// A triangle of directions that contains the arc of a face: the arc's two ends, and the point where the tangents
@@ -359,21 +405,25 @@ class Search {
   std::vector<Vec3> positions_;
   std::span<const Triangle> faces_;
   std::span<const std::uint32_t> pieces_;
-  std::size_t max_pairs_;
   RunControl& control_;
   std::vector<std::uint8_t> is_hub_;                 ///< per vertex; empty if none is
   std::vector<std::pair<VertexId, FaceId>> at_hub_;  ///< sorted
   std::vector<std::pair<HubEdge, FaceId>> at_edge_;  ///< sorted
   std::vector<AtEdge> edge_at_;                      ///< per vertex: the edge between hubs with the most faces
-  SelfIntersections result_;
+  PairSearch search_;
 };
 
 }  // namespace
 
 SelfIntersections self_intersections(std::span<const Vec3> positions, std::span<const Triangle> faces,
-                                     std::span<const std::uint32_t> pieces, std::size_t max_pairs,
+                                     std::span<const std::uint32_t> pieces, const SearchLimits& limits,
                                      RunControl& control) {
-  return Search(positions, faces, pieces, max_pairs, control).run();
+  return Search(positions, faces, pieces, limits, control).run();
+}
+
+std::uint64_t SearchLimits::steps_for(std::size_t faces) {
+  constexpr std::uint64_t kFewSteps = 1 << 25, kStepsPerFace = 192;
+  return kFewSteps + kStepsPerFace * faces * std::bit_width(faces);
 }
 
 }  // namespace remesh

@@ -115,7 +115,7 @@ class LooksAtEdges {
   bool are_too_many() const { return looks_.load(std::memory_order_relaxed) > most_; }
 
  private:
-  static constexpr std::size_t kFew = 4096, kMaxPerEdge = 64;
+  static constexpr std::size_t kFew = 4096, kMaxPerEdge = 16;
 
   std::size_t most_;
   std::atomic<std::size_t> looks_{0};

@@ -118,11 +118,13 @@ InputIntersections intersecting_patches(const FoundIntersections& found, const P
 
 InputIntersections patches_that_still_intersect(InputIntersections of_input, const Verdict& verdict,
                                                 const IdVector<FaceId, PatchId>& face_patch) {
+  of_input.is_complete = verdict.are_all_intersections_known;
+  // Without a full list, any of those of the input may still be there.
+  if (!verdict.are_all_intersections_listed && of_input.is_complete) return of_input;
   std::erase_if(of_input.patches, [](const auto& pair) { return pair.first != pair.second; });
   for (const auto& [f, g] : verdict.intersections)
     of_input.patches.push_back(std::minmax({face_patch[f], face_patch[g]}));
   sort_pairs(of_input.patches);
-  of_input.is_complete = verdict.are_all_intersections_known;
   return of_input;
 }
 

@@ -264,6 +264,7 @@ bool round_output(Storage storage, bool local_origin, Result& result, RunControl
   if (verdict.has_intersections) {
     report.verified.intersections = std::move(verdict.intersections);
     report.verified.are_all_intersections_known = verdict.are_all_intersections_known;
+    report.verified.searched = verdict.searched;
   }
   result.mesh.positions.items() = std::move(form.stored);
   if (result.basis.is_refined) result.basis.unrefined = std::move(form.unrefined);
@@ -282,6 +283,7 @@ void measure_output(Result& result, RunControl& control) {
            const BodyLabels labels = labels_of_result(result.basis.patch_labels, result.face_patch.items(), control);
            report.volume_obstacles = find_volume_obstacles(
                positions, corners, edges, labels, report.verified.intersections, report.plane_tolerance, control);
+           add_incomplete_check(report.verified.searched, result.mesh.faces.size(), report.volume_obstacles);
          });
   report.output.intersecting_pairs = report.verified.intersections.size();
   report.unrefined = summarise_unrefined(result.basis.unrefined, positions, result.mesh.faces.items(), control);

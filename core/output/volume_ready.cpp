@@ -206,4 +206,10 @@ std::vector<VolumeObstacle> find_volume_obstacles(std::span<const Vec3> position
   return Examination(positions, corners, edges, labels, control).run(intersections, plane_tolerance);
 }
 
+void add_incomplete_check(double searched, std::size_t faces, std::vector<VolumeObstacle>& obstacles) {
+  if (searched >= 1) return;
+  const auto left = static_cast<std::uint64_t>((1 - searched) * static_cast<double>(faces));
+  obstacles.push_back({DiagnosticCode::kIncompleteCheck, std::max<std::uint64_t>(left, 1), {}});
+}
+
 }  // namespace remesh

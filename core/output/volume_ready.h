@@ -33,4 +33,8 @@ std::vector<VolumeObstacle> find_volume_obstacles(std::span<const Vec3> position
                                                   std::span<const std::pair<FaceId, FaceId>> intersections,
                                                   double plane_tolerance, RunControl& control);
 
+/// Adds an obstacle if only a share of the faces was held against all others. A surface that may intersect itself is
+/// not ready. The obstacle counts the other faces.
+void add_incomplete_check(double searched, std::size_t faces, std::vector<VolumeObstacle>& obstacles);
+
 }  // namespace remesh

@@ -103,13 +103,13 @@ void warn_of_curves(const Surface& surface, const PatchSet& patches, std::vector
 }
 
 void warn_of_many_intersections(std::vector<Diagnostic>& diagnostics) {
-  const auto is_of_them = [](const Diagnostic& d) {
-    return d.code == DiagnosticCode::kSelfIntersection || d.code == DiagnosticCode::kOverlappingFaces;
-  };
-  auto found = std::find_if(diagnostics.begin(), diagnostics.end(), is_of_them);
+  auto found = std::find_if(diagnostics.begin(), diagnostics.end(),
+                            [](const Diagnostic& d) { return d.code == DiagnosticCode::kIncompleteCheck; });
   if (found == diagnostics.end())
-    found = diagnostics.insert(diagnostics.end(), {DiagnosticCode::kSelfIntersection, 0, {}, "faces may intersect"});
-  found->message += "; these are too many to test whether the result has others that the input does not have";
+    found = diagnostics.insert(
+        diagnostics.end(),
+        {DiagnosticCode::kIncompleteCheck, 1, {}, "the result has more intersections than are listed"});
+  found->message += "; whether the result has intersections that the input does not have was not tested for all faces";
 }
 
 }  // namespace remesh

@@ -33,7 +33,7 @@ void warn_of_curved_surfaces(const Surface& surface, const PatchSet& patches, co
 /// its own surface (feature_angle_deg is 0).
 void warn_of_curves(const Surface& surface, const PatchSet& patches, std::vector<Diagnostic>& diagnostics);
 
-/// Adds to the diagnostic on intersections that there are too many of them for the verdict to cover all.
+/// Adds to the diagnostic incomplete_check that the verdict does not cover all intersections of the result.
 void warn_of_many_intersections(std::vector<Diagnostic>& diagnostics);
 
 }  // namespace remesh

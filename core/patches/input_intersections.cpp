@@ -1,7 +1,10 @@
 #include "core/patches/input_intersections.h"
 
 #include <algorithm>
+#include <array>
 #include <compare>
+#include <cstdint>
+#include <cstdio>
 #include <span>
 #include <string>
 #include <utility>
@@ -72,6 +75,22 @@ bool for_each_edge_on_a_diagonal(const Surface& surface, const Triangulated& fac
   return true;
 }
 
+/// Tells how much of the search for intersections was done.
+Diagnostic incomplete_check(const SelfIntersections& found, std::size_t faces) {
+  const double left = (1 - found.searched) * static_cast<double>(faces);
+  const auto text = [](const char* format, double x) {
+    std::array<char, 32> digits{};
+    std::snprintf(digits.data(), digits.size(), format, x);
+    return std::string(digits.data());
+  };
+  std::string message = "the search for faces that intersect was cut short, because it would take too long; " +
+                        text("%.2g", 100 * found.searched) + " % of the faces were held against all others";
+  if (found.estimated_pairs > 0)
+    message +=
+        "; by an estimate from some of the faces, " + text("%.1g", found.estimated_pairs) + " pairs intersect in all";
+  return {DiagnosticCode::kIncompleteCheck, std::max<std::uint64_t>(1, static_cast<std::uint64_t>(left)), {}, message};
+}
+
 }  // namespace
 
 FoundIntersections find_intersections(const Surface& surface, const Triangulated& faces, const PatchSet& patches,
@@ -91,8 +110,10 @@ FoundIntersections find_intersections(const Surface& surface, const Triangulated
   normals.reserve(patches.count());
   for (const Plane& plane : patches.planes) normals.push_back(plane.normal);
   const std::span<const Vec3> positions = surface.positions.items();
+  SearchLimits limits(kMaxIntersections, SearchLimits::steps_for(faces.size()));
+  limits.is_estimate_wanted = true;
   const SelfIntersections found =
-      patch_intersections({positions, faces.corners(), patch, normals, is_simple}, kMaxIntersections, control);
+      patch_intersections({positions, faces.corners(), patch, normals, is_simple}, limits, control);
 
   struct Pair {
     FaceId f, g;
@@ -129,6 +150,7 @@ FoundIntersections find_intersections(const Surface& surface, const Triangulated
       "pairs of faces overlap in one plane; `elements` lists the two faces of each pair by number" + at_least};
   FoundIntersections result;
   result.is_complete = is_complete;
+  result.searched = found.searched;
   for (std::size_t i = 0; i < pairs.size();) {
     bool is_overlap = false;
     std::size_t next = i;
@@ -141,6 +163,7 @@ FoundIntersections find_intersections(const Surface& surface, const Triangulated
   }
   for (Diagnostic* d : {&crossing, &overlap})
     if (d->count > 0) diagnostics.push_back(std::move(*d));
+  if (!found.is_complete) diagnostics.push_back(incomplete_check(found, faces.size()));
   return result;
 }
 

@@ -27,6 +27,20 @@ using verification::Standing;
 /// The largest number of intersecting pairs that are searched for.
 constexpr std::size_t kMaxPairs = 100'000;
 
+/// The limits of the search for intersections, which has to find all new ones if those of before are all known.
+SearchLimits limits_of_search(const StoredClaim& claim) {
+  SearchLimits limits(kMaxPairs);
+  const InputIntersections* const known = claim.intersections;
+  if (known == nullptr) return limits;
+  if (!known->is_complete)
+    limits.max_steps = SearchLimits::few_steps_for(claim.faces.size());
+  else
+    limits.is_expected = [known, patch = claim.face_patch](FaceId f, FaceId g) {
+      return known->has(patch[f.value], patch[g.value]);
+    };
+  return limits;
+}
+
 /// A run of consecutive verified triangles that belong to one patch.
 struct FaceRun {
   PatchId patch;
@@ -285,9 +299,7 @@ class StoredCheck {
   }
 
   bool is_known(PatchId p, PatchId q) const {
-    if (claim_.intersections == nullptr) return false;
-    const auto& known = claim_.intersections->patches;
-    return std::binary_search(known.begin(), known.end(), std::pair(std::min(p, q), std::max(p, q)));
+    return claim_.intersections != nullptr && claim_.intersections->has(p, q);
   }
 
   bool check_intersections() {
@@ -295,9 +307,10 @@ class StoredCheck {
     std::vector<Vec3> normals(claim_.normals.begin(), claim_.normals.end());
     for (std::size_t p = 0; p < normals.size(); ++p)
       if (is_curved(PatchId(p))) normals[p] = {0, 0, 1};  // any direction serves
-    SelfIntersections found = patch_intersections(
-        {claim_.stored, corners_of(claim_.faces), claim_.face_patch, normals, is_simple}, kMaxPairs, control_);
     const bool is_known_complete = claim_.intersections == nullptr || claim_.intersections->is_complete;
+    SelfIntersections found =
+        patch_intersections({claim_.stored, corners_of(claim_.faces), claim_.face_patch, normals, is_simple},
+                            limits_of_search(claim_), control_);
     std::uint64_t count = 0;
     if (is_known_complete)
       for (const auto& [f, g] : found.pairs)
@@ -305,6 +318,7 @@ class StoredCheck {
     verdict_.has_intersections = true;
     verdict_.are_all_intersections_known = is_known_complete && found.is_complete;
     verdict_.intersections = std::move(found.pairs);
+    verdict_.searched = found.searched;
     return count == 0 || fail(StoredFault::kNewIntersections, count);
   }
 
@@ -375,7 +389,8 @@ class StoredCheck {
               VertexId(static_cast<std::size_t>(std::lower_bound(keys.begin(), keys.end(), key) - keys.begin()));
         }
     });
-    const SelfIntersections found = self_intersections(flat, faces, {}, kMaxPairs, control_);
+    const SelfIntersections found =
+        self_intersections(flat, faces, {}, {kMaxPairs, SearchLimits::steps_for(faces.size())}, control_);
     for (const auto& [f, g] : found.pairs) is_simple[claim_.face_patch[rim[f.value].value].value] = 0;
     if (found.is_complete) return;
     for (std::size_t p = 0; p < is_simple.size(); ++p)

@@ -68,6 +68,7 @@ struct StoredVerdict {
   bool has_intersections = false;  ///< false: no vertex has moved, so the intersections are those of the verified mesh
   std::vector<std::pair<FaceId, FaceId>> intersections;  ///< see Verdict::intersections
   bool are_all_intersections_known = true;
+  double searched = 1;  ///< see Verdict::searched
 };
 
 /// Compares the stored mesh with the verified one.

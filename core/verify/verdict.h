@@ -31,9 +31,13 @@ struct Verdict {
   std::vector<PatchId> failed_patches;
   /// Pairs of output faces that intersect, sorted. If there are very many, these are only some.
   std::vector<std::pair<FaceId, FaceId>> intersections;
-  /// False if the input or the output has too many intersections to know for all of them whether their patches
-  /// intersect in the input.
+  /// False if the input has too many intersections to know of all those of the output whether their patches intersect
+  /// in the input. Also false if the output has very many that its input does not have.
   bool are_all_intersections_known = true;
+  bool are_all_intersections_listed = true;  ///< false if `intersections` has only some
+  /// The share of the output faces that were held against all others; below 1 only if the input has too many
+  /// intersections to know them all.
+  double searched = 1;
   /// Descriptions of the first failures, for logs and tests.
   std::vector<std::string> failures;
 

@@ -128,20 +128,31 @@ void check_intersections(const Claim& claim, const std::vector<std::uint8_t>& is
     check();
     if (!is_positive[f]) is_simple[claim.face_patch[f].value] = 0;
   }
-  SelfIntersections found = patch_intersections(
-      {claim.positions, corners_of(claim.faces), claim.face_patch, normals, is_simple}, kMaxPairs, control);
   static const InputIntersections kNoIntersections;
   const InputIntersections& known = claim.intersections != nullptr ? *claim.intersections : kNoIntersections;
+  // If the input's intersections are not all known, nothing is proven from those of the output. Then some are enough to
+  // show where they are. Otherwise the search goes on, however long it takes.
+  SearchLimits limits(kMaxPairs);
+  if (!known.is_complete)
+    limits.max_steps = SearchLimits::few_steps_for(claim.faces.size());
+  else
+    limits.is_expected = [&](FaceId f, FaceId g) {
+      return known.has(claim.face_patch[f.value], claim.face_patch[g.value]);
+    };
+  SelfIntersections found = patch_intersections(
+      {claim.positions, corners_of(claim.faces), claim.face_patch, normals, is_simple}, limits, control);
   if (known.is_complete)
     for (const auto& [f, g] : found.pairs) {
       check();
-      const auto [p, q] = std::minmax(claim.face_patch[f.value], claim.face_patch[g.value]);
-      if (std::binary_search(known.patches.begin(), known.patches.end(), std::pair(p, q))) continue;
+      const PatchId p = claim.face_patch[f.value], q = claim.face_patch[g.value];
+      if (known.has(p, q)) continue;
       faults.add(p, Fault::kNewIntersection, f.value);
       faults.add(q, Fault::kNewIntersection, g.value);
     }
   verdict.are_all_intersections_known = known.is_complete && found.is_complete;
   verdict.intersections = std::move(found.pairs);
+  verdict.are_all_intersections_listed = found.are_all_listed;
+  verdict.searched = found.searched;
 }
 
 }  // namespace

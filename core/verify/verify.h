@@ -5,6 +5,7 @@
 /// for gaps.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -39,6 +40,10 @@ struct RefinementClaim {
 struct InputIntersections {
   std::vector<std::pair<PatchId, PatchId>> patches;
   bool is_complete = true;  ///< false: there are so many intersections that some pairs may be missing
+
+  bool has(PatchId p, PatchId q) const {
+    return std::binary_search(patches.begin(), patches.end(), std::pair(std::min(p, q), std::max(p, q)));
+  }
 };
 
 /// The pipeline's claim that a patch samples a curved surface.
@@ -107,8 +112,9 @@ struct Claim {
 /// - Every output edge has the same faces in the same directions as the input's edges under it.
 /// - There is no zero-area or inverted triangle except the input's own, no repeated face, no new non-manifold edge,
 ///   and no T-junction.
-/// - Faces intersect (geometry/patch_intersections.h) only where their patches do in the input. This is not tested if
-///   the input has too many intersections to list, and only for some faces if the output has too many;
+/// - Faces intersect (geometry/patch_intersections.h) only where their patches do in the input. If the input's
+///   intersections are all known, this is tested for all faces, however many intersections there are. If the search in
+///   the input was cut short, it is not tested, since any intersection of the output may be one of the input;
 ///   `are_all_intersections_known` tells.
 ///
 /// `delaunay`:

@@ -1,5 +1,6 @@
 /// Prints how the time of triangulating and of remeshing grows with the size of the input, beside CGAL's, and what
-/// refinement makes of regions of one size, beside CGAL's, too.
+/// refinement makes of regions of one size, beside CGAL's, too. The part `hostile` shows the growth on surfaces that
+/// are made to keep a core busy, each size once; it runs only if it is asked for.
 /// Usage: remesh_bench [--only PART] [--json FILE] [max_size [workers]]; sizes are the decades from 10,000 to max_size
 /// (1,000,000). Every time is the median of three runs, in milliseconds; the factor behind it is the growth over one
 /// decade. The file gets the same figures as a list of flat objects (rows.h).
@@ -27,6 +28,7 @@
 #include "core/triangulation/delaunay_flips.h"
 #include "core/triangulation/lexicographic_triangulation.h"
 #include "core/triangulation/patch_triangulation.h"
+#include "tests/bench/hostile.h"
 #include "tests/bench/inputs.h"
 #include "tests/bench/refinement.h"
 #include "tests/bench/rows.h"
@@ -241,9 +243,18 @@ const std::vector<Part>& parts() {
          measure_surfaces("faces of a sphere", sizes, workers, sphere, rows);
        }},
       {"refinement", [](const std::vector<int>&, int, Rows& rows) { measure_refinement(rows); }},
+      {"hostile",
+       [](const std::vector<int>& sizes, int workers, Rows& rows) {
+         std::vector<int> from_a_thousand{1000};
+         from_a_thousand.insert(from_a_thousand.end(), sizes.begin(), sizes.end());
+         measure_hostile(from_a_thousand, workers, rows);
+       }},
   };
   return all;
 }
+
+/// This part takes minutes.
+constexpr std::string_view kOnlyIfAsked = "hostile";
 
 int usage() {
   std::fprintf(stderr,
@@ -270,7 +281,7 @@ int run(std::vector<std::string> arguments) {
   for (int size = 10000; size <= max_size; size *= 10) sizes.push_back(size);
   Rows rows;
   for (const Part& part : parts())
-    if (only.empty() || part.name == only) part.run(sizes, workers, rows);
+    if (only.empty() ? part.name != kOnlyIfAsked : part.name == only) part.run(sizes, workers, rows);
   if (json.empty()) return 0;
   std::ofstream file(json, std::ios::binary);
   file << json_of(rows);

@@ -10,6 +10,7 @@
 
 #include "api/text.h"
 #include "tests/mutate/polygon_soup.h"
+#include "tests/support/hostile_families.h"
 
 namespace remesh::mutate {
 namespace {
@@ -289,12 +290,19 @@ Hostile rough_ball(double size, Random& random) {
   return made;
 }
 
+/// Makes a member of a family that grows without end (tests/support/hostile_families.h).
+Hostile of_a_family(double size, Random& random) {
+  const auto families = hostile::families();
+  const hostile::Family& family = families[static_cast<std::size_t>(random.below(static_cast<int>(families.size())))];
+  return {soup_of(family.make(std::max<std::size_t>(10, static_cast<std::size_t>(200'000 * size)))), {}};
+}
+
 struct Kind {
   std::string_view name;
   Hostile (*make)(double size, Random& random);
 };
 
-constexpr std::array<Kind, 19> kKinds{{{"many components", many_components},
+constexpr std::array<Kind, 22> kKinds{{{"many components", many_components},
                                        {"cone", cone},
                                        {"pinched vertex", pinched_vertex},
                                        {"crossing soup", crossing_soup},
@@ -312,7 +320,10 @@ constexpr std::array<Kind, 19> kKinds{{{"many components", many_components},
                                        {"near vertices", near_vertices},
                                        {"repeated faces", repeated_faces},
                                        {"rough ball", rough_ball},
-                                       {"plane grid", plane_grid}}};
+                                       {"plane grid", plane_grid},
+                                       {"member of a family", of_a_family},
+                                       {"member of a family", of_a_family},
+                                       {"member of a family", of_a_family}}};
 
 }  // namespace
 

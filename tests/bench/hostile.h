@@ -1,0 +1,14 @@
+/// Measures how the time of whole runs grows with the size of hostile surfaces.
+#pragma once
+
+#include <vector>
+
+#include "tests/bench/rows.h"
+
+namespace remesh::bench {
+
+/// Remeshes a member of each hostile family (tests/support/hostile_families.h) in each size, once, with default
+/// options. Prints seconds, their growth, and what was cut short, as one line for each family.
+void measure_hostile(const std::vector<int>& sizes, int workers, Rows& rows);
+
+}  // namespace remesh::bench

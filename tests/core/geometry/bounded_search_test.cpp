@@ -1,0 +1,143 @@
+/// Tests the bounds on the search for intersections: what is found within them, and what is told of the rest.
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "core/geometry/self_intersections.h"
+#include "core/geometry/triangle_intersection.h"
+#include "tests/support/hostile_families.h"
+#include "tests/support/shapes.h"
+
+namespace remesh {
+namespace {
+
+using Pairs = std::vector<std::pair<FaceId, FaceId>>;
+
+constexpr std::size_t kAllPairs = std::size_t{1} << 32;
+
+/// Returns the triangles of a family, with each larger polygon as a fan.
+TriangleMesh triangles_of(std::string_view family, std::size_t size) {
+  const PolygonMesh polygons = hostile::family(family).make(size);
+  TriangleMesh mesh;
+  mesh.positions = polygons.positions;
+  for (std::uint32_t f = 0; f < polygons.face_count(); ++f) {
+    const auto loop = polygons.face(FaceId(f));
+    for (std::size_t i = 2; i < loop.size(); ++i) mesh.faces.push_back({loop[0], loop[i - 1], loop[i]});
+  }
+  return mesh;
+}
+
+SelfIntersections find(const TriangleMesh& mesh, const SearchLimits& limits) {
+  RunControl control;
+  return self_intersections(mesh.positions.items(), mesh.faces.items(), {}, limits, control);
+}
+
+Pairs all_pairs(const TriangleMesh& mesh) {
+  // The coordinates of these families are small, so they need no scaling.
+  Pairs pairs;
+  for (std::uint32_t f = 0; f < mesh.faces.size(); ++f)
+    for (std::uint32_t g = f + 1; g < mesh.faces.size(); ++g)
+      if (do_intersect(mesh.faces[FaceId(f)], mesh.faces[FaceId(g)], mesh.positions.items()))
+        pairs.emplace_back(FaceId(f), FaceId(g));
+  return pairs;
+}
+
+TEST(bounded_search, a_search_that_is_cut_short_finds_some_pairs_and_estimates_all) {
+  for (const char* family : {"soup_in_a_cube", "soup_in_a_plane", "planks"}) {
+    const TriangleMesh mesh = triangles_of(family, 1000);
+    const Pairs all = all_pairs(mesh);
+    SearchLimits limits(all.size() / 4);
+    limits.is_estimate_wanted = true;
+    const SelfIntersections some = find(mesh, limits);
+    EXPECT_FALSE(some.is_complete) << family;
+    EXPECT_EQ(some.pairs.size(), all.size() / 4) << family;
+    EXPECT_TRUE(std::includes(all.begin(), all.end(), some.pairs.begin(), some.pairs.end())) << family;
+    EXPECT_GT(some.searched, 0) << family;
+    EXPECT_LT(some.searched, 1) << family;
+    EXPECT_NEAR(some.estimated_pairs, static_cast<double>(all.size()), 0.2 * static_cast<double>(all.size())) << family;
+    EXPECT_EQ(find(mesh, kAllPairs).pairs, all) << family;
+  }
+}
+
+TEST(bounded_search, it_ends_soon_after_the_steps_that_are_allowed) {
+  const TriangleMesh mesh = triangles_of("spanning_needles", 4000);
+  const std::uint64_t all = find(mesh, kAllPairs).steps;
+  for (const std::uint64_t part : {3, 10, 40}) {
+    const SelfIntersections some = find(mesh, {kAllPairs, all / part});
+    EXPECT_FALSE(some.is_complete);
+    EXPECT_GE(some.steps, all / part);
+    EXPECT_LT(some.steps, all / part + all / 4) << part;
+    EXPECT_LT(some.searched, 1);
+  }
+  EXPECT_TRUE(find(mesh, {kAllPairs, all}).is_complete);
+}
+
+TEST(bounded_search, what_is_found_within_bounds_does_not_depend_on_the_number_of_workers) {
+  const tbb::global_control eight(tbb::global_control::max_allowed_parallelism, 8);
+  for (const char* family : {"soup_in_a_cube", "spanning_needles", "planks", "fan_around_an_edge"}) {
+    const TriangleMesh mesh = triangles_of(family, 5000);
+    SearchLimits limits(20'000, 2'000'000);
+    limits.is_estimate_wanted = true;
+    std::vector<SelfIntersections> found;
+    for (const int workers : {1, 2, 8}) {
+      tbb::task_arena arena(workers);
+      found.push_back(arena.execute([&] { return find(mesh, limits); }));
+    }
+    for (const SelfIntersections& other : found) {
+      EXPECT_EQ(other.pairs, found[0].pairs) << family;
+      EXPECT_EQ(other.steps, found[0].steps) << family;
+      EXPECT_EQ(other.searched, found[0].searched) << family;
+      EXPECT_EQ(other.estimated_pairs, found[0].estimated_pairs) << family;
+    }
+  }
+}
+
+TEST(bounded_search, a_pair_that_is_not_expected_is_found_among_any_number_of_expected_ones) {
+  TriangleMesh mesh = triangles_of("soup_in_a_cube", 600);
+  const Pairs all = all_pairs(mesh);
+  ASSERT_GT(all.size(), 1000u);
+  const Pairs planted{all[all.size() / 5], all[all.size() / 2], all.back()};
+  for (const std::size_t limit : {std::size_t{5}, std::size_t{100}, all.size() - 1}) {
+    SearchLimits limits(limit);
+    limits.is_expected = [&](FaceId f, FaceId g) {
+      return std::find(planted.begin(), planted.end(), std::pair(std::min(f, g), std::max(f, g))) == planted.end();
+    };
+    const SelfIntersections found = find(mesh, limits);
+    EXPECT_TRUE(found.is_complete) << limit;
+    EXPECT_FALSE(found.are_all_listed) << limit;
+    EXPECT_LE(found.pairs.size(), limit + planted.size());
+    EXPECT_TRUE(std::includes(found.pairs.begin(), found.pairs.end(), planted.begin(), planted.end())) << limit;
+  }
+  SearchLimits limits(2);
+  limits.is_expected = [](FaceId, FaceId) { return false; };
+  EXPECT_FALSE(find(mesh, limits).is_complete) << "too many that are not expected";
+}
+
+TEST(bounded_search, well_shaped_faces_take_less_than_a_tenth_of_the_steps_that_are_allowed) {
+  for (const PolygonMesh& shape : {shapes::sphere(6), shapes::rotated(shapes::box({1, 2, 3}, 40), {1, 2, 3}, 30)}) {
+    const TriangleMesh mesh = shapes::as_triangles(shape);
+    const auto faces = static_cast<std::uint64_t>(mesh.faces.size());
+    const SelfIntersections found = find(mesh, kAllPairs);
+    EXPECT_TRUE(found.pairs.empty());
+    // The bound without the part that small surfaces have in addition.
+    EXPECT_LT(found.steps, (SearchLimits::steps_for(faces) - SearchLimits::steps_for(0)) / 10);
+  }
+}
+
+TEST(bounded_search, steps_grow_by_less_than_fourteen_in_a_decade_if_few_faces_meet) {
+  for (const char* family : {"straight_stack", "askew_stack", "parallel_needles", "fan_around_an_edge"}) {
+    const auto steps = [&](std::size_t size) {
+      return static_cast<double>(find(triangles_of(family, size), kAllPairs).steps);
+    };
+    EXPECT_LT(steps(20'000) / steps(2000), 14) << family;
+  }
+}
+
+}  // namespace
+}  // namespace remesh

@@ -1,0 +1,71 @@
+/// Tests that the families of hostile surfaces are remeshed, verified, and told of, with the same bytes for any number
+/// of workers.
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <string>
+
+#include "core/remesh.h"
+#include "tests/support/hostile_families.h"
+#include "tests/support/sanitizer.h"
+
+namespace remesh {
+namespace {
+
+const Diagnostic* told(const Report& report, DiagnosticCode code) {
+  const auto found = std::find_if(report.diagnostics.begin(), report.diagnostics.end(),
+                                  [&](const Diagnostic& d) { return d.code == code; });
+  return found == report.diagnostics.end() ? nullptr : &*found;
+}
+
+Result remeshed(const PolygonMesh& mesh, int workers) {
+  RunControl control;
+  return remesh_surface(mesh, Options{}, {.workers = workers}, control);
+}
+
+TEST(hostile_families, results_are_verified_and_the_same_for_any_number_of_workers) {
+  const tbb::global_control eight(tbb::global_control::max_allowed_parallelism, 8);
+  for (const hostile::Family& family : hostile::families()) {
+    const PolygonMesh mesh = family.make(unless_sanitized(500, 100));
+    const Result one = remeshed(mesh, 1);
+    EXPECT_TRUE(one.report.verified.all_true()) << family.name;
+    for (const int workers : {2, 8}) {
+      const Result other = remeshed(mesh, workers);
+      EXPECT_EQ(other.mesh.positions.items(), one.mesh.positions.items()) << family.name;
+      EXPECT_EQ(other.mesh.faces.items(), one.mesh.faces.items()) << family.name;
+      ASSERT_EQ(other.report.diagnostics.size(), one.report.diagnostics.size()) << family.name;
+      for (std::size_t i = 0; i < one.report.diagnostics.size(); ++i) {
+        EXPECT_EQ(other.report.diagnostics[i].message, one.report.diagnostics[i].message) << family.name;
+        EXPECT_EQ(other.report.diagnostics[i].elements, one.report.diagnostics[i].elements) << family.name;
+      }
+    }
+  }
+}
+
+TEST(hostile_families, what_was_not_looked_at_is_told) {
+  // More than 100,000 pairs of these triangles intersect.
+  const Report many = remeshed(hostile::family("soup_in_a_cube").make(3000), 1).report;
+  const Diagnostic* const cut = told(many, DiagnosticCode::kIncompleteCheck);
+  ASSERT_NE(cut, nullptr);
+  EXPECT_GT(cut->count, 0u);
+  EXPECT_LE(cut->count, 3000u);
+  for (const char* text : {"% of the faces were held against all others", "pairs intersect in all",
+                           "intersections that the input does not have"})
+    EXPECT_NE(cut->message.find(text), std::string::npos) << cut->message;
+  const Diagnostic* const crossing = told(many, DiagnosticCode::kSelfIntersection);
+  ASSERT_NE(crossing, nullptr);
+  EXPECT_EQ(crossing->count, 100'000u);
+  EXPECT_EQ(crossing->elements.size(), Diagnostic::kMaxElements);
+  const auto& obstacles = many.volume_obstacles;
+  EXPECT_TRUE(std::any_of(obstacles.begin(), obstacles.end(),
+                          [](const VolumeObstacle& o) { return o.code == DiagnosticCode::kIncompleteCheck; }));
+
+  const Report few = remeshed(hostile::family("parallel_needles").make(3000), 1).report;
+  EXPECT_EQ(told(few, DiagnosticCode::kIncompleteCheck), nullptr);
+  EXPECT_EQ(told(few, DiagnosticCode::kSelfIntersection), nullptr);
+}
+
+}  // namespace
+}  // namespace remesh
