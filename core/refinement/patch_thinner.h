@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory_resource>
 #include <optional>
 #include <span>
 #include <vector>
@@ -29,7 +30,8 @@ class PatchThinner {
   PatchThinner(const PatchSizes& sizes, WorkingPatch& patch, RefinerScratch& scratch)
       : sizes_(sizes), criteria_(sizes.criteria()), patch_(patch), mesh_(patch.mesh), scratch_(scratch) {}
 
-  /// Looks at all points inside from the vertex `first` on, and at those that get other neighbours meanwhile.
+  /// Looks at all points inside from the vertex `first` on, and at those that get other neighbours meanwhile. Points are
+  /// left out if nothing has changed around them and their neighbours since they were looked at before.
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
   void thin_out(std::uint32_t first, RunControl& control);
 
@@ -40,6 +42,8 @@ class PatchThinner {
     double twice_area;   ///< the sum over all of them
     bool is_any_sharp;
   };
+
+  using Limit = PatchSizes::LimitWhenThinned;
 
   /// Returns whether triangles may be as flat as they like. Then only the depth of a curved patch asks for points.
   bool are_shapes_free() const { return criteria_.min_angle_deg == 0 && !criteria_.has_sizes(); }
@@ -53,8 +57,12 @@ class PatchThinner {
   bool are_remade_well(double worst_shape) const;
   bool is_good_in_space(std::uint32_t t) const;
   bool leave_out(std::uint32_t v, double worst_shape);
-  std::optional<Vec2> place_within(std::span<const std::uint32_t> ring, MinSpacing spacing, double worst_shape) const;
-  std::uint32_t merge(std::uint32_t v, std::uint32_t w, double worst_shape);
+  std::optional<Vec2> place_within(std::span<const std::uint32_t> ring, MinSpacing spacing, double worst_shape,
+                                   const Limit& limit) const;
+  bool is_out_of_reach(const Limit& limit) const;
+  std::uint32_t merge(std::uint32_t v, std::uint32_t w, double worst_shape, const Limit& limit);
+  void list_unsettled(std::uint32_t first, std::pmr::vector<std::uint8_t>& is_waiting);
+  void settle();
   std::uint32_t put_in(Vec2 p, MinSpacing spacing, double worst_shape);
 
   const PatchSizes& sizes_;

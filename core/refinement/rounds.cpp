@@ -23,8 +23,9 @@ namespace remesh {
 namespace {
 
 /// Runs one refinement, from the sizes on segments to the refined patches. If rounding leaves no room for a cut, its
-/// segment is locked and everything begins again. It also begins again at the first chord, because from then on the
-/// refiners of patches must be there for some more passes.
+/// segment is locked and everything begins again. From the first chord on, the refiners of patches must be there for
+/// some more passes. If there are too many triangles to keep them for a chord that may not come, everything begins again
+/// then, too.
 class Rounds {
  public:
   Rounds(const RefinementInput& input, SegmentTable segments, TriangulatedPatches& triangulated, RunControl& control)
@@ -54,6 +55,7 @@ class Rounds {
         continue;
       }
       if (thin_out() && take_up_again()) continue;
+      chords_.are_refiners_kept = chords_.are_refiners_kept || count_faces() <= kMaxFacesKept;
       PatchesAside aside = collect_refined(input_, segments_, cuts_, triangulated_, refiners_,
                                            chords_.are_refiners_kept, result_, control_);
       aside.exchange_with(meshes());
@@ -69,7 +71,7 @@ class Rounds {
       }
       aside.exchange_with(meshes());
       aside.clear();
-      // Most surfaces have no chords, and need not keep two of each patch.
+      // Most surfaces have no chords, and large ones need not keep two of each patch.
       if (!std::exchange(chords_.are_refiners_kept, true)) {
         begin();
         continue;
@@ -83,9 +85,12 @@ class Rounds {
   /// Limits the number of passes for chords. A point in a chord ends many other chords, and what is refined around it
   /// may make a few new ones.
   static constexpr int kMaxChordPasses = 16;
+  /// The refiners are kept until it is known whether there are chords if there are at most so many triangles. Together,
+  /// they take some 60 MB.
+  static constexpr std::uint64_t kMaxFacesKept = std::uint64_t{1} << 19;
   /// Limits the number of times that refinement goes on after thinning out. Most is done by then: the last time brings
   /// only a few per cent.
-  static constexpr int kMaxTakenUp = 8;
+  static constexpr int kMaxTakenUp = 4;
 
   PatchMeshes& meshes() { return triangulated_.meshes; }
   bool is_frozen(PatchId p) const { return input_.is_frozen[p] != 0; }
