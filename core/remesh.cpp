@@ -168,7 +168,7 @@ class Run {
     if (!report_.smallest_gap)
       report_.smallest_gap = GapSearch(surface(), adjacency(), curves_.facets(partition_), report_.plane_tolerance,
                                        control_, curves_.curved() != nullptr ? nullptr : &candidate_.triangulated)
-                                 .smallest(refiner_->goals().max_faces, control_);
+                                 .smallest(control_, refiner_->goals().max_faces);
     summarise();
     report_.timing_ms = watch_.finish();
     return std::move(report_);

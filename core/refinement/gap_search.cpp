@@ -583,7 +583,7 @@ double GapSearch::nearest(const Vec3& place, PatchId patch, double limit, const 
 double GapSearch::beside(std::span<const Corners3> pieces, PatchId patch, double limit, WorkBound* work) const {
   return index_->beside(pieces, patch, limit, work);
 }
-std::optional<double> GapSearch::smallest(std::uint64_t max_output_faces, RunControl& control) const {
+std::optional<double> GapSearch::smallest(RunControl& control, std::uint64_t max_output_faces) const {
   return index_->smallest(max_output_faces, control);
 }
 std::size_t GapSearch::patch_count() const { return index_->patch_count(); }

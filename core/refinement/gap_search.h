@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -90,7 +89,7 @@ class GapSearch {
   /// Input: The bound grows with the number of faces that the output may have.
   /// Holds: The result is the same for any number of threads. Between curved patches, the planes of their facets decide
   ///        what is steep.
-  std::optional<double> smallest(std::uint64_t max_output_faces, RunControl& control) const;
+  std::optional<double> smallest(RunControl& control, std::uint64_t max_output_faces = WorkBound::kNone) const;
 
   /// These are the triangles that are searched. Other parts that walk over the surface use the same ones. The axes of a
   /// patch are those of its chart. Without a chart, they lie along the patch's longest edge. A patch is curved if its

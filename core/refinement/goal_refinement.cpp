@@ -130,7 +130,7 @@ std::optional<SizeField> GoalRefinement::sizes_without_floor(const PatchedSurfac
 const SizeField& GoalRefinement::size_field(const PatchedSurface& on, const TriangulatedPatches& triangulated,
                                             const GapSearch* gaps) {
   if (sizes_) return *sizes_;
-  if (gaps != nullptr) smallest_gap_ = gaps->smallest(goals_.max_faces, control_);
+  if (gaps != nullptr) smallest_gap_ = gaps->smallest(control_, goals_.max_faces);
   // With proximity, gradation is about the sizes that gaps ask for; around short segments, the bound on angles makes
   // edges grow gradually. Gradation without proximity is about short segments.
   std::vector<std::array<VertexId, 2>> segments;

@@ -274,7 +274,7 @@ void PatchThinner::settle() {
     if (state.is_good()) state = TriangleState::settled();
 }
 
-void PatchThinner::thin_out(std::uint32_t first, RunControl& control) {
+void PatchThinner::thin_out(std::uint32_t first, Thinning thinning, RunControl& control) {
   std::vector<std::uint32_t>&waiting = scratch_.to_thin, &ring = scratch_.ring;
   StackMemory memory;
   std::pmr::vector<std::uint8_t> is_waiting(mesh_.vertex_slots(), 0, &memory);
@@ -303,6 +303,7 @@ void PatchThinner::thin_out(std::uint32_t first, RunControl& control) {
       for (const std::uint32_t u : ring) wait(u);
       continue;
     }
+    if (thinning == Thinning::kQuick) continue;
     for (std::size_t k = 0; k < ring.size(); ++k) {
       const std::uint32_t w = ring[k];
       // If w still waits, this pair is tried when it is its turn.

@@ -16,6 +16,14 @@
 
 namespace remesh {
 
+/// Tells what is tried for a point that the bounds may not need.
+enum class Thinning {
+  kFull,
+  /// A point is only left out, and no point takes the place of two. That takes half the time. It is enough where the
+  /// limit on faces ends refinement before its bounds are met, so that there is no smallest result.
+  kQuick,
+};
+
 /// Thins out a patch that is done. Points inside that the bounds do not need in the end are removed one by one, or one
 /// point takes the place of two. It goes on around every place where it succeeds. Each step leaves fewer points, so it
 /// ends.
@@ -33,7 +41,7 @@ class PatchThinner {
   /// Looks at all points inside from the vertex `first` on, and at those that get other neighbours meanwhile. Points are
   /// left out if nothing has changed around them and their neighbours since they were looked at before.
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
-  void thin_out(std::uint32_t first, RunControl& control);
+  void thin_out(std::uint32_t first, Thinning thinning, RunControl& control);
 
  private:
   /// Has the measures of the triangles between a point and a ring.

@@ -50,7 +50,7 @@ class Rounds {
       settle();
       if (budget_.is_too_much_made()) return std::nullopt;
       if (!barrier_.impossible.empty()) {
-        for (const SegmentId s : barrier_.impossible) segments_.lock(s);
+        lock_impossible();
         begin();
         continue;
       }
@@ -92,6 +92,28 @@ class Rounds {
   /// only a few per cent.
   static constexpr int kMaxTakenUp = 4;
 
+  /// Each of the first restarts locks only the segments that had to be cut where rounding left no room. Later ones lock
+  /// all segments of the patches beside these, and in the end all there are. So there are few restarts.
+  static constexpr int kPatientRestarts = 8, kMaxRestarts = 16;
+
+  void lock_impossible() {
+    ++restarts_;
+    StopCheck check(control_);
+    const auto lock_all_of = [&](PatchId p) {
+      for (const std::uint32_t side : segments_.sides_of_patch(p)) {
+        check();
+        segments_.lock(segments_.all_sides()[side].segment);
+      }
+    };
+    for (const SegmentId s : barrier_.impossible) {
+      segments_.lock(s);
+      if (restarts_ <= kPatientRestarts) continue;
+      for (const SegmentSide& side : segments_.sides(s)) lock_all_of(side.patch);
+    }
+    if (restarts_ < kMaxRestarts) return;
+    for (std::size_t s = 0; s < segments_.size(); ++s) segments_.lock(SegmentId(s));
+  }
+
   PatchMeshes& meshes() { return triangulated_.meshes; }
   bool is_frozen(PatchId p) const { return input_.is_frozen[p] != 0; }
 
@@ -132,6 +154,9 @@ class Rounds {
   /// whether it was done.
   bool thin_out() {
     if (std::exchange(thinning_.is_done, true) || !criteria_.is_thinned()) return false;
+    const auto is_unfinished = [](const auto& refiner) { return refiner != nullptr && !refiner->is_done(); };
+    const Thinning thinning =
+        std::any_of(refiners_.begin(), refiners_.end(), is_unfinished) ? Thinning::kQuick : Thinning::kFull;
     const LargeFirst by_size = large_first(refiners_.size(), 500, [&](std::uint32_t p) -> std::size_t {
       return refiners_[PatchId(p)] ? refiners_[PatchId(p)]->triangle_count() : 0;
     });
@@ -139,7 +164,7 @@ class Rounds {
       PatchRefiner* refiner = refiners_[PatchId(p)].get();
       if (refiner == nullptr) return;
       refiner->begin_turn(scratch_.local());
-      refiner->thin_out(control_, progress_);
+      refiner->thin_out(thinning, control_, progress_);
       refiner->end_turn();
     });
     return true;
@@ -329,7 +354,7 @@ class Rounds {
     std::atomic<bool> is_any_split = true;  ///< a chord of the last list was split
   };
 
-  struct Thinning {
+  struct ThinningWork {
     /// True if patches were thinned out since they all began, or since they were taken up again.
     bool is_done = false;
     int times_taken_up = 0;
@@ -355,7 +380,8 @@ class Rounds {
   tbb::enumerable_thread_specific<RefinerScratch> scratch_;
   Barrier barrier_;
   ChordWork chords_;
-  Thinning thinning_;
+  ThinningWork thinning_;
+  int restarts_ = 0;
   Refinement result_;
 };
 

@@ -32,7 +32,7 @@ struct Scene {
   double at(std::size_t input_face, const Vec3& place, double limit = kFar) const {
     return gaps.at(place, chain.patch_of(input_face), limit);
   }
-  std::optional<double> smallest() const { return gaps.smallest(WorkBound::kNone, chain.control); }
+  std::optional<double> smallest() const { return gaps.smallest(chain.control); }
 
   StageChain chain;
   GapSearch gaps;
