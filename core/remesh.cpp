@@ -169,7 +169,7 @@ class Run {
     if (!report_.smallest_gap)
       report_.smallest_gap = GapSearch(surface(), adjacency(), curves_.facets(partition_), report_.plane_tolerance,
                                        control_, curves_.curved() != nullptr ? nullptr : &candidate_.triangulated)
-                                 .smallest(control_);
+                                 .smallest(control_, refiner_->goals().max_faces);
     summarise();
     report_.timing_ms = watch_.finish();
     return std::move(report_);
@@ -196,7 +196,8 @@ class Run {
     report_.diagnostics = std::move(summary.diagnostics);
     const double diagonal = report_.input.bounding_box.diagonal();
     check_options(options_, diagonal);
-    refiner_.emplace(goals_of(options_, diagonal), control_);
+    const std::uint64_t taken = refiner_ ? refiner_->work_taken() : 0;
+    refiner_.emplace(goals_of(options_, diagonal), control_, taken);
     regions_ = {};
     ladder_.emplace(surface(), prepared_.without_area);
     if (options_.keep_boundary_vertices) ladder_->forced().assign(surface().vertex_count(), 1);

@@ -50,7 +50,7 @@ class FaceBudget {
   /// It may take this number of triangles to mend one or two bad ones.
   static constexpr std::uint64_t kWorthwhile = 16;
   /// If less than one kRoomForMore-th of the budget is left, a round over all patches is not worth while.
-  static constexpr std::uint64_t kRoomForMore = 128;
+  static constexpr std::uint64_t kRoomForMore = 32;
 
   const std::uint64_t max_faces_, max_made_;
   std::uint64_t left_ = kNoFaceLimit;  ///< what was left of the budget when it was last shared out

@@ -10,6 +10,7 @@
 
 #include "core/base/blocks.h"
 #include "core/base/union_find.h"
+#include "core/base/work_bound.h"
 #include "core/geometry/box_tree.h"
 #include "core/geometry/distances.h"
 #include "core/geometry/projection.h"
@@ -92,6 +93,31 @@ class JoinedMemory {
   };
   const PatchContacts& contacts_;
   std::array<Answer, 64> answers_;
+};
+
+/// A search counts one step for each box, and this many more for each triangle that is looked at.
+constexpr std::uint64_t kStepsOfTriangle = 8;
+
+/// Counts the steps of a search. It is cheaper than a WorkBound that may not be there.
+class StepCounter {
+ public:
+  explicit StepCounter(WorkBound* work) : work_(work), left_(work != nullptr ? work->left() : WorkBound::kNone) {}
+  ~StepCounter() {
+    if (work_ != nullptr) work_->take(taken_);
+  }
+  StepCounter(const StepCounter&) = delete;
+  StepCounter& operator=(const StepCounter&) = delete;
+
+  /// Returns false if the bound is spent, so that the search ends.
+  bool take(std::uint64_t steps) {
+    taken_ += steps;
+    return taken_ <= left_;
+  }
+  std::uint64_t taken() const { return taken_; }
+
+ private:
+  WorkBound* work_;
+  std::uint64_t left_, taken_ = 0;
 };
 
 /// Selects what a search looks for: only what the patch faces at the place, or also what is beside it.
@@ -177,17 +203,18 @@ class GapSearch::Index {
     find_boxes(control);
   }
 
-  double distance(const Vec3& place, PatchId patch, double limit, What what, const Uncounted& uncounted) const {
+  double distance(const Vec3& place, PatchId patch, double limit, What what, const Uncounted& uncounted,
+                  WorkBound* work) const {
     const double below = limit / surface_.unit;
     const double found =
-        squared_gap((1 / surface_.unit) * (place - surface_.centre), patch, below * below, what, uncounted);
+        squared_gap((1 / surface_.unit) * (place - surface_.centre), patch, below * below, what, uncounted, work);
     return std::sqrt(found) * surface_.unit;
   }
-  double beside(std::span<const Corners3> pieces, PatchId patch, double limit) const {
+  double beside(std::span<const Corners3> pieces, PatchId patch, double limit, WorkBound* work) const {
     const double below = limit / surface_.unit;
-    return std::sqrt(squared_beside(pieces, patch, below * below)) * surface_.unit;
+    return std::sqrt(squared_beside(pieces, patch, below * below, work)) * surface_.unit;
   }
-  std::optional<double> smallest(RunControl& control) const;
+  std::optional<double> smallest(std::uint64_t max_output_faces, RunControl& control) const;
 
   const Axes& axes_of(PatchId p) const { return axes_[p]; }
   bool is_curved(PatchId p) const { return slabs_.is_curved(p); }
@@ -206,9 +233,12 @@ class GapSearch::Index {
   void find_boxes(RunControl& control);
   Layer layer_of(std::span<const std::uint32_t> triangles) const;
   void look_at_corners(SharedLeast& least, RunControl& control) const;
-  void look_between_triangles(SharedLeast& least, RunControl& control) const;
-  double squared_gap(const Vec3& p, PatchId patch, double below, What what, const Uncounted& uncounted = {}) const;
-  double squared_beside(std::span<const Corners3> pieces, PatchId patch, double below) const;
+  void look_between_triangles(SharedLeast& least, std::uint64_t max_output_faces, RunControl& control) const;
+  std::uint64_t look_from(std::size_t begin, std::size_t end, double known, std::uint64_t max_steps, SharedLeast& least,
+                          RunControl& control) const;
+  double squared_gap(const Vec3& p, PatchId patch, double below, What what, const Uncounted& uncounted,
+                     WorkBound* work) const;
+  double squared_beside(std::span<const Corners3> pieces, PatchId patch, double below, WorkBound* work) const;
 
   /// Returns whether the way leaves one patch inwards and comes to the other from outside, or the other way round,
   /// where both bound one solid. Then it meets the surface in between; for the two treads of a step, that is the riser.
@@ -357,9 +387,10 @@ Layer GapSearch::Index::layer_of(std::span<const std::uint32_t> triangles) const
 }
 
 /// Returns the square of the gap at p in local units, or infinity if it is not below `below`.
-double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below, What what,
-                                     const Uncounted& uncounted) const {
+double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below, What what, const Uncounted& uncounted,
+                                     WorkBound* work) const {
   const bool is_all = what == What::kAll;
+  StepCounter steps(work);
   double best = below;
   const Slab slab = slabs_.at(patch, p);
   HiddenPatches is_hidden(contacts_, slabs_, p, patch);
@@ -367,7 +398,7 @@ double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below,
       best,
       [&](const TriangleBoxes::Entry& e) {
         const PatchId other = e.tag.patch;
-        if (other == patch) return HUGE_VAL;
+        if (!steps.take(1) || other == patch) return HUGE_VAL;
         double least = squared_distance(e.box, p);
         if (least >= best) return least;
         if (!is_all) {
@@ -379,6 +410,7 @@ double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below,
         // The last test, below, is whether a single triangle is hidden, because cheaper tests exclude most triangles.
         if (!other.is_valid() || tree_.is_slot(e)) return least;
         least = std::max(least, std::pow(slabs_[other].distance(p), 2));
+        steps.take(kStepsOfTriangle);
         return least < best && is_hidden(other, least) ? HUGE_VAL : least;
       },
       [&](std::size_t slot) {
@@ -397,7 +429,9 @@ double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below,
 }
 
 /// Returns the square of the result of `beside` in local units, or infinity if it is not below `below`.
-double GapSearch::Index::squared_beside(std::span<const Corners3> pieces, PatchId patch, double below) const {
+double GapSearch::Index::squared_beside(std::span<const Corners3> pieces, PatchId patch, double below,
+                                        WorkBound* work) const {
+  StepCounter steps(work);
   const auto [slab, steep_squared] = slabs_.around(patch, pieces);
   const bool is_curved = slabs_.is_curved(patch);
   FloatBox box;
@@ -420,13 +454,14 @@ double GapSearch::Index::squared_beside(std::span<const Corners3> pieces, PatchI
       best,
       [&](const TriangleBoxes::Entry& e) {
         const PatchId other = e.tag.patch;
-        if (other == patch) return HUGE_VAL;
+        if (!steps.take(1) || other == patch) return HUGE_VAL;
         double least = squared_distance(e.box, box);
         if (least >= best) return least;
         least = steep(e, least);
         return least < best && other.is_valid() && are_joined(patch, other) ? HUGE_VAL : least;
       },
       [&](std::size_t slot) {
+        steps.take(kStepsOfTriangle * pieces.size());
         const Corners3 there = corners(slot);
         double up = 0;
         for (const Vec3& p : there) up = std::max(up, std::fabs(slab.plane.distance(p)) + slab.half_thickness);
@@ -445,11 +480,11 @@ double GapSearch::Index::squared_beside(std::span<const Corners3> pieces, PatchI
   return best < below ? best : HUGE_VAL;
 }
 
-std::optional<double> GapSearch::Index::smallest(RunControl& control) const {
+std::optional<double> GapSearch::Index::smallest(std::uint64_t max_output_faces, RunControl& control) const {
   SharedLeast least;
   // Corners are looked at first, because that is cheap and the result makes the other search short.
   look_at_corners(least, control);
-  look_between_triangles(least, control);
+  look_between_triangles(least, max_output_faces, control);
   return least.get() < HUGE_VAL ? std::optional(std::sqrt(least.get()) * surface_.unit) : std::nullopt;
 }
 
@@ -460,46 +495,74 @@ void GapSearch::Index::look_at_corners(SharedLeast& least, RunControl& control) 
       const std::size_t step = 1 + corners.size() / kMaxCornersOfPatch;
       for (std::size_t i = 0; i < corners.size(); i += step) {
         control.check();
-        least.lower(squared_gap(surface_.local[corners[i]], PatchId(p), least.get(), What::kFaced));
+        least.lower(squared_gap(surface_.local[corners[i]], PatchId(p), least.get(), What::kFaced, {}, nullptr));
       }
     }
   });
 }
 
-void GapSearch::Index::look_between_triangles(SharedLeast& least, RunControl& control) const {
-  for_blocks(tree_.size(), 256, control, [&](std::size_t begin, std::size_t end) {
-    JoinedMemory are_joined(contacts_);
-    for (std::size_t slot = begin; slot < end; ++slot) {
-      control.check();
-      const FloatBox& box = tree_[slot].box;
-      const Common& mine = tree_[slot].tag;
-      const Slab slab = slab_of(slot);
-      const Corners3 here = corners(slot);
-      double best = least.get();
-      tree_.search(
-          best,
-          [&](const TriangleBoxes::Entry& e) {
-            double least = squared_distance(e.box, box);
-            if (least >= best) return least;
-            least = squared_steep_distance(slab, products(e.tag.layer, here), e.box, e.tag.layer, least);
-            if (least >= best) return least;
-            const bool is_joined = (e.tag.hub.is_valid() && e.tag.hub == mine.hub) || e.tag.is_joined_to(mine.patch) ||
-                                   (e.tag.patch.is_valid() && are_joined(mine.patch, e.tag.patch));
-            return is_joined ? HUGE_VAL : least;
-          },
-          [&](std::size_t other) {
-            const Vec3 way = shortest_way(here, corners(other));
-            const double d = norm_squared(way);
-            if (d >= best || d <= touching_squared_) return;
-            if (bound_one_solid(mine.patch, tree_[other].tag.patch) &&
-                dot(way, slab.plane.normal) * dot(way, slab_of(other).plane.normal) > 0)
-              return;
-            if (!slab.is_steep(way)) return;  // if it is steep for the other patch, it is found from there
-            if (!do_intersect(triangle(slot), triangle(other), surface_.local.items())) best = d;
-          });
-      least.lower(best);
-    }
-  });
+/// Looks from one triangle after the other. What is found makes the later searches short. The triangles are looked at in
+/// batches that grow, and those of a batch know what was found in the batches before, and by the same thread. So the
+/// steps that a batch takes do not depend on threads.
+void GapSearch::Index::look_between_triangles(SharedLeast& least, std::uint64_t max_output_faces,
+                                              RunControl& control) const {
+  constexpr std::size_t kFirstBatch = 1024, kBlock = 256, kUneven = 4;
+  constexpr std::uint64_t kMinSteps = 256;
+  WorkBound work(kWorkOfSmallestGap.steps(tree_.size(), max_output_faces));
+  std::size_t size = kFirstBatch;
+  for (std::size_t begin = 0; begin < tree_.size() && !work.is_spent(); begin += std::exchange(size, 2 * size)) {
+    const std::size_t end = std::min(begin + size, tree_.size());
+    const std::uint64_t max_steps = std::max(kMinSteps, work.left() / (tree_.size() - begin) * kUneven);
+    const double known = least.get();
+    const auto taken = map_blocks<std::uint64_t>(end - begin, kBlock, control, [&](std::size_t from, std::size_t to) {
+      return look_from(begin + from, begin + to, known, max_steps, least, control);
+    });
+    for (const std::uint64_t steps : taken) work.take(steps);
+  }
+}
+
+/// Looks from the triangles in some slots, and lowers `least`. Only what is below `known` counts.
+/// Output: the number of steps that it took.
+std::uint64_t GapSearch::Index::look_from(std::size_t begin, std::size_t end, double known, std::uint64_t max_steps,
+                                          SharedLeast& least, RunControl& control) const {
+  JoinedMemory are_joined(contacts_);
+  double best = known;
+  std::uint64_t taken = 0;
+  for (std::size_t slot = begin; slot < end; ++slot) {
+    control.check();
+    WorkBound work(max_steps);
+    StepCounter steps(&work);
+    const FloatBox& box = tree_[slot].box;
+    const Common& mine = tree_[slot].tag;
+    const Slab slab = slab_of(slot);
+    const Corners3 here = corners(slot);
+    tree_.search(
+        best,
+        [&](const TriangleBoxes::Entry& e) {
+          if (!steps.take(1)) return HUGE_VAL;
+          double least = squared_distance(e.box, box);
+          if (least >= best) return least;
+          least = squared_steep_distance(slab, products(e.tag.layer, here), e.box, e.tag.layer, least);
+          if (least >= best) return least;
+          const bool is_joined = (e.tag.hub.is_valid() && e.tag.hub == mine.hub) || e.tag.is_joined_to(mine.patch) ||
+                                 (e.tag.patch.is_valid() && are_joined(mine.patch, e.tag.patch));
+          return is_joined ? HUGE_VAL : least;
+        },
+        [&](std::size_t other) {
+          steps.take(kStepsOfTriangle);
+          const Vec3 way = shortest_way(here, corners(other));
+          const double d = norm_squared(way);
+          if (d >= best || d <= touching_squared_) return;
+          if (bound_one_solid(mine.patch, tree_[other].tag.patch) &&
+              dot(way, slab.plane.normal) * dot(way, slab_of(other).plane.normal) > 0)
+            return;
+          if (!slab.is_steep(way)) return;  // if it is steep for the other patch, it is found from there
+          if (!do_intersect(triangle(slot), triangle(other), surface_.local.items())) best = d;
+        });
+    taken += steps.taken();
+  }
+  least.lower(best);
+  return taken;
 }
 
 GapSearch::GapSearch(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches,
@@ -507,19 +570,22 @@ GapSearch::GapSearch(const Surface& surface, const Adjacency& adjacency, const P
     : index_(std::make_unique<Index>(surface, adjacency, patches, plane_tolerance, control, triangulated)) {}
 GapSearch::~GapSearch() = default;
 
-double GapSearch::at(const Vec3& place, PatchId patch, double limit, const Triangle* on) const {
-  return index_->distance(place, patch, limit, What::kFaced, {on, {}});
+double GapSearch::at(const Vec3& place, PatchId patch, double limit, const Triangle* on, WorkBound* work) const {
+  return index_->distance(place, patch, limit, What::kFaced, {on, {}}, work);
 }
-double GapSearch::at(const Vec3& place, PatchId patch, double limit, std::span<const PatchId> crossing) const {
-  return index_->distance(place, patch, limit, What::kFaced, {nullptr, crossing});
+double GapSearch::at(const Vec3& place, PatchId patch, double limit, std::span<const PatchId> crossing,
+                     WorkBound* work) const {
+  return index_->distance(place, patch, limit, What::kFaced, {nullptr, crossing}, work);
 }
-double GapSearch::nearest(const Vec3& place, PatchId patch, double limit, const Triangle* on) const {
-  return index_->distance(place, patch, limit, What::kAll, {on, {}});
+double GapSearch::nearest(const Vec3& place, PatchId patch, double limit, const Triangle* on, WorkBound* work) const {
+  return index_->distance(place, patch, limit, What::kAll, {on, {}}, work);
 }
-double GapSearch::beside(std::span<const Corners3> pieces, PatchId patch, double limit) const {
-  return index_->beside(pieces, patch, limit);
+double GapSearch::beside(std::span<const Corners3> pieces, PatchId patch, double limit, WorkBound* work) const {
+  return index_->beside(pieces, patch, limit, work);
 }
-std::optional<double> GapSearch::smallest(RunControl& control) const { return index_->smallest(control); }
+std::optional<double> GapSearch::smallest(RunControl& control, std::uint64_t max_output_faces) const {
+  return index_->smallest(max_output_faces, control);
+}
 std::size_t GapSearch::patch_count() const { return index_->patch_count(); }
 bool GapSearch::is_curved(PatchId patch) const { return index_->is_curved(patch); }
 const Axes& GapSearch::axes_of(PatchId patch) const { return index_->axes_of(patch); }

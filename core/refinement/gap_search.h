@@ -1,11 +1,13 @@
 /// Measures how near a surface comes to itself: the distance to the nearest facet that is not a neighbour.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
 
 #include "core/base/run_control.h"
+#include "core/base/work_bound.h"
 #include "core/geometry/frame.h"
 #include "core/geometry/patch_set.h"
 #include "core/mesh/adjacency.h"
@@ -50,20 +52,24 @@ class GapSearch {
             RunControl& control, const TriangulatedPatches* triangulated = nullptr);
   ~GapSearch();
 
-  /// Returns the gap at a place of that patch in model units, or infinity if it is not less than `limit`.
+  /// Returns the gap at a place of that patch in model units, or infinity if it is not less than `limit`. This search
+  /// and the three that follow end early if the bound on their work is spent. Their answer may then be too large.
   /// Input: `on` is a triangle of the patch. Triangles that cross it do not count, and neither do those that touch it
   ///        other than where they are joined to it, because there is no smallest gap to these.
   /// Cost:  O(log n), and the triangles that are faced about as far away as the answer. In a sphere these are a whole
   ///        circle, n^(1/2) triangles.
-  double at(const Vec3& place, PatchId patch, double limit, const Triangle* on = nullptr) const;
+  double at(const Vec3& place, PatchId patch, double limit, const Triangle* on = nullptr,
+            WorkBound* work = nullptr) const;
 
   /// Returns the gap at a place as above, but leaves out all patches that cross or touch this patch anywhere.
   /// Input: `crossing` lists these patches, ascending.
-  double at(const Vec3& place, PatchId patch, double limit, std::span<const PatchId> crossing) const;
+  double at(const Vec3& place, PatchId patch, double limit, std::span<const PatchId> crossing,
+            WorkBound* work = nullptr) const;
 
   /// Returns the distance to the nearest patch as `at` does, but also counts patches that the place does not face.
   /// Another place near this one may face them.
-  double nearest(const Vec3& place, PatchId patch, double limit, const Triangle* on = nullptr) const;
+  double nearest(const Vec3& place, PatchId patch, double limit, const Triangle* on = nullptr,
+                 WorkBound* work = nullptr) const;
 
   /// Returns how near other patches are that share no vertex with this one and that some place of these pieces of the
   /// patch may face. The result is at most the smallest gap to such patches at these places. It is less if what is near
@@ -71,17 +77,19 @@ class GapSearch {
   /// shortest way. The result is infinity if nothing is nearer than `limit`.
   /// Input: The pieces are triangles in the patch, in local units. The limit and the result are in model units.
   /// Cost:  The same as for `at`, and a few distances between triangles for each piece.
-  double beside(std::span<const std::array<Vec3, 3>> pieces, PatchId patch, double limit) const;
+  double beside(std::span<const std::array<Vec3, 3>> pieces, PatchId patch, double limit,
+                WorkBound* work = nullptr) const;
 
   /// Returns the smallest gap of the whole surface, or nothing if there is none. Between patches that share no vertex
   /// it is exact; pairs of triangles that touch or cross are left out. Between patches that share one, gaps are only
   /// looked for at the corners where three to sixteen patches meet, at no more than some 64 of each patch. (A wedge has
   /// no smallest gap, but it has ends.)
-  /// Input: The constructor was given triangulated patches, or patches have few faces. Otherwise this may take as long
-  ///        as n^1.5.
+  /// The search has a bound on its work (kWorkOfSmallestGap), which only surfaces pass that are near themselves nearly
+  /// everywhere. Then the result is the smallest gap among those that were looked at.
+  /// Input: The bound grows with the number of faces that the output may have.
   /// Holds: The result is the same for any number of threads. Between curved patches, the planes of their facets decide
   ///        what is steep.
-  std::optional<double> smallest(RunControl& control) const;
+  std::optional<double> smallest(RunControl& control, std::uint64_t max_output_faces = WorkBound::kNone) const;
 
   /// These are the triangles that are searched. Other parts that walk over the surface use the same ones. The axes of a
   /// patch are those of its chart. Without a chart, they lie along the patch's longest edge. A patch is curved if its

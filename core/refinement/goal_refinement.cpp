@@ -53,7 +53,7 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
   frozen_.resize(on.patches.count(), 0);
   for (std::size_t p = 0; p < on.patches.count(); ++p)
     if (ladder.is_kept(on.patches.faces_of(PatchId(p))[0])) frozen_[PatchId(p)] = 1;
-  if (is_budget_too_small()) frozen_.assign(on.patches.count(), 1);
+  if (is_budget_too_small() || is_effort_spent()) frozen_.assign(on.patches.count(), 1);
   const auto gaps = gap_search(on, triangulated);
   const SizeField& sizes = size_field(on, triangulated, gaps.get());
   const std::optional<SizeField> graded = sizes_without_floor(on, triangulated);
@@ -69,27 +69,39 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
     return remesh::refine({on.surface, frozen_, within_budget, sizes, prediction, max_made}, std::move(segments),
                           triangulated, control_);
   };
+  // The first attempt may make all faces that are allowed, and later ones what the bound on the work leaves.
+  const bool is_cut_short = work_.taken() > 0 && work_.left() < budget_;
   const auto measured = [&](Refinement refined) {
     if (gaps || graded)
       note_size_misses(on.surface, triangulated.meshes, frozen_,
                        {goals_, on.plane_tolerance, sizes, gaps.get(), graded ? &*graded : nullptr, crossing}, refined,
                        control_);
     if (is_budget_too_small()) std::fill(refined.reason.begin(), refined.reason.end(), UnrefinedReason::kBudget);
+    if (is_effort_spent()) std::fill(refined.reason.begin(), refined.reason.end(), UnrefinedReason::kEffort);
+    if (is_cut_short)
+      std::replace(refined.reason.begin(), refined.reason.end(), UnrefinedReason::kBudget, UnrefinedReason::kEffort);
+    work_.take(refined.reason.size());
     return refined;
   };
   needs_budget_ = needs_budget_ || !is_worth_trying_without_budget();
   if (!needs_budget_) {
-    const std::uint64_t most = std::min(goals_.max_faces, kMaxFaces);
-    if (auto refined = attempt(kNoLimit, most + std::min((kMaxMade - 1) * most, kMaxMadeBeyond)))
-      return measured(*std::move(refined));
+    if (auto refined = attempt(kNoLimit, max_made())) return measured(*std::move(refined));
     needs_budget_ = true;
   }
-  return measured(attempt(budget_, kNoLimit).value());
+  return measured(attempt(is_cut_short ? work_.left() : budget_, kNoLimit).value());
 }
 
 bool GoalRefinement::is_worth_trying_without_budget() const {
   return goals_.max_faces != kNoLimit && static_cast<double>(predicted_faces_) <=
                                              std::max(kFewFaces, kHopeless * static_cast<double>(goals_.max_faces));
+}
+
+/// Returns after how many triangles an attempt without a budget ends.
+std::uint64_t GoalRefinement::max_made() const {
+  const std::uint64_t most = std::min(goals_.max_faces, kMaxFaces);
+  const std::uint64_t max = most + std::min((kMaxMade - 1) * most, kMaxMadeBeyond);
+  const std::uint64_t made = std::clamp(whole(kMaxOfPredicted * static_cast<double>(predicted_faces_)), most, max);
+  return work_.taken() == 0 ? made : std::min(made, work_.left());
 }
 
 /// Throws if any result must have more faces than allowed. This is done before memory is allocated for them.
@@ -118,7 +130,7 @@ std::optional<SizeField> GoalRefinement::sizes_without_floor(const PatchedSurfac
 const SizeField& GoalRefinement::size_field(const PatchedSurface& on, const TriangulatedPatches& triangulated,
                                             const GapSearch* gaps) {
   if (sizes_) return *sizes_;
-  if (gaps != nullptr) smallest_gap_ = gaps->smallest(control_);
+  if (gaps != nullptr) smallest_gap_ = gaps->smallest(control_, goals_.max_faces);
   // With proximity, gradation is about the sizes that gaps ask for; around short segments, the bound on angles makes
   // edges grow gradually. Gradation without proximity is about short segments.
   std::vector<std::array<VertexId, 2>> segments;

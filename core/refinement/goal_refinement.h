@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/base/run_control.h"
+#include "core/base/work_bound.h"
 #include "core/geometry/patch_set.h"
 #include "core/mesh/adjacency.h"
 #include "core/mesh/surface.h"
@@ -34,12 +35,17 @@ struct PatchedSurface {
 class GoalRefinement {
  public:
   /// If `goals` sets no goal, nothing is refined.
-  GoalRefinement(const Goals& goals, RunControl& control) : goals_(goals), budget_(goals.max_faces), control_(control) {
+  /// Input: `taken` is the work that attempts at the surface took before its faces were mended anew.
+  GoalRefinement(const Goals& goals, RunControl& control, std::uint64_t taken = 0)
+      : goals_(goals), budget_(goals.max_faces), control_(control), work_(kWorkOfAttempts.steps(0, goals.max_faces)) {
+    work_.take(taken);
     if (budget_ != std::numeric_limits<std::uint64_t>::max()) budget_ -= budget_ / kReserve;
   }
 
   const Goals& goals() const { return goals_; }
   bool has_goals() const;
+  /// Returns the number of triangles that all attempts so far have refined.
+  std::uint64_t work_taken() const { return work_.taken(); }
   /// Tells whether some patches are curved. These have to be refined even if there is no other goal.
   void set_curved(bool are_any_curved) { are_any_curved_ = are_any_curved; }
   /// Makes refinement aim at larger angles than are asked for, by some degrees. Vertices are to be moved after it.
@@ -88,6 +94,9 @@ class GoalRefinement {
   /// An attempt without a budget ends when it makes more than kMaxMade times the faces allowed, or kMaxMadeBeyond more
   /// than these, which would take a few GB of memory. See experiments.md, Prediction.
   static constexpr std::uint64_t kMaxMade = 4, kMaxMadeBeyond = std::uint64_t{1} << 23;
+  /// It also ends when it makes more faces than allowed and kMaxOfPredicted times those that are predicted. Thinning out
+  /// leaves a third at least, so the prediction was far too low, and nothing tells that there is an end at all.
+  static constexpr double kMaxOfPredicted = 4;
   /// An attempt without a budget is not worth while if more than kHopeless times the faces allowed are predicted. Up to
   /// kFewFaces it is tried in any case, for two reasons: where boundaries are locked or edges must not be short,
   /// predictions may be far too high, and it takes a second at most.
@@ -99,18 +108,23 @@ class GoalRefinement {
   /// as the first.
   static constexpr std::uint64_t kReserve = 1024;
   bool is_budget_too_small() const { return retries_ > kMaxRetries; }
+  /// Returns whether the attempts so far leave no work for another one that would be worth while.
+  bool is_effort_spent() const { return work_.left() < kMinAttempt; }
+  static constexpr std::uint64_t kMinAttempt = 1 << 10;
   /// Returns the size field. It is the same for all attempts at the same patches.
   /// Input: `gaps` is there with proximity, and null otherwise.
   const SizeField& size_field(const PatchedSurface& on, const TriangulatedPatches& triangulated, const GapSearch* gaps);
   /// Returns null without proximity. The result refers to its arguments.
   std::unique_ptr<const GapSearch> gap_search(const PatchedSurface& on, const TriangulatedPatches& triangulated) const;
   std::optional<SizeField> sizes_without_floor(const PatchedSurface& on, const TriangulatedPatches& triangulated) const;
+  std::uint64_t max_made() const;
   void refuse_if_hopeless(double least) const;
   bool is_worth_trying_without_budget() const;
 
   Goals goals_;
   std::uint64_t budget_;  ///< the number of faces that an attempt with a budget may make
   RunControl& control_;
+  WorkBound work_;  ///< a step is a triangle of a complete attempt
   bool are_any_curved_ = false;
   double angle_margin_ = 0;    ///< in degrees
   bool needs_budget_ = false;  ///< an attempt without a budget made too many faces, or would

@@ -1,6 +1,8 @@
 #include "core/refinement/patch_contacts.h"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
 #include <utility>
 
@@ -23,13 +25,31 @@ double way_over(const Vec3& a, const Vec3& b, const Vec3& p, const Vec3& q) {
   return std::hypot(crossing - s, p_off) + std::hypot(crossing - t, q_off);
 }
 
+std::atomic<std::uint64_t> made = 0;
+
 }  // namespace
+
+/// What two patches share, if that is little. A search for gaps asks about the same few pairs of patches at place after
+/// place, and each answer would go through a whole border.
+struct PatchContacts::Shared {
+  /// This is an edge, or a vertex with a = b.
+  struct Item {
+    VertexId a, b;
+  };
+  static constexpr std::size_t kMaxItems = 4;
+
+  std::uint64_t of = 0;  ///< the object whose patches these are; 0: none
+  PatchId p, q;
+  std::uint32_t count = 0;  ///< more than kMaxItems: there are more than that, and they are not stored
+  std::array<Item, kMaxItems> items;
+};
 
 PatchContacts::PatchContacts(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches,
                              RunControl& control)
-    : surface_(surface), adjacency_(adjacency), patches_(patches), tree_of_(patches.count(), kNoTree) {
+    : surface_(surface), adjacency_(adjacency), patches_(patches), number_(++made), tree_of_(patches.count(), kNoTree) {
   find_vertex_patches(control);
   find_borders(control);
+  find_crowds(control);
   for (std::size_t p = 0; p < patches.count(); ++p)
     if (border(PatchId(p)).size() > kLongBorder) add_tree(PatchId(p), control);
 }
@@ -76,6 +96,19 @@ void PatchContacts::find_borders(RunControl& control) {
           border_.push_back(h);
         }
     border_begin_.push_back(static_cast<std::uint32_t>(border_.size()));
+  }
+}
+
+void PatchContacts::find_crowds(RunControl& control) {
+  StopCheck check(control);
+  for (std::size_t e = 0; e < adjacency_.edge_count(); ++e) {
+    check();
+    const auto around = adjacency_.half_edges(EdgeId(e));
+    if (around.size() <= kCrowded) continue;
+    Crowd& crowd = crowds_.emplace_back(Crowd{EdgeId(e), {}});
+    crowd.patches.reserve(around.size());
+    for (const std::uint32_t h : around) crowd.patches.push_back(patches_.of_face[adjacency_.face_of(h)]);
+    sort_stoppable(crowd.patches.begin(), crowd.patches.end(), control);
   }
 }
 
@@ -138,7 +171,13 @@ bool PatchContacts::is_at(VertexId v, PatchId p) const {
 }
 
 bool PatchContacts::is_along(std::uint32_t half_edge, PatchId p) const {
-  const auto around = adjacency_.half_edges(adjacency_.edge_of(half_edge));
+  const EdgeId edge = adjacency_.edge_of(half_edge);
+  const auto around = adjacency_.half_edges(edge);
+  if (around.size() > kCrowded) {
+    const auto crowd =
+        std::lower_bound(crowds_.begin(), crowds_.end(), edge, [](const Crowd& c, EdgeId e) { return c.edge < e; });
+    return std::binary_search(crowd->patches.begin(), crowd->patches.end(), p);
+  }
   return std::any_of(around.begin(), around.end(),
                      [&](std::uint32_t h) { return patches_.of_face[adjacency_.face_of(h)] == p; });
 }
@@ -149,10 +188,35 @@ bool PatchContacts::are_joined(PatchId p, PatchId q) const {
   return std::any_of(corners.begin(), corners.end(), [&](std::uint32_t h) { return is_at(adjacency_.from(h), q); });
 }
 
+/// Returns what the two patches share. The reference is valid until the next call in this thread. The answer is the
+/// same whatever was asked before.
+/// Input: The border of p is not longer than that of q.
+const PatchContacts::Shared& PatchContacts::shared(PatchId p, PatchId q) const {
+  constexpr std::size_t kPairs = 256;
+  thread_local std::array<Shared, kPairs> known;
+  Shared& of_pair = known[(p.value * 31u + q.value) % kPairs];
+  if (of_pair.of == number_ && of_pair.p == p && of_pair.q == q) return of_pair;
+  of_pair = {number_, p, q, 0, {}};
+  for (const std::uint32_t h : border(p)) {
+    const VertexId v = adjacency_.from(h);
+    if (!is_at(v, q)) continue;
+    if (of_pair.count++ == Shared::kMaxItems) break;
+    of_pair.items[of_pair.count - 1] = {v, is_along(h, q) ? adjacency_.to(h) : v};
+  }
+  return of_pair;
+}
+
 template <class Bound, class IsWanted>
 bool PatchContacts::any_shared(PatchId p, PatchId q, double most, const Bound& bound, const IsWanted& is_wanted) const {
   if (border(q).size() < border(p).size()) std::swap(p, q);
   const auto corners = border(p);
+  if (tree_of_[p] == kNoTree) {
+    const Shared& few = shared(p, q);
+    if (few.count <= Shared::kMaxItems)
+      return std::any_of(few.items.begin(), few.items.begin() + few.count, [&](const Shared::Item& item) {
+        return is_wanted(surface_.local[item.a], surface_.local[item.b]);
+      });
+  }
   const auto is_wanted_at = [&](std::uint32_t h) {
     const VertexId v = adjacency_.from(h);
     if (!is_at(v, q)) return false;

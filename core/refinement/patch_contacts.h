@@ -43,21 +43,27 @@ class PatchContacts {
   bool are_joined(PatchId p, PatchId q) const;
   /// Returns whether the patches share a vertex or an edge that comes within `distance` of a place. All values are in
   /// local units.
-  /// Cost: Linear in the smaller border if that is small. Otherwise it is O(log n) and the parts of the border that are
-  ///       so near.
+  /// Cost: Constant if the thread has asked about this pair of patches before and they share little. Linear in the
+  ///       smaller border if that is small. Otherwise it is O(log n) and the parts of the border that are so near.
   bool are_joined_within(PatchId p, PatchId q, const Vec3& place, double distance) const;
   /// Returns whether there is a way of length at most `most` from `from` on p to `to` on q that crosses a shared vertex
   /// or edge and is straight on both sides of it. All values are in local units.
-  /// Cost: Linear in the smaller border if that is small. Otherwise it is O(log n) and the parts of the border between
-  ///       the two places.
+  /// Cost: The same as for `are_joined_within`, with the parts of the border between the two places.
   bool has_way(PatchId p, const Vec3& from, PatchId q, const Vec3& to, double most) const;
 
  private:
   /// Borders longer than this get a tree of boxes.
   static constexpr std::size_t kLongBorder = 32;
+  /// An edge with more faces than this gets a list of its patches.
+  static constexpr std::size_t kCrowded = 8;
+  struct Crowd {
+    EdgeId edge;
+    std::vector<PatchId> patches;  ///< ascending
+  };
 
   void find_vertex_patches(RunControl& control);
   void find_borders(RunControl& control);
+  void find_crowds(RunControl& control);
   void add_tree(PatchId p, RunControl& control);
 
   /// Returns the border of p as half-edges. They begin at all vertices of p where another patch is met, each at least
@@ -65,6 +71,8 @@ class PatchContacts {
   std::span<const std::uint32_t> border(PatchId p) const {
     return std::span(border_).subspan(border_begin_[p.value], border_begin_[p.value + 1] - border_begin_[p.value]);
   }
+  struct Shared;
+  const Shared& shared(PatchId p, PatchId q) const;
   bool is_at(VertexId v, PatchId p) const;
   bool is_along(std::uint32_t half_edge, PatchId p) const;
   /// Returns whether is_wanted(a, b) is true for something that p and q share: an edge a-b, or a vertex with a = b.
@@ -75,10 +83,12 @@ class PatchContacts {
   const Surface& surface_;
   const Adjacency& adjacency_;
   const PatchSet& patches_;
+  std::uint64_t number_;  ///< no other object has this number; see `shared`
   std::vector<std::uint32_t> vertex_begin_;
   std::vector<PatchId> vertex_patches_;
   std::vector<std::uint32_t> border_begin_;
   std::vector<std::uint32_t> border_;
+  std::vector<Crowd> crowds_;                 ///< ascending by edge
   std::vector<BoxTree<NoTag>> trees_;         ///< trees of the long borders
   IdVector<PatchId, std::uint32_t> tree_of_;  ///< index in `trees_`, or kNoTree
   static constexpr std::uint32_t kNoTree = 0xffffffffu;

@@ -8,7 +8,6 @@
 #include "core/refinement/column_fill.h"
 #include "core/refinement/patch_editor.h"
 #include "core/refinement/patch_start.h"
-#include "core/refinement/patch_thinner.h"
 #include "core/refinement/triangle_treatment.h"
 
 namespace remesh {
@@ -160,20 +159,30 @@ void PatchRefiner::run(std::uint64_t quota, RefinementProgress& progress) {
   while (editor.made() < quota && !patch_.impossible.is_valid() && patch_.waiting.pop(task, announce)) {
     // Among many points on one circle, one step may go through as many triangles as there are points.
     constexpr std::size_t kOften = 1024, kTrianglesOfStep = 8;
-    if (work >= kOften) {
-      tell();
-      work = 0;
-    }
     treatment.treat(task);
     work += 1 + patch_.mesh.last_cavity_size() / kTrianglesOfStep;
+    if (work < kOften) continue;
+    tell();
+    work_.take(std::exchange(work, 0));
+    if (work_.taken() > kWorkOfPatch.steps(0, triangle_count())) give_up();
   }
+  work_.take(work);
   tell();
 }
 
-void PatchRefiner::thin_out(RunControl& control, RefinementProgress& progress) {
+/// Leaves all triangles that wait as they are.
+void PatchRefiner::give_up() {
+  TriangleTask task;
+  while (patch_.waiting.pop(task, [](const TriangleTask&) {})) {
+    TriangleState& state = patch_.states[task.half_edge / 3];
+    if (patch_.is_live(task) && state.is_waiting()) state = TriangleState(UnrefinedReason::kEffort);
+  }
+}
+
+void PatchRefiner::thin_out(Thinning thinning, RunControl& control, RefinementProgress& progress) {
   if (!sizes_.criteria().is_thinned()) return;
   const std::int64_t before = triangle_count();
-  PatchThinner(sizes_, patch_, *scratch_).thin_out(sizes_.do_vary() ? 0 : first_refined_, control);
+  PatchThinner(sizes_, patch_, *scratch_).thin_out(sizes_.do_vary() ? 0 : first_refined_, thinning, control);
   progress.add(std::int64_t{triangle_count()} - before);
 }
 

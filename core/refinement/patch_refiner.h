@@ -8,10 +8,12 @@
 
 #include "core/base/run_control.h"
 #include "core/base/small_blocks.h"
+#include "core/base/work_bound.h"
 #include "core/geometry/patch_mesh.h"
 #include "core/patches/patch_chart.h"
 #include "core/refinement/criteria.h"
 #include "core/refinement/patch_sizes.h"
+#include "core/refinement/patch_thinner.h"
 #include "core/refinement/patch_to_refine.h"
 #include "core/refinement/refinement_progress.h"
 #include "core/refinement/refiner_scratch.h"
@@ -53,12 +55,14 @@ class PatchRefiner {
   /// Output: True if a point was put into any of them.
   bool split_edges(std::span<const std::uint32_t> half_edges, RunControl& control);
 
-  /// Works until nothing is left to do, or until `quota` more triangles (in all patches) would be made.
+  /// Works until nothing is left to do, or until `quota` more triangles (in all patches) would be made. It also ends
+  /// when the bound on the work of a patch is spent (kWorkOfPatch). Then the triangles that wait stay as they are, with
+  /// the reason kEffort.
   void run(std::uint64_t quota, RefinementProgress& progress);
 
   /// Where there are sizes, removes points from a patch that is done, as PatchThinner says. It looks at the points that
   /// refinement put in or, where sizes vary, at all points inside.
-  void thin_out(RunControl& control, RefinementProgress& progress);
+  void thin_out(Thinning thinning, RunControl& control, RefinementProgress& progress);
 
   /// Returns a segment that had to be cut where rounding left no room for the cut. Then the patch can no longer be
   /// used, and the segment must stay as it is for all patches. The result is invalid if all is well.
@@ -87,12 +91,14 @@ class PatchRefiner {
   bool is_near_boundary(const PointPlace& place, double spacing) const;
   static std::size_t first_block(const PatchMesh& patch, std::size_t sides);
   UnrefinedReason reason_of(std::uint32_t t) const;
+  void give_up();
 
   const PatchMesh& original_;
   SmallBlocks memory_;
   const PatchSizes sizes_;
   RefinerScratch* scratch_;  ///< only during a turn
   WorkingPatch patch_;
+  WorkBound work_;               ///< the steps of all turns
   std::uint32_t first_refined_;  ///< the number of vertices when refinement began
 };
 

@@ -69,6 +69,28 @@ bool PatchSizes::allows_when_thinned(double length, Vec2 p) const {
   return kind_ != Kind::kVarying || criteria_.sizes.allows(in_space, chart_.to_space(p));
 }
 
+PatchSizes::LimitWhenThinned::LimitWhenThinned(const PatchSizes& sizes, Vec2 place)
+    : sizes_(sizes),
+      place_(place),
+      scale_(sizes.chart_.scale(place)),
+      is_beside_fixed_(sizes.kind_ == Kind::kBesideFixedSides),
+      does_vary_(sizes.kind_ == Kind::kVarying) {
+  if (does_vary_) there_ = sizes.criteria_.sizes.limit_at(sizes.chart_.to_space(place));
+}
+
+PatchSizes::LimitWhenThinned::Around PatchSizes::LimitWhenThinned::around(double distance) const {
+  // The scale of a curved patch differs from place to place.
+  if (is_beside_fixed_ || sizes_.chart_.curved() != nullptr) return {-1, HUGE_VAL};
+  constexpr double kRounding = 1e-9;
+  const double even = sizes_.criteria_.even_size;
+  if (!does_vary_) return {even / scale_ * (1 - kRounding), even / scale_ * (1 + kRounding)};
+  const double here = there_.size * there_.unit, change = sizes_.criteria_.sizes.slope() * distance * scale_;
+  return {(std::min(even, here) - change) / scale_ * (1 - kRounding) - change / scale_ * kRounding,
+          std::min(even, here + change) / scale_ * (1 + kRounding)};
+}
+
+PatchSizes::LimitWhenThinned PatchSizes::limit_when_thinned(Vec2 p) const { return {*this, p}; }
+
 PlaneSizes PatchSizes::of_lattices() const {
   // Lattices do not take the shortest edge that is allowed into account. Their edges may be half as long as the size.
   switch (kind_) {

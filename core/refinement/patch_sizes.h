@@ -72,6 +72,9 @@ class PatchSizes {
   double for_new_triangle(Vec2 corner, Vec2 place) const;
   /// Returns whether an edge may have that length at a place when points are removed.
   bool allows_when_thinned(double length, Vec2 p) const;
+  /// This answers `allows_when_thinned` for one place and many lengths. It may be asked as long as this object is there.
+  class LimitWhenThinned;
+  LimitWhenThinned limit_when_thinned(Vec2 p) const;
   /// Returns the sizes of the lattices that fill wide areas. There must be sizes, and this object must outlive the
   /// result.
   PlaneSizes of_lattices() const;
@@ -89,6 +92,31 @@ class PatchSizes {
   Kind kind_;
   UnrefinedReason why_fixed_ = UnrefinedReason::kBoundaryLocked;
   std::unique_ptr<const FixedSideSizes> fixed_;  ///< null: no side that is too long stays
+};
+
+class PatchSizes::LimitWhenThinned {
+ public:
+  LimitWhenThinned(const PatchSizes& sizes, Vec2 place);
+
+  Vec2 place() const { return place_; }
+  bool allows(double length) const {
+    if (is_beside_fixed_) return sizes_.allows(length, place_);
+    const double in_space = length * scale_;
+    return in_space <= sizes_.criteria_.even_size && (!does_vary_ || there_.allows(in_space));
+  }
+  /// Tells which lengths are allowed within some distance of the place: those up to `everywhere`, and none that is longer
+  /// than `nowhere`. If nothing is known, these are negative and infinity.
+  struct Around {
+    double everywhere, nowhere;
+  };
+  Around around(double distance) const;
+
+ private:
+  const PatchSizes& sizes_;
+  const Vec2 place_;
+  const double scale_;
+  const bool is_beside_fixed_, does_vary_;
+  SizeField::Limit there_{};
 };
 
 }  // namespace remesh

@@ -1,6 +1,7 @@
 #include "core/refinement/patch_thinner.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <utility>
@@ -152,8 +153,9 @@ bool PatchThinner::leave_out(std::uint32_t v, double worst_shape) {
 }
 
 /// Returns a place from which all of a ring is within reach, and with which no triangle has a worse shape.
+/// Input: `limit` is that of a point within the ring.
 std::optional<Vec2> PatchThinner::place_within(std::span<const std::uint32_t> ring, MinSpacing spacing,
-                                               double worst_shape) const {
+                                               double worst_shape, const Limit& limit) const {
   Vec2 p{};
   for (const std::uint32_t u : ring) p = p + mesh_.point(u);
   p = (1 / static_cast<double>(ring.size())) * p;
@@ -167,9 +169,17 @@ std::optional<Vec2> PatchThinner::place_within(std::span<const std::uint32_t> ri
       nearest_squared = std::min(nearest_squared, squared_length(q - p));
       if (squared_length(q - p) > squared_length(farthest - p)) farthest = q;
     }
-    if (nearest_squared >= shortest * shortest) {
+    // What is known of the sizes there answers most questions. The others are searches.
+    const auto is_within_reach = [&](Vec2 q) {
+      const double length = norm(q - p);
+      const Vec2 middle = 0.5 * (p + q);
+      const auto [everywhere, nowhere] = limit.around(norm(middle - limit.place()));
+      return length <= everywhere || (length <= nowhere && sizes_.allows_when_thinned(length, middle));
+    };
+    const bool is_clearly_too_far =
+        norm(farthest - p) > limit.around(norm(0.5 * (p + farthest) - limit.place())).nowhere;
+    if (nearest_squared >= shortest * shortest && !is_clearly_too_far) {
       const Fan fan = fan_of(p, ring);
-      const auto is_within_reach = [&](Vec2 q) { return sizes_.allows_when_thinned(norm(q - p), 0.5 * (p + q)); };
       // The farthest vertex is tested first, because most places fail by it.
       if (fan.worst_shape >= worst_shape && !fan.is_any_sharp && is_within_reach(farthest) &&
           std::all_of(ring.begin(), ring.end(), [&](std::uint32_t u) { return is_within_reach(mesh_.point(u)); }))
@@ -180,11 +190,27 @@ std::optional<Vec2> PatchThinner::place_within(std::span<const std::uint32_t> ri
   return std::nullopt;
 }
 
+/// Returns whether no place within the hole is near enough to all of its vertices, as far as the size at a point inside
+/// it tells. This is cheap, and true of nearly all holes.
+bool PatchThinner::is_out_of_reach(const Limit& limit) const {
+  Vec2 low{HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL};
+  double farthest_squared = 0;
+  for (const std::uint32_t u : scratch_.hole) {
+    const Vec2 q = mesh_.point(u);
+    low = {std::min(low.x, q.x), std::min(low.y, q.y)};
+    high = {std::max(high.x, q.x), std::max(high.y, q.y)};
+    farthest_squared = std::max(farthest_squared, squared_length(q - limit.place()));
+  }
+  // Some vertex is at least half the box's side away from any place, and the middle of that edge is inside the hole's
+  // hull.
+  return std::max(high.x - low.x, high.y - low.y) / 2 > limit.around(std::sqrt(farthest_squared)).nowhere;
+}
+
 /// Puts one point in the place of v and its neighbour w, if there is a place that serves both. The scratch memory has
 /// the ring around them (find_hole). Returns the new vertex, or kNone.
-std::uint32_t PatchThinner::merge(std::uint32_t v, std::uint32_t w, double worst_shape) {
+std::uint32_t PatchThinner::merge(std::uint32_t v, std::uint32_t w, double worst_shape, const Limit& limit) {
   const MinSpacing spacing = std::min(patch_.places[v].spacing(), patch_.places[w].spacing());
-  const std::optional<Vec2> p = place_within(scratch_.hole, spacing, worst_shape);
+  const std::optional<Vec2> p = place_within(scratch_.hole, spacing, worst_shape, limit);
   if (!p) return kNone;
   scratch_.remade.clear();
   take(v);
@@ -215,7 +241,40 @@ std::uint32_t PatchThinner::put_in(Vec2 p, MinSpacing spacing, double worst_shap
   return kNone;
 }
 
-void PatchThinner::thin_out(std::uint32_t first, RunControl& control) {
+/// Lists the points from `first` on that thinning out has to look at: those around which, or around a neighbour of which,
+/// a triangle has changed since it was done last.
+void PatchThinner::list_unsettled(std::uint32_t first, std::pmr::vector<std::uint8_t>& is_waiting) {
+  enum : std::uint8_t { kChanged = 1, kBeside = 2 };
+  StackMemory memory;
+  std::pmr::vector<std::uint8_t> what(mesh_.vertex_slots(), 0, &memory);
+  const auto each_triangle = [&](const auto& visit) {
+    for (std::uint32_t t = 0; t < mesh_.triangle_slots(); ++t)
+      if (mesh_.is_live(t)) visit(t, {mesh_.from(3 * t), mesh_.from(3 * t + 1), mesh_.from(3 * t + 2)});
+  };
+  using Corners = std::array<std::uint32_t, 3>;
+  each_triangle([&](std::uint32_t t, const Corners& corners) {
+    if (patch_.states[t].is_settled()) return;
+    for (const std::uint32_t v : corners) what[v] = kChanged;
+  });
+  each_triangle([&](std::uint32_t, const Corners& corners) {
+    if (std::none_of(corners.begin(), corners.end(), [&](std::uint32_t v) { return what[v] == kChanged; })) return;
+    for (const std::uint32_t v : corners)
+      if (what[v] == 0) what[v] = kBeside;
+  });
+  scratch_.to_thin.clear();
+  for (std::uint32_t v = mesh_.vertex_slots(); v-- > first;) {
+    if (!mesh_.is_live_vertex(v) || what[v] == 0 || !patch_.is_free(v)) continue;
+    is_waiting[v] = 1;
+    scratch_.to_thin.push_back(v);
+  }
+}
+
+void PatchThinner::settle() {
+  for (TriangleState& state : patch_.states)
+    if (state.is_good()) state = TriangleState::settled();
+}
+
+void PatchThinner::thin_out(std::uint32_t first, Thinning thinning, RunControl& control) {
   std::vector<std::uint32_t>&waiting = scratch_.to_thin, &ring = scratch_.ring;
   StackMemory memory;
   std::pmr::vector<std::uint8_t> is_waiting(mesh_.vertex_slots(), 0, &memory);
@@ -223,9 +282,7 @@ void PatchThinner::thin_out(std::uint32_t first, RunControl& control) {
     if (!patch_.is_free(v) || std::exchange(is_waiting[v], 1) != 0) return;
     waiting.push_back(v);
   };
-  waiting.clear();
-  for (std::uint32_t v = mesh_.vertex_slots(); v-- > first;)
-    if (mesh_.is_live_vertex(v)) wait(v);
+  list_unsettled(first, is_waiting);
   for (std::uint32_t steps = 1; !waiting.empty(); ++steps) {
     if (steps % 256 == 0) control.check();
     const std::uint32_t v = waiting.back();
@@ -233,33 +290,35 @@ void PatchThinner::thin_out(std::uint32_t first, RunControl& control) {
     is_waiting[v] = 0;
     if (!mesh_.is_live_vertex(v) || !find_ring(v, ring)) continue;
     const Vec2 p = mesh_.point(v);
-    const auto is_short = [&](std::uint32_t u) {
-      return sizes_.allows_when_thinned(norm(mesh_.point(u) - p) / kLongEnough, p);
-    };
     const std::uint32_t nearest = *std::min_element(ring.begin(), ring.end(), [&](std::uint32_t a, std::uint32_t b) {
       return squared_length(mesh_.point(a) - p) < squared_length(mesh_.point(b) - p);
     });
-    if (!is_short(nearest)) continue;
+    if (!sizes_.allows_when_thinned(norm(mesh_.point(nearest) - p) / kLongEnough, p)) continue;
+    const Limit limit = sizes_.limit_when_thinned(p);
     const Fan fan = fan_of(p, ring);
     const double worst_shape = are_shapes_free() ? 0 : std::min(kFlattest, fan.worst_shape);
     // Without v, there are two triangles less for the same area.
     const double side = std::sqrt(fan.twice_area / (static_cast<double>(ring.size()) - 2) * (2 / std::numbers::sqrt3));
-    if (sizes_.allows_when_thinned(kAlmost * side, p) && leave_out(v, worst_shape)) {
+    if (limit.allows(kAlmost * side) && leave_out(v, worst_shape)) {
       for (const std::uint32_t u : ring) wait(u);
       continue;
     }
+    if (thinning == Thinning::kQuick) continue;
     for (std::size_t k = 0; k < ring.size(); ++k) {
       const std::uint32_t w = ring[k];
       // If w still waits, this pair is tried when it is its turn.
-      if (!patch_.is_free(w) || is_waiting[w] != 0 || !is_short(w) || !find_hole(v, k)) continue;
+      if (!patch_.is_free(w) || is_waiting[w] != 0) continue;
+      if (!limit.allows(norm(mesh_.point(w) - p) / kLongEnough) || !find_hole(v, k)) continue;
+      if (is_out_of_reach(limit)) continue;
       const double of_other = fan_of(mesh_.point(w), scratch_.other_ring).worst_shape;
-      const std::uint32_t merged = merge(v, w, std::min(worst_shape, of_other));
+      const std::uint32_t merged = merge(v, w, std::min(worst_shape, of_other), limit);
       if (merged == kNone) continue;
       for (const std::uint32_t u : scratch_.hole) wait(u);
       wait(merged);
       break;
     }
   }
+  settle();
 }
 
 }  // namespace remesh

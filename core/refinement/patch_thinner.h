@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory_resource>
 #include <optional>
 #include <span>
 #include <vector>
@@ -14,6 +15,14 @@
 #include "core/refinement/working_patch.h"
 
 namespace remesh {
+
+/// Tells what is tried for a point that the bounds may not need.
+enum class Thinning {
+  kFull,
+  /// A point is only left out, and no point takes the place of two. That takes half the time. It is enough where the
+  /// limit on faces ends refinement before its bounds are met, so that there is no smallest result.
+  kQuick,
+};
 
 /// Thins out a patch that is done. Points inside that the bounds do not need in the end are removed one by one, or one
 /// point takes the place of two. It goes on around every place where it succeeds. Each step leaves fewer points, so it
@@ -29,9 +38,10 @@ class PatchThinner {
   PatchThinner(const PatchSizes& sizes, WorkingPatch& patch, RefinerScratch& scratch)
       : sizes_(sizes), criteria_(sizes.criteria()), patch_(patch), mesh_(patch.mesh), scratch_(scratch) {}
 
-  /// Looks at all points inside from the vertex `first` on, and at those that get other neighbours meanwhile.
+  /// Looks at all points inside from the vertex `first` on, and at those that get other neighbours meanwhile. Points are
+  /// left out if nothing has changed around them and their neighbours since they were looked at before.
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
-  void thin_out(std::uint32_t first, RunControl& control);
+  void thin_out(std::uint32_t first, Thinning thinning, RunControl& control);
 
  private:
   /// Has the measures of the triangles between a point and a ring.
@@ -40,6 +50,8 @@ class PatchThinner {
     double twice_area;   ///< the sum over all of them
     bool is_any_sharp;
   };
+
+  using Limit = PatchSizes::LimitWhenThinned;
 
   /// Returns whether triangles may be as flat as they like. Then only the depth of a curved patch asks for points.
   bool are_shapes_free() const { return criteria_.min_angle_deg == 0 && !criteria_.has_sizes(); }
@@ -53,8 +65,12 @@ class PatchThinner {
   bool are_remade_well(double worst_shape) const;
   bool is_good_in_space(std::uint32_t t) const;
   bool leave_out(std::uint32_t v, double worst_shape);
-  std::optional<Vec2> place_within(std::span<const std::uint32_t> ring, MinSpacing spacing, double worst_shape) const;
-  std::uint32_t merge(std::uint32_t v, std::uint32_t w, double worst_shape);
+  std::optional<Vec2> place_within(std::span<const std::uint32_t> ring, MinSpacing spacing, double worst_shape,
+                                   const Limit& limit) const;
+  bool is_out_of_reach(const Limit& limit) const;
+  std::uint32_t merge(std::uint32_t v, std::uint32_t w, double worst_shape, const Limit& limit);
+  void list_unsettled(std::uint32_t first, std::pmr::vector<std::uint8_t>& is_waiting);
+  void settle();
   std::uint32_t put_in(Vec2 p, MinSpacing spacing, double worst_shape);
 
   const PatchSizes& sizes_;

@@ -23,8 +23,9 @@ namespace remesh {
 namespace {
 
 /// Runs one refinement, from the sizes on segments to the refined patches. If rounding leaves no room for a cut, its
-/// segment is locked and everything begins again. It also begins again at the first chord, because from then on the
-/// refiners of patches must be there for some more passes.
+/// segment is locked and everything begins again. From the first chord on, the refiners of patches must be there for
+/// some more passes. If there are too many triangles to keep them for a chord that may not come, everything begins again
+/// then, too.
 class Rounds {
  public:
   Rounds(const RefinementInput& input, SegmentTable segments, TriangulatedPatches& triangulated, RunControl& control)
@@ -49,11 +50,12 @@ class Rounds {
       settle();
       if (budget_.is_too_much_made()) return std::nullopt;
       if (!barrier_.impossible.empty()) {
-        for (const SegmentId s : barrier_.impossible) segments_.lock(s);
+        lock_impossible();
         begin();
         continue;
       }
       if (thin_out() && take_up_again()) continue;
+      chords_.are_refiners_kept = chords_.are_refiners_kept || count_faces() <= kMaxFacesKept;
       PatchesAside aside = collect_refined(input_, segments_, cuts_, triangulated_, refiners_,
                                            chords_.are_refiners_kept, result_, control_);
       aside.exchange_with(meshes());
@@ -69,7 +71,7 @@ class Rounds {
       }
       aside.exchange_with(meshes());
       aside.clear();
-      // Most surfaces have no chords, and need not keep two of each patch.
+      // Most surfaces have no chords, and large ones need not keep two of each patch.
       if (!std::exchange(chords_.are_refiners_kept, true)) {
         begin();
         continue;
@@ -83,9 +85,34 @@ class Rounds {
   /// Limits the number of passes for chords. A point in a chord ends many other chords, and what is refined around it
   /// may make a few new ones.
   static constexpr int kMaxChordPasses = 16;
+  /// The refiners are kept until it is known whether there are chords if there are at most so many triangles. Together,
+  /// they take some 60 MB.
+  static constexpr std::uint64_t kMaxFacesKept = std::uint64_t{1} << 19;
   /// Limits the number of times that refinement goes on after thinning out. Most is done by then: the last time brings
   /// only a few per cent.
-  static constexpr int kMaxTakenUp = 8;
+  static constexpr int kMaxTakenUp = 4;
+
+  /// Each of the first restarts locks only the segments that had to be cut where rounding left no room. Later ones lock
+  /// all segments of the patches beside these, and in the end all there are. So there are few restarts.
+  static constexpr int kPatientRestarts = 8, kMaxRestarts = 16;
+
+  void lock_impossible() {
+    ++restarts_;
+    StopCheck check(control_);
+    const auto lock_all_of = [&](PatchId p) {
+      for (const std::uint32_t side : segments_.sides_of_patch(p)) {
+        check();
+        segments_.lock(segments_.all_sides()[side].segment);
+      }
+    };
+    for (const SegmentId s : barrier_.impossible) {
+      segments_.lock(s);
+      if (restarts_ <= kPatientRestarts) continue;
+      for (const SegmentSide& side : segments_.sides(s)) lock_all_of(side.patch);
+    }
+    if (restarts_ < kMaxRestarts) return;
+    for (std::size_t s = 0; s < segments_.size(); ++s) segments_.lock(SegmentId(s));
+  }
 
   PatchMeshes& meshes() { return triangulated_.meshes; }
   bool is_frozen(PatchId p) const { return input_.is_frozen[p] != 0; }
@@ -127,6 +154,9 @@ class Rounds {
   /// whether it was done.
   bool thin_out() {
     if (std::exchange(thinning_.is_done, true) || !criteria_.is_thinned()) return false;
+    const auto is_unfinished = [](const auto& refiner) { return refiner != nullptr && !refiner->is_done(); };
+    const Thinning thinning =
+        std::any_of(refiners_.begin(), refiners_.end(), is_unfinished) ? Thinning::kQuick : Thinning::kFull;
     const LargeFirst by_size = large_first(refiners_.size(), 500, [&](std::uint32_t p) -> std::size_t {
       return refiners_[PatchId(p)] ? refiners_[PatchId(p)]->triangle_count() : 0;
     });
@@ -134,7 +164,7 @@ class Rounds {
       PatchRefiner* refiner = refiners_[PatchId(p)].get();
       if (refiner == nullptr) return;
       refiner->begin_turn(scratch_.local());
-      refiner->thin_out(control_, progress_);
+      refiner->thin_out(thinning, control_, progress_);
       refiner->end_turn();
     });
     return true;
@@ -324,7 +354,7 @@ class Rounds {
     std::atomic<bool> is_any_split = true;  ///< a chord of the last list was split
   };
 
-  struct Thinning {
+  struct ThinningWork {
     /// True if patches were thinned out since they all began, or since they were taken up again.
     bool is_done = false;
     int times_taken_up = 0;
@@ -350,7 +380,8 @@ class Rounds {
   tbb::enumerable_thread_specific<RefinerScratch> scratch_;
   Barrier barrier_;
   ChordWork chords_;
-  Thinning thinning_;
+  ThinningWork thinning_;
+  int restarts_ = 0;
   Refinement result_;
 };
 

@@ -92,6 +92,9 @@ class SizeField::Sampler {
     largest_ = goals.max_edge_length / surface.unit;
     coarse_ = kCoarse * box_.diagonal();
     tolerance_ = plane_tolerance / surface.unit;
+    max_faces_ = goals.max_faces;
+    max_samples_ = static_cast<std::size_t>(
+        std::clamp<std::uint64_t>(goals.max_faces, SizeField::kFewSamples, SizeField::kMaxSamples));
   }
 
   void sample_gaps(const GapSearch& gaps);
@@ -114,6 +117,7 @@ class SizeField::Sampler {
   struct Output {
     std::vector<Sample> samples;
     std::vector<Cell> cells;
+    std::uint64_t steps = 0;  ///< of the searches
   };
 
   /// This is a triangle of a patch, with the bounding box of its part in a cell.
@@ -122,7 +126,7 @@ class SizeField::Sampler {
     Box3 box;
   };
 
-  void look_at(const GapSearch& gaps, const Cell& cell, bool may_cut, Output& out) const;
+  void look_at(const GapSearch& gaps, const Cell& cell, bool may_cut, std::uint64_t max_steps, Output& out) const;
   static void cut(PatchId patch, std::span<const Part> parts, const Box3& box, int axes, std::vector<Cell>& cells);
   /// Looks at n cells, which cell_at(i) returns, in parallel. The results are in their order.
   template <class CellAt>
@@ -145,10 +149,14 @@ class SizeField::Sampler {
   double largest_;
   double coarse_;
   double tolerance_;
+  std::uint64_t max_faces_;
+  std::size_t max_samples_;
+  WorkBound work_;  ///< the steps of searches for gaps
   std::vector<Sample> samples_;
 };
 
-void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool may_cut, Output& out) const {
+void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool may_cut, std::uint64_t max_steps,
+                                 Output& out) const {
   const auto triangles = gaps.triangles_of(cell.patch);
   const Axes& axes = gaps.axes_of(cell.patch);
   // A curved patch may lie in several layers on top of each other.
@@ -192,7 +200,8 @@ void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool m
   // Beyond this distance, no place of the cell has a gap that asks for less than the largest size.
   const double limit = (proximity_ * largest_ + reach) * surface_.unit;
   const Vec3 place = surface_.centre + surface_.unit * axes.in_space(middle);
-  const double gap = gaps.at(place, cell.patch, limit, on) / surface_.unit;
+  WorkBound work(max_steps);
+  const double gap = gaps.at(place, cell.patch, limit, on, &work) / surface_.unit;
   const auto is_too_large_for = [&](double distance, double share) {
     return distance < HUGE_VAL && reach > share * std::max(distance, std::max(proximity_, 1.0) * floor_);
   };
@@ -200,10 +209,13 @@ void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool m
   const auto is_too_large_beside = [&] {
     constexpr double kMoreThanMatters = 1.1;
     const double near = std::min(limit, kMoreThanMatters / kReachBeside * reach * surface_.unit);
-    if (is_too_large_for(gaps.beside(pieces, cell.patch, near) / surface_.unit, kReachBeside)) return true;
-    return reach > coarse_ && is_too_large_for(gaps.nearest(place, cell.patch, limit, on) / surface_.unit, kReach);
+    if (is_too_large_for(gaps.beside(pieces, cell.patch, near, &work) / surface_.unit, kReachBeside)) return true;
+    return reach > coarse_ &&
+           is_too_large_for(gaps.nearest(place, cell.patch, limit, on, &work) / surface_.unit, kReach);
   };
-  if (may_cut && (is_too_large_for(gap, kReach) || is_too_large_beside())) {
+  const bool is_cut = may_cut && (is_too_large_for(gap, kReach) || is_too_large_beside());
+  out.steps += work.taken();
+  if (is_cut) {
     cut(cell.patch, parts, box, axis_count, out.cells);
     return;
   }
@@ -239,17 +251,23 @@ template <class CellAt>
 std::vector<SizeField::Sampler::Cell> SizeField::Sampler::look_at_all(const GapSearch& gaps, std::size_t n,
                                                                       const CellAt& cell_at) {
   constexpr std::size_t kBlock = 64;
-  const bool may_cut = samples_.size() + n <= std::max(kMaxSamples, 4 * gaps.patch_count()) / 2;
+  if (n == 0) return {};
+  // A search may take many times as long as the others of its round.
+  constexpr std::uint64_t kUneven = 4, kMinSteps = 256;
+  const std::uint64_t max_steps = std::max(
+      kMinSteps, work_.left() / n > WorkBound::kNone / kUneven ? WorkBound::kNone : work_.left() / n * kUneven);
+  const bool may_cut = !work_.is_spent() && samples_.size() + n <= std::max(max_samples_, 4 * gaps.patch_count()) / 2;
   std::vector<Output> found = map_blocks<Output>(n, kBlock, control_, [&](std::size_t begin, std::size_t end) {
     Output out;
     for (std::size_t i = begin; i < end; ++i) {
       control_.check();
-      look_at(gaps, cell_at(i), may_cut, out);
+      look_at(gaps, cell_at(i), may_cut, max_steps, out);
     }
     return out;
   });
   std::vector<Cell> cells;
   for (Output& out : found) {
+    work_.take(out.steps);
     samples_.insert(samples_.end(), out.samples.begin(), out.samples.end());
     std::move(out.cells.begin(), out.cells.end(), std::back_inserter(cells));
   }
@@ -263,6 +281,9 @@ void SizeField::Sampler::sample_gaps(const GapSearch& gaps) {
     std::iota(cell.triangles.begin(), cell.triangles.end(), 0u);
     return cell;
   };
+  std::size_t triangles = 0;
+  for (std::size_t p = 0; p < gaps.patch_count(); ++p) triangles += gaps.triangles_of(PatchId(p)).size();
+  work_ = WorkBound(kWorkOfSizes.steps(triangles, max_faces_));
   // Whole patches are looked at first, and then the cells into which they are cut, round by round.
   std::vector<Cell> cells = look_at_all(gaps, gaps.patch_count(), whole_patch);
   while (!cells.empty())
@@ -412,8 +433,14 @@ inline double SizeField::size_from(std::size_t slot, const Vec3& p, double radiu
   return samples_[slot].tag.value + slope_ * std::max(0.0, distance(slot, p) - radius);
 }
 
-double SizeField::at(const Vec3& place) const {
-  if (is_uniform()) return largest_;
+double SizeField::at(const Vec3& place) const { return is_uniform() ? largest_ : local_at(place) * unit_; }
+
+SizeField::Limit SizeField::limit_at(const Vec3& place) const {
+  return {largest_, is_uniform() ? largest_ / unit_ : local_at(place), unit_};
+}
+
+/// Returns the size at a place in local units.
+double SizeField::local_at(const Vec3& place) const {
   const Vec3 p = local(place);
   double best = largest_ / unit_;
   if (last_found < samples_.size()) best = std::min(best, size_from(last_found, p));
@@ -426,7 +453,7 @@ double SizeField::at(const Vec3& place) const {
           last_found = slot;
         }
       });
-  return best * unit_;
+  return best;
 }
 
 bool SizeField::allows(double length, const Vec3& place, double radius) const {

@@ -56,8 +56,10 @@ class SizeField {
   static SizeField without_floor(const Surface& surface, std::span<const std::array<VertexId, 2>> segments,
                                  const Goals& goals, RunControl& control);
 
-  /// Cells are not cut further if that would make more than this number of samples, and more than four for each patch.
+  /// Cells are not cut further if that would make more samples than faces are allowed, and more than four for each
+  /// patch. There are never more than kMaxSamples for that reason, and kFewSamples are always allowed.
   static constexpr std::size_t kMaxSamples = std::size_t{1} << 19;
+  static constexpr std::size_t kFewSamples = std::size_t{1} << 15;
 
   /// Sizes are stored in single precision, so sizes of the same gap differ in their last digits. They differ by less
   /// than this fraction.
@@ -74,6 +76,16 @@ class SizeField {
 
   /// Returns the size at a place in model units. It may be called from any thread.
   double at(const Vec3& place) const;
+  /// Returns by how much the size grows at most per distance.
+  double slope() const { return slope_; }
+  /// This is the size at one place. It allows exactly the lengths that `allows` allows there.
+  struct Limit {
+    double largest;  ///< model units
+    double size;     ///< local units
+    double unit;     ///< of the local units
+    bool allows(double length) const { return length <= largest && length / unit <= size; }
+  };
+  Limit limit_at(const Vec3& place) const;
   /// Returns whether length <= at(place). This is several times faster than at(), and the faster the clearer the answer
   /// is. With a radius, returns whether this is so for all places within the radius. In that case it may return false
   /// although it is so.
@@ -107,6 +119,7 @@ class SizeField {
   double farthest(std::size_t slot, std::size_t from) const;
   bool is_dominated(std::size_t slot) const;
   void drop_dominated(RunControl& control);
+  double local_at(const Vec3& place) const;
   Vec3 local(const Vec3& place) const { return (1 / unit_) * (place - centre_); }
 
   double largest_;

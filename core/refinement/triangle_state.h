@@ -12,10 +12,13 @@ namespace remesh {
 class TriangleState {
  public:
   static constexpr TriangleState good() { return TriangleState(kGood); }
+  /// It meets the goals, and thinning out has looked at the points around it since it was made.
+  static constexpr TriangleState settled() { return TriangleState(kSettled); }
   static constexpr TriangleState waiting() { return TriangleState(kWaiting); }
   explicit constexpr TriangleState(UnrefinedReason why) : value_(static_cast<std::uint8_t>(why)) {}
 
-  bool is_good() const { return value_ == kGood; }
+  bool is_good() const { return value_ == kGood || value_ == kSettled; }
+  bool is_settled() const { return value_ == kSettled; }
   bool is_waiting() const { return value_ == kWaiting; }
   /// The triangle must be one that stays.
   UnrefinedReason reason() const {
@@ -24,7 +27,7 @@ class TriangleState {
   }
 
  private:
-  static constexpr std::uint8_t kGood = 0xff, kWaiting = 0xfe;
+  static constexpr std::uint8_t kGood = 0xff, kWaiting = 0xfe, kSettled = 0xfd;
   explicit constexpr TriangleState(std::uint8_t value) : value_(value) {}
 
   std::uint8_t value_;

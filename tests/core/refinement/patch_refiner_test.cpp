@@ -337,7 +337,7 @@ TEST(patch_refiner, thinned_out_it_has_fewer_faces_within_the_same_bounds) {
         refiner.run(kNoLimit, subject.progress);
         ASSERT_TRUE(refiner.is_done());
         const PatchRefiner::Refined before = refiner.finish();
-        refiner.thin_out(subject.chain.control, subject.progress);
+        refiner.thin_out(Thinning::kFull, subject.chain.control, subject.progress);
         EXPECT_TRUE(refiner.is_done());
         const PatchRefiner::Refined after = refiner.finish();
         expect_sound(subject, after);
@@ -371,7 +371,7 @@ TEST(patch_refiner, thinned_out_no_edge_becomes_shorter_than_the_shortest_allowe
         PatchRefiner refiner = subject.refiner();
         refiner.run(kNoLimit, subject.progress);
         const std::uint32_t faces = refiner.triangle_count();
-        refiner.thin_out(subject.chain.control, subject.progress);
+        refiner.thin_out(Thinning::kFull, subject.chain.control, subject.progress);
         thinned += refiner.triangle_count() < faces ? 1 : 0;
         EXPECT_GE(shortest_edge(subject, refiner.finish().patch), *options.min_edge_length)
             << share << " of " << length << " at " << degrees;
@@ -388,7 +388,7 @@ TEST(patch_refiner, thinning_out_can_be_stopped) {
   RunControl control;
   RefinementProgress progress(subject.chain.control, 1);
   control.cancel();
-  EXPECT_THROW(refiner.thin_out(control, progress), Error);
+  EXPECT_THROW(refiner.thin_out(Thinning::kFull, control, progress), Error);
 }
 
 TEST(patch_refiner, without_sizes_nothing_is_thinned_out) {
@@ -396,7 +396,7 @@ TEST(patch_refiner, without_sizes_nothing_is_thinned_out) {
   PatchRefiner refiner = subject.refiner();
   refiner.run(kNoLimit, subject.progress);
   const std::uint32_t before = refiner.triangle_count();
-  refiner.thin_out(subject.chain.control, subject.progress);
+  refiner.thin_out(Thinning::kFull, subject.chain.control, subject.progress);
   EXPECT_EQ(refiner.triangle_count(), before);
 }
 

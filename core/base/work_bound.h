@@ -1,0 +1,64 @@
+/// Bounds on the work of stages. They are counted in steps and never in seconds.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+
+namespace remesh {
+
+/// Counts the steps of a stage against a bound. A stage whose bound is spent goes on with a coarser answer and tells
+/// so. Steps are counted where all threads have come together, or within a piece of work that one thread does alone. So
+/// the answer is the same on every machine and for any number of threads.
+class WorkBound {
+ public:
+  static constexpr std::uint64_t kNone = std::numeric_limits<std::uint64_t>::max();
+
+  explicit WorkBound(std::uint64_t max_steps = kNone) : max_steps_(max_steps) {}
+
+  void take(std::uint64_t steps) { taken_ += std::min(steps, kNone - taken_); }
+  std::uint64_t taken() const { return taken_; }
+  std::uint64_t left() const { return max_steps_ - std::min(max_steps_, taken_); }
+  bool is_spent() const { return left() == 0; }
+
+ private:
+  std::uint64_t max_steps_;
+  std::uint64_t taken_ = 0;
+};
+
+/// This is a row of the table of bounds: a number of steps for each face of the input and for each face that the output
+/// may have, times the logarithm of their number, and some steps that are always allowed.
+struct StageWork {
+  enum class Growth { kTimesLog, kLinear };
+
+  std::uint64_t per_input_face, per_output_face, always;
+  Growth growth = Growth::kTimesLog;
+
+  constexpr std::uint64_t steps(std::uint64_t input, std::uint64_t output) const {
+    // So many faces stand for no limit. Below, the products are still numbers.
+    constexpr std::uint64_t kMany = std::uint64_t{1} << 36;
+    if (input >= kMany || output >= kMany) return WorkBound::kNone;
+    std::uint64_t log = 1;
+    while (growth == Growth::kTimesLog && (input + output) >> log != 0) ++log;
+    return always + log * (input * per_input_face + output * per_output_face);
+  }
+};
+
+/// The searches for gaps from which sizes are found. A step is a box that a search looks at.
+/// Good surfaces take 100 to 400 steps for each place that gets a size of its own, and have fewer such places than faces
+/// in the output.
+inline constexpr StageWork kWorkOfSizes{256, 4, 1 << 20};
+
+/// The search for the smallest gap of the whole surface, from one triangle after the other. A step is a box.
+inline constexpr StageWork kWorkOfSmallestGap{256, 4, 1 << 20};
+
+/// The refinement of one patch, compared with the triangles that it has so far. A step is a triangle that is treated, or
+/// eight triangles that have to go for one point. Good patches take fewer than ten steps for each triangle.
+inline constexpr StageWork kWorkOfPatch{0, 8, 1 << 18};
+
+/// All attempts to refine a surface. A step is a triangle of an attempt. So an attempt that fails with all faces that
+/// are allowed can be repeated with a few of them, and one with few faces can be repeated often.
+inline constexpr StageWork kWorkOfAttempts{0, 1, 1 << 15, StageWork::Growth::kLinear};
+
+}  // namespace remesh
