@@ -29,7 +29,11 @@ inline constexpr std::uint64_t kStepsPerOrientedBox = 4;
 class PairSearch {
  public:
   PairSearch(const SearchLimits& limits, RunControl& control, SelfIntersections found = {})
-      : limits_(limits), control_(control), result_(std::move(found)) {
+      : limits_(limits),
+        control_(control),
+        result_(std::move(found)),
+        progress_before_(control.fraction()),
+        steps_before_(result_.steps) {
     if (!result_.are_all_listed && result_.is_complete) unexpected_ = result_.pairs.size() - move_expected_to_end();
   }
 
@@ -60,6 +64,13 @@ class PairSearch {
       if (!result_.is_complete) return;
     }
   }
+  /// Sets the progress within the stage. Nobody knows how many steps there will be, so progress takes ever smaller
+  /// steps towards 1, but never stops.
+  void tell_progress() {
+    constexpr double kHalfTheWay = 1 << 26;
+    const auto steps = static_cast<double>(result_.steps - steps_before_);
+    control_.progress(progress_before_ + (1 - progress_before_) * steps / (steps + kHalfTheWay));
+  }
   /// Ends the search if it has taken more steps than it may.
   void end_if_long() {
     if (result_.steps > limits_.max_steps) result_.are_all_listed = result_.is_complete = false;
@@ -87,6 +98,8 @@ class PairSearch {
   const SearchLimits limits_;
   RunControl& control_;
   SelfIntersections result_;
+  const double progress_before_;
+  const std::uint64_t steps_before_;
   std::size_t unexpected_ = 0;  ///< the number of pairs that are not expected; 0 as long as all pairs are listed
 };
 
@@ -140,6 +153,7 @@ std::size_t gather_pairs(std::size_t n, std::size_t block, PairSearch& search, c
       if (in_turn.next < round[r].end) left.push_back({in_turn.next, round[r].end});
     }
     if (!left.empty() || begin < n) search.end_if_long();
+    search.tell_progress();
   }
   return done;
 }
