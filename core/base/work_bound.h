@@ -36,7 +36,7 @@ struct StageWork {
   Growth growth = Growth::kTimesLog;
 
   constexpr std::uint64_t steps(std::uint64_t input, std::uint64_t output) const {
-    // So many faces stand for no limit. Below, the products are still numbers.
+    // This many faces stand for no limit. With fewer, the products below are still numbers.
     constexpr std::uint64_t kMany = std::uint64_t{1} << 36;
     if (input >= kMany || output >= kMany) return WorkBound::kNone;
     std::uint64_t log = 1;
@@ -46,15 +46,15 @@ struct StageWork {
 };
 
 /// The searches for gaps from which sizes are found. A step is a box that a search looks at.
-/// Good surfaces take 100 to 400 steps for each place that gets a size of its own, and have fewer such places than faces
-/// in the output.
+/// Good surfaces take 100 to 400 steps for each place that gets a size of its own, and have fewer such places than
+/// faces in the output.
 inline constexpr StageWork kWorkOfSizes{256, 4, 1 << 20};
 
 /// The search for the smallest gap of the whole surface, from one triangle after the other. A step is a box.
 inline constexpr StageWork kWorkOfSmallestGap{256, 4, 1 << 20};
 
-/// The refinement of one patch, compared with the triangles that it has so far. A step is a triangle that is treated, or
-/// eight triangles that have to go for one point. Good patches take fewer than ten steps for each triangle.
+/// The refinement of one patch, compared with the triangles that it has so far. A step is a triangle that is treated,
+/// or eight triangles that have to go for one point. Good patches take fewer than ten steps for each triangle.
 inline constexpr StageWork kWorkOfPatch{0, 8, 1 << 18};
 
 /// All attempts to refine a surface. A step is a triangle of an attempt. So an attempt that fails with all faces that

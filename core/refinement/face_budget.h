@@ -36,8 +36,10 @@ class FaceBudget {
   std::uint64_t share(std::size_t i) const { return shares_[i]; }
   /// Returns whether too little for another round was left when the budget was last shared out.
   bool is_spent() const { return is_limited() && left_ < kWorthwhile; }
-  /// Returns whether this number of triangles leaves enough of the budget for a round over all patches.
-  bool has_room_for_more(std::uint64_t faces) const { return faces <= max_faces_ - max_faces_ / kRoomForMore; }
+  /// Returns whether this number of triangles leaves a certain part of the budget.
+  bool has_room_for_more(std::uint64_t faces, double part) const {
+    return static_cast<double>(faces) <= (1 - part) * static_cast<double>(max_faces_);
+  }
 
   /// The following functions count the triangles that are made. Any thread may call them. During turns the count only
   /// grows, and each turn adds the same whenever it runs. So whether there are too many triangles does not depend on
@@ -49,8 +51,6 @@ class FaceBudget {
  private:
   /// It may take this number of triangles to mend one or two bad ones.
   static constexpr std::uint64_t kWorthwhile = 16;
-  /// If less than one kRoomForMore-th of the budget is left, a round over all patches is not worth while.
-  static constexpr std::uint64_t kRoomForMore = 32;
 
   const std::uint64_t max_faces_, max_made_;
   std::uint64_t left_ = kNoFaceLimit;  ///< what was left of the budget when it was last shared out

@@ -188,6 +188,8 @@ bool is_curved(const TriangulatedPatches& triangulated, PatchId p) {
 
 }  // namespace
 
+/// This class is larger than the bound because all searches go through the same tree, and each has its own reasons to
+/// leave out boxes.
 class GapSearch::Index {
  public:
   Index(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches, double plane_tolerance,
@@ -501,8 +503,8 @@ void GapSearch::Index::look_at_corners(SharedLeast& least, RunControl& control) 
   });
 }
 
-/// Looks from one triangle after the other. What is found makes the later searches short. The triangles are looked at in
-/// batches that grow, and those of a batch know what was found in the batches before, and by the same thread. So the
+/// Looks from one triangle after the other. What is found makes the later searches short. The triangles are looked at
+/// in batches that grow, and those of a batch know what was found in the batches before, and in their own block. So the
 /// steps that a batch takes do not depend on threads.
 void GapSearch::Index::look_between_triangles(SharedLeast& least, std::uint64_t max_output_faces,
                                               RunControl& control) const {

@@ -66,8 +66,9 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
     Goals within_budget = goals_;
     within_budget.max_faces = budget;
     if (goals_.min_angle_deg > 0) within_budget.min_angle_deg += angle_margin_;
-    return remesh::refine({on.surface, frozen_, within_budget, sizes, prediction, max_made}, std::move(segments),
-                          triangulated, control_);
+    const Thinning thinning = is_hopeless_ ? Thinning::kQuick : Thinning::kFull;
+    return remesh::refine({on.surface, frozen_, within_budget, sizes, prediction, max_made, thinning},
+                          std::move(segments), triangulated, control_);
   };
   // The first attempt may make all faces that are allowed, and later ones what the bound on the work leaves.
   const bool is_cut_short = work_.taken() > 0 && work_.left() < budget_;
@@ -83,10 +84,10 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
     work_.take(refined.reason.size());
     return refined;
   };
-  needs_budget_ = needs_budget_ || !is_worth_trying_without_budget();
+  if (!needs_budget_ && !is_worth_trying_without_budget()) needs_budget_ = is_hopeless_ = true;
   if (!needs_budget_) {
     if (auto refined = attempt(kNoLimit, max_made())) return measured(*std::move(refined));
-    needs_budget_ = true;
+    needs_budget_ = is_hopeless_ = true;
   }
   return measured(attempt(is_cut_short ? work_.left() : budget_, kNoLimit).value());
 }

@@ -94,8 +94,8 @@ class GoalRefinement {
   /// An attempt without a budget ends when it makes more than kMaxMade times the faces allowed, or kMaxMadeBeyond more
   /// than these, which would take a few GB of memory. See experiments.md, Prediction.
   static constexpr std::uint64_t kMaxMade = 4, kMaxMadeBeyond = std::uint64_t{1} << 23;
-  /// It also ends when it makes more faces than allowed and kMaxOfPredicted times those that are predicted. Thinning out
-  /// leaves a third at least, so the prediction was far too low, and nothing tells that there is an end at all.
+  /// It also ends when it makes more faces than allowed and kMaxOfPredicted times those that are predicted. Thinning
+  /// out leaves a third at least, so the prediction was far too low, and nothing tells that there is an end at all.
   static constexpr double kMaxOfPredicted = 4;
   /// An attempt without a budget is not worth while if more than kHopeless times the faces allowed are predicted. Up to
   /// kFewFaces it is tried in any case, for two reasons: where boundaries are locked or edges must not be short,
@@ -128,6 +128,7 @@ class GoalRefinement {
   bool are_any_curved_ = false;
   double angle_margin_ = 0;    ///< in degrees
   bool needs_budget_ = false;  ///< an attempt without a budget made too many faces, or would
+  bool is_hopeless_ = false;   ///< far more faces than allowed were predicted or made
   int retries_ = 0;
   std::uint64_t last_faces_ = 0;            ///< the faces of the last result that was over its budget; 0: none yet
   IdVector<PatchId, std::uint8_t> frozen_;  ///< one per patch; not 0: it is not refined

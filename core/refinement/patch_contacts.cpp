@@ -29,8 +29,8 @@ std::atomic<std::uint64_t> made = 0;
 
 }  // namespace
 
-/// What two patches share, if that is little. A search for gaps asks about the same few pairs of patches at place after
-/// place, and each answer would go through a whole border.
+/// Holds what two patches share, if that is little. A search for gaps asks about the same few pairs of patches at place
+/// after place, and each answer would go through a whole border.
 struct PatchContacts::Shared {
   /// This is an edge, or a vertex with a = b.
   struct Item {

@@ -72,7 +72,8 @@ class PatchSizes {
   double for_new_triangle(Vec2 corner, Vec2 place) const;
   /// Returns whether an edge may have that length at a place when points are removed.
   bool allows_when_thinned(double length, Vec2 p) const;
-  /// This answers `allows_when_thinned` for one place and many lengths. It may be asked as long as this object is there.
+  /// This answers `allows_when_thinned` for one place and many lengths. It may be asked as long as this object is
+  /// there.
   class LimitWhenThinned;
   LimitWhenThinned limit_when_thinned(Vec2 p) const;
   /// Returns the sizes of the lattices that fill wide areas. There must be sizes, and this object must outlive the
@@ -104,8 +105,8 @@ class PatchSizes::LimitWhenThinned {
     const double in_space = length * scale_;
     return in_space <= sizes_.criteria_.even_size && (!does_vary_ || there_.allows(in_space));
   }
-  /// Tells which lengths are allowed within some distance of the place: those up to `everywhere`, and none that is longer
-  /// than `nowhere`. If nothing is known, these are negative and infinity.
+  /// Tells which lengths are allowed within some distance of the place: those up to `everywhere`, and none that is
+  /// longer than `nowhere`. If nothing is known, these are negative and infinity.
   struct Around {
     double everywhere, nowhere;
   };

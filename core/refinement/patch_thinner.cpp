@@ -169,7 +169,7 @@ std::optional<Vec2> PatchThinner::place_within(std::span<const std::uint32_t> ri
       nearest_squared = std::min(nearest_squared, squared_length(q - p));
       if (squared_length(q - p) > squared_length(farthest - p)) farthest = q;
     }
-    // What is known of the sizes there answers most questions. The others are searches.
+    // The size at one place answers most questions about places near it. The others are searches.
     const auto is_within_reach = [&](Vec2 q) {
       const double length = norm(q - p);
       const Vec2 middle = 0.5 * (p + q);
@@ -241,8 +241,8 @@ std::uint32_t PatchThinner::put_in(Vec2 p, MinSpacing spacing, double worst_shap
   return kNone;
 }
 
-/// Lists the points from `first` on that thinning out has to look at: those around which, or around a neighbour of which,
-/// a triangle has changed since it was done last.
+/// Lists the points from `first` on that thinning out has to look at: those around which, or around a neighbour of
+/// which, a triangle has changed since it was done last.
 void PatchThinner::list_unsettled(std::uint32_t first, std::pmr::vector<std::uint8_t>& is_waiting) {
   enum : std::uint8_t { kChanged = 1, kBeside = 2 };
   StackMemory memory;

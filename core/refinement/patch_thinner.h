@@ -38,8 +38,8 @@ class PatchThinner {
   PatchThinner(const PatchSizes& sizes, WorkingPatch& patch, RefinerScratch& scratch)
       : sizes_(sizes), criteria_(sizes.criteria()), patch_(patch), mesh_(patch.mesh), scratch_(scratch) {}
 
-  /// Looks at all points inside from the vertex `first` on, and at those that get other neighbours meanwhile. Points are
-  /// left out if nothing has changed around them and their neighbours since they were looked at before.
+  /// Looks at all points inside from the vertex `first` on, and at those that get other neighbours meanwhile. Points
+  /// are left out if nothing has changed around them and their neighbours since they were looked at before.
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
   void thin_out(std::uint32_t first, Thinning thinning, RunControl& control);
 

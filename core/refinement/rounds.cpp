@@ -7,6 +7,7 @@
 #include <atomic>
 #include <memory>
 #include <numeric>
+#include <span>
 #include <utility>
 
 #include "core/base/blocks.h"
@@ -22,10 +23,32 @@
 namespace remesh {
 namespace {
 
+/// Each of the first restarts locks only the segments that had to be cut where rounding left no room. Later ones lock
+/// all segments of the patches beside these, and in the end all there are. So there are few restarts.
+constexpr int kPatientRestarts = 8, kMaxRestarts = 16;
+
+/// Locks segments before the refinement begins again for that reason.
+/// Input: `restarts` counts this one, too.
+void lock_for_restart(SegmentTable& segments, std::span<const SegmentId> impossible, int restarts,
+                      const RunControl& control) {
+  StopCheck check(control);
+  for (const SegmentId s : impossible) {
+    segments.lock(s);
+    if (restarts <= kPatientRestarts) continue;
+    for (const SegmentSide& beside : segments.sides(s))
+      for (const std::uint32_t side : segments.sides_of_patch(beside.patch)) {
+        check();
+        segments.lock(segments.all_sides()[side].segment);
+      }
+  }
+  if (restarts < kMaxRestarts) return;
+  for (std::size_t s = 0; s < segments.size(); ++s) segments.lock(SegmentId(s));
+}
+
 /// Runs one refinement, from the sizes on segments to the refined patches. If rounding leaves no room for a cut, its
 /// segment is locked and everything begins again. From the first chord on, the refiners of patches must be there for
-/// some more passes. If there are too many triangles to keep them for a chord that may not come, everything begins again
-/// then, too.
+/// some more passes. If there are too many triangles to keep them for a chord that may not come, everything begins
+/// again then, too.
 class Rounds {
  public:
   Rounds(const RefinementInput& input, SegmentTable segments, TriangulatedPatches& triangulated, RunControl& control)
@@ -46,11 +69,11 @@ class Rounds {
 
   std::optional<Refinement> run() {
     begin();
-    for (int passes = 0;;) {
+    for (int passes = 0, restarts = 0;;) {
       settle();
       if (budget_.is_too_much_made()) return std::nullopt;
       if (!barrier_.impossible.empty()) {
-        lock_impossible();
+        lock_for_restart(segments_, barrier_.impossible, ++restarts, control_);
         begin();
         continue;
       }
@@ -90,29 +113,9 @@ class Rounds {
   static constexpr std::uint64_t kMaxFacesKept = std::uint64_t{1} << 19;
   /// Limits the number of times that refinement goes on after thinning out. Most is done by then: the last time brings
   /// only a few per cent.
-  static constexpr int kMaxTakenUp = 4;
-
-  /// Each of the first restarts locks only the segments that had to be cut where rounding left no room. Later ones lock
-  /// all segments of the patches beside these, and in the end all there are. So there are few restarts.
-  static constexpr int kPatientRestarts = 8, kMaxRestarts = 16;
-
-  void lock_impossible() {
-    ++restarts_;
-    StopCheck check(control_);
-    const auto lock_all_of = [&](PatchId p) {
-      for (const std::uint32_t side : segments_.sides_of_patch(p)) {
-        check();
-        segments_.lock(segments_.all_sides()[side].segment);
-      }
-    };
-    for (const SegmentId s : barrier_.impossible) {
-      segments_.lock(s);
-      if (restarts_ <= kPatientRestarts) continue;
-      for (const SegmentSide& side : segments_.sides(s)) lock_all_of(side.patch);
-    }
-    if (restarts_ < kMaxRestarts) return;
-    for (std::size_t s = 0; s < segments_.size(); ++s) segments_.lock(SegmentId(s));
-  }
+  static constexpr int kMaxTakenUp = 8, kMaxTakenUpQuickly = 4;
+  /// If less than this part of the budget is left, a round over all patches is not worth while.
+  static constexpr double kRoomForMore = 1.0 / 128, kRoomForMoreQuickly = 1.0 / 32;
 
   PatchMeshes& meshes() { return triangulated_.meshes; }
   bool is_frozen(PatchId p) const { return input_.is_frozen[p] != 0; }
@@ -156,7 +159,7 @@ class Rounds {
     if (std::exchange(thinning_.is_done, true) || !criteria_.is_thinned()) return false;
     const auto is_unfinished = [](const auto& refiner) { return refiner != nullptr && !refiner->is_done(); };
     const Thinning thinning =
-        std::any_of(refiners_.begin(), refiners_.end(), is_unfinished) ? Thinning::kQuick : Thinning::kFull;
+        std::any_of(refiners_.begin(), refiners_.end(), is_unfinished) ? input_.thinning_in_budget : Thinning::kFull;
     const LargeFirst by_size = large_first(refiners_.size(), 500, [&](std::uint32_t p) -> std::size_t {
       return refiners_[PatchId(p)] ? refiners_[PatchId(p)]->triangle_count() : 0;
     });
@@ -173,11 +176,13 @@ class Rounds {
   /// If the budget has ended refinement, thinning out may have made room again. Then the patches that have something to
   /// do go on. The number of times is limited, because what is refined and what is thinned out may be the same.
   bool take_up_again() {
-    if (!budget_.is_limited() || thinning_.times_taken_up == kMaxTakenUp) return false;
+    const bool is_quick = input_.thinning_in_budget == Thinning::kQuick;
+    if (!budget_.is_limited() || thinning_.times_taken_up == (is_quick ? kMaxTakenUpQuickly : kMaxTakenUp))
+      return false;
     for (std::size_t p = 0; p < refiners_.size(); ++p)
       if (refiners_[PatchId(p)] && !refiners_[PatchId(p)]->is_done()) barrier_.dirty.push_back(PatchId(p));
     if (barrier_.dirty.empty()) return false;
-    if (!budget_.has_room_for_more(count_faces())) {
+    if (!budget_.has_room_for_more(count_faces(), is_quick ? kRoomForMoreQuickly : kRoomForMore)) {
       barrier_.dirty.clear();
       return false;
     }
@@ -381,7 +386,6 @@ class Rounds {
   Barrier barrier_;
   ChordWork chords_;
   ThinningWork thinning_;
-  int restarts_ = 0;
   Refinement result_;
 };
 

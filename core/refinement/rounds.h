@@ -10,6 +10,7 @@
 #include "core/mesh/surface.h"
 #include "core/patches/triangulated_patches.h"
 #include "core/refinement/goals.h"
+#include "core/refinement/patch_thinner.h"
 #include "core/refinement/patches_aside.h"
 #include "core/refinement/prediction.h"
 #include "core/refinement/segment_table.h"
@@ -42,6 +43,8 @@ struct RefinementInput {
   const Prediction& prediction;  ///< used for the progress, and for sharing out a budget at first
   /// Refinement ends as soon as it is clear that there will at some time be more triangles than this.
   std::uint64_t max_made;
+  /// Tells how patches are thinned out where the budget ends refinement before the goals are met.
+  Thinning thinning_in_budget = Thinning::kFull;
 };
 
 /// Refines in rounds. In a round, every patch that has something to do is refined alone, in parallel with the others.

@@ -117,7 +117,7 @@ class SizeField::Sampler {
   struct Output {
     std::vector<Sample> samples;
     std::vector<Cell> cells;
-    std::uint64_t steps = 0;  ///< of the searches
+    std::uint64_t steps = 0;  ///< the work that the searches took
   };
 
   /// This is a triangle of a patch, with the bounding box of its part in a cell.

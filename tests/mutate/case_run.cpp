@@ -77,6 +77,9 @@ class Trier {
     result_.seconds += end.wall_s;
     result_.stop_busy_ms = std::max(result_.stop_busy_ms, end.stop_busy_ms);
     result_.outcome = outcome_of(end, is_to_be_stopped);
+    if (end.busy_s > limits_.busy_s)
+      find("slow", "it took " + api::number_text(end.busy_s) + " s of processor time" +
+                       (end.was_stopped ? " and was stopped in the stage " + std::string(stage_name(end.stage)) : ""));
     if (end.ending == Ending::kStrange) find("strange exception", end.strange);
     if (end.ending == Ending::kRefused &&
         (end.error->code == Code::kInternal || end.error->code == Code::kVerificationFailed))

@@ -103,6 +103,7 @@ int run(int argc, char** argv) {
                      {"jobs", "1"},
                      {"memory", "4096"},
                      {"time-limit", kIsSanitized ? "120" : "20"},
+                     {"busy-limit", kIsSanitized ? "100" : "10"},
                      {"stop-limit", kIsSanitized ? "5000" : "200"},
                      {"max-bytes", "200000"},
                      {"mutations", "any"},
@@ -117,6 +118,7 @@ int run(int argc, char** argv) {
   plan.max_mb = static_cast<std::size_t>(flags.integer("memory"));
   plan.mutations = flags.text("mutations") == "none" ? Mutations::kNone : Mutations::kAny;
   plan.limits.time_s = flags.number("time-limit");
+  plan.limits.busy_s = flags.number("busy-limit");
   plan.limits.stop_ms = flags.number("stop-limit");
   plan.folder = flags.text("found");
   plan.remesh_program = flags.text("remesh");

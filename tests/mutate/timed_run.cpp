@@ -65,6 +65,7 @@ void run(const std::function<void(RunControl&)>& work, Shared& shared) {
 RunEnd run_watched(const std::function<void(RunControl&)>& work, double stop_after_s, double patience_s, int workers) {
   const auto shared = std::make_shared<Shared>();
   const Clock::time_point start = Clock::now();
+  const double start_process_s = seconds_of(CLOCK_PROCESS_CPUTIME_ID);
   std::thread thread([work, shared] { run(work, *shared); });
   std::unique_lock lock(shared->mutex);
   const auto is_over = [&] { return shared->is_over; };
@@ -88,6 +89,7 @@ RunEnd run_watched(const std::function<void(RunControl&)>& work, double stop_aft
       never.stage = stage;
       never.stop_wall_ms = never.stop_busy_ms = patience_s * 1e3;
       never.wall_s = stop_after_s + patience_s;
+      never.busy_s = seconds_of(CLOCK_PROCESS_CPUTIME_ID) - start_process_s;
       return never;
     }
   }
@@ -95,6 +97,7 @@ RunEnd run_watched(const std::function<void(RunControl&)>& work, double stop_aft
   thread.join();
   RunEnd result = std::move(shared->result);
   result.wall_s = std::chrono::duration<double>(shared->end - start).count();
+  result.busy_s = shared->end_process_s - start_process_s;
   result.was_stopped = was_stopped;
   result.stage = stage;
   if (was_stopped) {

@@ -23,6 +23,7 @@ struct RunEnd {
   std::optional<Error> error;  ///< the error, for kRefused
   std::string strange;         ///< type and message of the exception, for kStrange
   double wall_s = 0;
+  double busy_s = 0;             ///< processor time of all threads, which is about the time on one core
   bool was_stopped = false;      ///< it was stopped while it ran
   Stage stage = Stage::kQueued;  ///< the stage in which the stop arrived
   double stop_wall_ms = 0;       ///< time from the stop to the end

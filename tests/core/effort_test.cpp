@@ -1,0 +1,144 @@
+// Tests inputs that would take long without a bound on the work of each stage. The answer is verified, tells what was
+// given up, and is the same for any number of workers.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "core/base/work_bound.h"
+#include "core/io/obj.h"
+#include "core/patches/ladder.h"
+#include "core/refinement/gap_search.h"
+#include "core/refinement/goal_refinement.h"
+#include "tests/support/random.h"
+#include "tests/support/refined_checks.h"
+#include "tests/support/shapes.h"
+#include "tests/support/stage_chain.h"
+
+namespace remesh {
+namespace {
+
+/// Makes n squares with one edge in common, like the pages of an open book.
+PolygonMesh pages(std::uint32_t n) {
+  std::vector<Vec3> positions{{0, 0, 0}, {0, 0, 1}};
+  std::vector<std::vector<std::uint32_t>> faces;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const double angle = 2 * std::numbers::pi * i / n;
+    positions.push_back({std::cos(angle), std::sin(angle), 0});
+    positions.push_back({std::cos(angle), std::sin(angle), 1});
+    faces.push_back({0, 2 * i + 2, 2 * i + 3, 1});
+  }
+  return shapes::from_lists(positions, faces);
+}
+
+/// Makes a box in which two neighbouring walls are nearly one plane with a third that cuts through it, so that gaps
+/// close towards long edges.
+PolygonMesh wedges(double width) {
+  const PolygonMesh wedge = shapes::prism({{0, 0}, {1, 0}, {1, width}}, 1);
+  return shapes::joined(wedge, shapes::moved(shapes::rotated(wedge, {1, 2, 3}, 70), {0.3, 0.2, 0.1}));
+}
+
+std::string bytes(const Result& result) {
+  RunControl control;
+  return write_obj(result.mesh, {}, control) + listed_in_words(result.report);
+}
+
+void expect_bounded(const PolygonMesh& mesh, const Options& options) {
+  const Result result = refined(mesh, options, 1);
+  EXPECT_TRUE(result.report.verified.all_true());
+  EXPECT_LE(result.mesh.faces.size(), options.max_output_faces.value());
+  // The measurement does not trust the report.
+  EXPECT_LE(faces_beyond(result.mesh, bounds_of(options), 1e-9).size(), listed(result.report));
+  const std::string one = bytes(result);
+  for (const int workers : {2, 8}) EXPECT_TRUE(one == bytes(refined(mesh, options, workers))) << workers << " workers";
+}
+
+Options with_gaps(std::uint64_t max_faces) {
+  Options options;
+  options.proximity = 1;
+  options.min_angle_deg = 20;
+  options.max_output_faces = max_faces;
+  return options;
+}
+
+TEST(work_bound, counts_steps_until_the_bound_is_spent) {
+  WorkBound bound(10);
+  bound.take(4);
+  EXPECT_EQ(bound.left(), 6u);
+  EXPECT_FALSE(bound.is_spent());
+  bound.take(WorkBound::kNone);
+  EXPECT_EQ(bound.left(), 0u);
+  EXPECT_TRUE(bound.is_spent());
+  WorkBound none;
+  none.take(WorkBound::kNone - 1);
+  EXPECT_FALSE(none.is_spent());
+}
+
+TEST(work_bound, a_stage_has_steps_for_each_face_times_the_logarithm) {
+  const StageWork work{3, 5, 100};
+  // 8 + 8 faces have a logarithm of 5 binary digits.
+  EXPECT_EQ(work.steps(8, 8), 100u + 5 * (3 * 8 + 5 * 8));
+  EXPECT_EQ(work.steps(0, 0), 100u);
+  EXPECT_EQ((StageWork{3, 5, 100, StageWork::Growth::kLinear}.steps(8, 8)), 100u + 3 * 8 + 5 * 8);
+  EXPECT_EQ(work.steps(8, WorkBound::kNone), WorkBound::kNone);
+}
+
+TEST(effort, many_pages_of_one_edge_are_refined_within_the_limit) { expect_bounded(pages(300), with_gaps(3000)); }
+
+TEST(effort, gaps_that_close_along_edges_end_at_the_limit) {
+  const Options options = with_gaps(3000);
+  expect_bounded(wedges(0.01), options);
+  // There is more to do than the limit allows, and that is told.
+  const Report report = refined(wedges(0.01), options).report;
+  EXPECT_GT(listed(report, UnrefinedReason::kBudget) + listed(report, UnrefinedReason::kEffort), 0u);
+}
+
+TEST(effort, a_search_for_gaps_never_answers_less_when_its_work_is_bounded) {
+  const StageChain chain(pages(40));
+  const GapSearch gaps(chain.surface, chain.adjacency, chain.patches, 1e-6, chain.control);
+  Random random(40);
+  int cut_short = 0;
+  for (int i = 0; i < 200; ++i) {
+    const PatchId p(static_cast<std::size_t>(random.below(40)));
+    const Triangle& t = gaps.triangles_of(p)[0];
+    const auto& at = chain.surface.positions;
+    const double u = random.unit(), v = random.unit() * (1 - u);
+    const Vec3 place = at[t[0]] + u * (at[t[1]] - at[t[0]]) + v * (at[t[2]] - at[t[0]]);
+    const double all = gaps.at(place, p, HUGE_VAL);
+    const auto max = static_cast<std::uint64_t>(1 + random.below(60));
+    WorkBound none, few(max);
+    EXPECT_EQ(gaps.at(place, p, HUGE_VAL, nullptr, &none), all);
+    EXPECT_GE(gaps.at(place, p, HUGE_VAL, nullptr, &few), all);
+    EXPECT_EQ(few.is_spent(), none.taken() >= max);
+    cut_short += few.is_spent() ? 1 : 0;
+  }
+  EXPECT_GT(cut_short, 20);
+}
+
+TEST(effort, when_attempts_have_taken_all_the_work_nothing_is_refined_and_all_is_listed) {
+  StageChain chain(shapes::box({1, 1, 1}));
+  Options options;
+  options.max_edge_length = 0.2;
+  options.max_output_faces = 4000;
+  const Goals goals = goals_of(options, std::sqrt(3));
+  const std::size_t before = chain.meshes[PatchId(0)].mesh.triangle_count();
+  const PatchedSurface on{chain.surface, chain.adjacency, chain.patches, 1e-6};
+  GoalRefinement spent(goals, chain.control, kWorkOfAttempts.steps(0, goals.max_faces));
+  const Refinement refinement = spent.refine(on, Ladder(chain.surface, {}), {}, chain.triangulated);
+  EXPECT_EQ(chain.meshes[PatchId(0)].mesh.triangle_count(), before);
+  ASSERT_EQ(refinement.reason.size(), 12u);
+  for (const UnrefinedReason reason : refinement.reason) EXPECT_EQ(reason, UnrefinedReason::kEffort);
+  // With little left, the attempt makes as few faces as that allows.
+  GoalRefinement nearly(goals, chain.control, kWorkOfAttempts.steps(0, goals.max_faces) - 1100);
+  const Refinement little = nearly.refine(on, Ladder(chain.surface, {}), {}, chain.triangulated);
+  EXPECT_GT(little.reason.size(), 12u);
+  EXPECT_LE(little.reason.size(), 1100u);
+}
+
+}  // namespace
+}  // namespace remesh
