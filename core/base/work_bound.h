@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "core/base/run_control.h"
+
 namespace remesh {
 
 /// Counts the steps of a stage against a bound. A stage whose bound is spent goes on with a coarser answer and tells
@@ -15,16 +17,24 @@ class WorkBound {
  public:
   static constexpr std::uint64_t kNone = std::numeric_limits<std::uint64_t>::max();
 
-  explicit WorkBound(std::uint64_t max_steps = kNone) : max_steps_(max_steps) {}
+  /// Input: with `control`, long work that is counted here can be asked to stop.
+  explicit WorkBound(std::uint64_t max_steps = kNone, const RunControl* control = nullptr)
+      : max_steps_(max_steps), control_(control) {}
 
   void take(std::uint64_t steps) { taken_ += std::min(steps, kNone - taken_); }
   std::uint64_t taken() const { return taken_; }
-  std::uint64_t left() const { return max_steps_ - std::min(max_steps_, taken_); }
+  /// Without a bound, kNone steps are always left.
+  std::uint64_t left() const { return max_steps_ == kNone ? kNone : max_steps_ - std::min(max_steps_, taken_); }
   bool is_spent() const { return left() == 0; }
+  /// Errors: kCancelled, kTimeout - asked to stop.
+  void check() const {
+    if (control_ != nullptr) control_->check();
+  }
 
  private:
   std::uint64_t max_steps_;
   std::uint64_t taken_ = 0;
+  const RunControl* control_;
 };
 
 /// This is a row of the table of bounds: a number of steps for each face of the input and for each face that the output

@@ -97,6 +97,10 @@ class JoinedMemory {
 
 /// A search counts one step for each box, and this many more for each triangle that is looked at.
 constexpr std::uint64_t kStepsOfTriangle = 8;
+/// A step takes about as long as a look at so many pieces of a cell.
+constexpr std::uint64_t kPiecesPerStep = 8;
+/// A cell of more pieces than this is compared with boxes as a box.
+constexpr std::size_t kFewPieces = 8;
 
 /// Counts the steps of a search. It is cheaper than a WorkBound that may not be there.
 class StepCounter {
@@ -109,15 +113,22 @@ class StepCounter {
   StepCounter& operator=(const StepCounter&) = delete;
 
   /// Returns false if the bound is spent, so that the search ends.
+  /// Errors: kCancelled, kTimeout - asked to stop.
   bool take(std::uint64_t steps) {
     taken_ += steps;
+    if (work_ != nullptr && taken_ >= next_check_) {
+      next_check_ = taken_ + kStepsPerCheck;
+      work_->check();
+    }
     return taken_ <= left_;
   }
   std::uint64_t taken() const { return taken_; }
 
  private:
+  static constexpr std::uint64_t kStepsPerCheck = 1 << 12;
+
   WorkBound* work_;
-  std::uint64_t left_, taken_ = 0;
+  std::uint64_t left_, taken_ = 0, next_check_ = kStepsPerCheck;
 };
 
 /// Selects what a search looks for: only what the patch faces at the place, or also what is beside it.
@@ -134,6 +145,19 @@ Products products(const Layer& layer, const Corners3& triangle) {
   const auto [least, most] =
       std::minmax({layer.product(triangle[0]), layer.product(triangle[1]), layer.product(triangle[2])});
   return {least, most};
+}
+
+/// Returns a range that contains the products of the layer's direction with all points of a box.
+Products products(const Layer& layer, const FloatBox& box) {
+  Products range{HUGE_VAL, -HUGE_VAL};
+  for (int corner = 0; corner < 8; ++corner) {
+    const auto side = [&](int axis) {
+      return static_cast<double>((corner >> axis & 1) != 0 ? box.max[axis] : box.min[axis]);
+    };
+    const double product = layer.product({side(0), side(1), side(2)});
+    range = {std::min(range.least, product), std::max(range.most, product)};
+  }
+  return range;
 }
 
 /// Knows which patches are hidden from one place, and from which distance on. So the triangles of such a patch need not
@@ -443,12 +467,18 @@ double GapSearch::Index::squared_beside(std::span<const Corners3> pieces, PatchI
   // A curved patch has many normals, so no way is left out.
   const auto steep = [&, &slab = slab](const TriangleBoxes::Entry& e, double squared) {
     if (is_curved) return squared;
+    steps.take(pieces.size() / kPiecesPerStep);
     Products from{HUGE_VAL, -HUGE_VAL};
     for (const Corners3& piece : pieces) {
       const auto [least, most] = products(e.tag.layer, piece);
       from = {std::min(from.least, least), std::max(from.most, most)};
     }
     return squared_steep_distance(slab, from, e.box, e.tag.layer, squared);
+  };
+  // Returns a smaller bound, which takes no longer for many pieces.
+  const auto roughly_steep = [&, &slab = slab](const TriangleBoxes::Entry& e, double squared) {
+    if (is_curved || pieces.size() <= kFewPieces) return steep(e, squared);
+    return squared_steep_distance(slab, products(e.tag.layer, box), e.box, e.tag.layer, squared);
   };
   JoinedMemory are_joined(contacts_);
   double best = below;
@@ -459,7 +489,7 @@ double GapSearch::Index::squared_beside(std::span<const Corners3> pieces, PatchI
         if (!steps.take(1) || other == patch) return HUGE_VAL;
         double least = squared_distance(e.box, box);
         if (least >= best) return least;
-        least = steep(e, least);
+        least = roughly_steep(e, least);
         return least < best && other.is_valid() && are_joined(patch, other) ? HUGE_VAL : least;
       },
       [&](std::size_t slot) {
@@ -510,7 +540,7 @@ void GapSearch::Index::look_between_triangles(SharedLeast& least, std::uint64_t 
                                               RunControl& control) const {
   constexpr std::size_t kFirstBatch = 1024, kBlock = 256, kUneven = 4;
   constexpr std::uint64_t kMinSteps = 256;
-  WorkBound work(kWorkOfSmallestGap.steps(tree_.size(), max_output_faces));
+  WorkBound work(kWorkOfSmallestGap.steps(tree_.size(), max_output_faces), &control);
   std::size_t size = kFirstBatch;
   for (std::size_t begin = 0; begin < tree_.size() && !work.is_spent(); begin += std::exchange(size, 2 * size)) {
     const std::size_t end = std::min(begin + size, tree_.size());
@@ -532,7 +562,7 @@ std::uint64_t GapSearch::Index::look_from(std::size_t begin, std::size_t end, do
   std::uint64_t taken = 0;
   for (std::size_t slot = begin; slot < end; ++slot) {
     control.check();
-    WorkBound work(max_steps);
+    WorkBound work(max_steps, &control);
     StepCounter steps(&work);
     const FloatBox& box = tree_[slot].box;
     const Common& mine = tree_[slot].tag;

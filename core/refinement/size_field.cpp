@@ -200,7 +200,7 @@ void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool m
   // Beyond this distance, no place of the cell has a gap that asks for less than the largest size.
   const double limit = (proximity_ * largest_ + reach) * surface_.unit;
   const Vec3 place = surface_.centre + surface_.unit * axes.in_space(middle);
-  WorkBound work(max_steps);
+  WorkBound work(max_steps, &control_);
   const double gap = gaps.at(place, cell.patch, limit, on, &work) / surface_.unit;
   const auto is_too_large_for = [&](double distance, double share) {
     return distance < HUGE_VAL && reach > share * std::max(distance, std::max(proximity_, 1.0) * floor_);
