@@ -79,6 +79,14 @@ TEST(work_bound, counts_steps_until_the_bound_is_spent) {
   EXPECT_FALSE(none.is_spent());
 }
 
+TEST(work_bound, work_without_a_bound_never_runs_out) {
+  WorkBound work;
+  work.take(1000);
+  EXPECT_EQ(work.taken(), 1000u);
+  EXPECT_EQ(work.left(), WorkBound::kNone);
+  EXPECT_FALSE(work.is_spent());
+}
+
 TEST(work_bound, a_stage_has_steps_for_each_face_times_the_logarithm) {
   const StageWork work{3, 5, 100};
   // 8 + 8 faces have a logarithm of 5 binary digits.
