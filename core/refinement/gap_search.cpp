@@ -458,14 +458,16 @@ double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below,
 double GapSearch::Index::squared_beside(std::span<const Corners3> pieces, PatchId patch, double below,
                                         WorkBound* work) const {
   StepCounter steps(work);
-  const auto [slab, steep_squared] = slabs_.around(patch, pieces);
+  const PatchSlabs::OfPieces around = slabs_.around(patch, pieces);
+  const auto& slab = around.slab;
+  const double steep_squared = around.steep;
   const bool is_curved = slabs_.is_curved(patch);
   FloatBox box;
   for (const Corners3& piece : pieces)
     for (const Vec3& p : piece) box.add(p);
   // Returns a lower bound for the squared length of a steep way if no way at all has a smaller square than `squared`.
   // A curved patch has many normals, so no way is left out.
-  const auto steep = [&, &slab = slab](const TriangleBoxes::Entry& e, double squared) {
+  const auto steep = [&](const TriangleBoxes::Entry& e, double squared) {
     if (is_curved) return squared;
     steps.take(pieces.size() / kPiecesPerStep);
     Products from{HUGE_VAL, -HUGE_VAL};
@@ -476,7 +478,7 @@ double GapSearch::Index::squared_beside(std::span<const Corners3> pieces, PatchI
     return squared_steep_distance(slab, from, e.box, e.tag.layer, squared);
   };
   // Returns a smaller bound, which takes no longer for many pieces.
-  const auto roughly_steep = [&, &slab = slab](const TriangleBoxes::Entry& e, double squared) {
+  const auto roughly_steep = [&](const TriangleBoxes::Entry& e, double squared) {
     if (is_curved || pieces.size() <= kFewPieces) return steep(e, squared);
     return squared_steep_distance(slab, products(e.tag.layer, box), e.box, e.tag.layer, squared);
   };

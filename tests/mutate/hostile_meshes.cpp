@@ -340,13 +340,14 @@ Case make_hostile_case(double size, Random& random) {
   c.bytes = write_soup(made.soup, format);
   c.format = format_of(format);
   c.options = std::move(made.options);
-  for (const auto& [name, value] : draw_options(random, 1)) {
+  for (const auto& drawn : draw_options(random, 1)) {
+    const auto& name = drawn.first;
     const api::OptionSpec* spec = api::find_option(name);
     const bool is_taken = std::any_of(c.options.begin(), c.options.end(), [&](const auto& given) {
       const api::OptionSpec* other = api::find_option(given.first);
       return given.first == name || given.first == spec->excludes || (other != nullptr && other->excludes == name);
     });
-    if (!is_taken) c.options.emplace_back(name, value);
+    if (!is_taken) c.options.push_back(drawn);
   }
   c.workers = random.chance(0.3) ? 2 : 1;
   return c;
