@@ -22,7 +22,7 @@ using FacePairs = std::vector<std::pair<FaceId, FaceId>>;
 
 /// A test of two faces takes about as long as this many looks at nodes of a tree.
 inline constexpr std::uint64_t kStepsPerTest = 8;
-/// The same for a look at a box along the triangles of a node.
+/// A look at a box along the triangles of a node takes about as long as this many looks at nodes.
 inline constexpr std::uint64_t kStepsPerOrientedBox = 4;
 
 /// The pairs that a search has found so far, and its limits.

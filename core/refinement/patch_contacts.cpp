@@ -25,6 +25,8 @@ double way_over(const Vec3& a, const Vec3& b, const Vec3& p, const Vec3& q) {
   return std::hypot(crossing - s, p_off) + std::hypot(crossing - t, q_off);
 }
 
+/// The number of objects that were made so far. Each of them has a number of its own, so that what a thread remembers
+/// of one is never taken for what it knows of another.
 std::atomic<std::uint64_t> made = 0;
 
 }  // namespace

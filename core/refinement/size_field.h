@@ -82,7 +82,7 @@ class SizeField {
   struct Limit {
     double largest;  ///< model units
     double size;     ///< local units
-    double unit;     ///< of the local units
+    double unit;     ///< length of a local unit in model units
     bool allows(double length) const { return length <= largest && length / unit <= size; }
   };
   Limit limit_at(const Vec3& place) const;

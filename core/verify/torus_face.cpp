@@ -23,8 +23,9 @@ struct Piece {
 /// place of its nearest point on the tube.
 struct Place {
   double from_axis, from_circle;
-  double cosine, sine;  ///< of the angle on the tube, which is 0 at the torus's largest distance from the axis
-  Vec3 normal;          ///< of the torus at the nearest point
+  double cosine,
+      sine;     ///< cosine and sine of the angle on the tube, which is 0 at the torus's largest distance from the axis
+  Vec3 normal;  ///< normal of the torus at the nearest point
   Vec3 around_tube, around_axis;
 };
 
