@@ -328,9 +328,12 @@ class Cull {
       }
     }
     if (box.is_empty()) return box;
+    // The margin is for rounding. It never takes the part out of the face, whose own box is exact: beside one coordinate
+    // that is far too large, the margin may be larger than all faces.
+    const Box3 whole = box_of(f);
     for (int axis = 0; axis < 3; ++axis) {
-      box.min[axis] -= kHeightMargin;
-      box.max[axis] += kHeightMargin;
+      box.min[axis] = std::clamp(box.min[axis] - kHeightMargin, whole.min[axis], whole.max[axis]);
+      box.max[axis] = std::clamp(box.max[axis] + kHeightMargin, whole.min[axis], whole.max[axis]);
     }
     return do_meet(box, place.box) ? box : Box3{};
   }

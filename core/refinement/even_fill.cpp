@@ -367,6 +367,8 @@ std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 3>> triangles, std:
   std::atomic<std::size_t> count = 0, cells = 0;
   // Adds the points that come from one cell.
   const auto collect = [&](const Cell& cell, const Cells& of, Cells& parts, std::vector<Vec2>& points) {
+    // A cell may have thousands of triangles and sizes, so every cell asks.
+    control.check();
     lattice.visit(cell, of, parts, [&](Vec2 p) {
       if (!is_near(p)) points.push_back(p);
     });
@@ -378,7 +380,6 @@ std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 3>> triangles, std:
   std::vector<Vec2> points;
   Cells front = lattice.cover(&memory);
   while (!front.cells.empty() && front.cells.size() < kEnough && points.size() <= max_points) {
-    control.check();
     cells += front.cells.size();
     Cells next(&memory);
     for (const Cell& cell : front.cells) collect(cell, front, next, points);
@@ -394,7 +395,6 @@ std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 3>> triangles, std:
     collect(front.cells[first], front, waiting, found);
     std::size_t n = 0;
     for (; !waiting.cells.empty() && count + found.size() <= max_points && cells + n <= max_cells; ++n) {
-      if (n % 1024 == 0) control.check();
       const Cell cell = waiting.cells.back();
       waiting.cells.pop_back();
       waiting.triangles.resize(cell.last);
