@@ -89,7 +89,8 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
     if (auto refined = attempt(kNoLimit, max_made())) return measured(*std::move(refined));
     needs_budget_ = is_hopeless_ = true;
   }
-  return measured(attempt(is_cut_short ? work_.left() : budget_, kNoLimit).value());
+  // Half of what is left remains for yet another attempt, so that one of them is small enough to be worth its result.
+  return measured(attempt(is_cut_short ? work_.left() / 2 : budget_, kNoLimit).value());
 }
 
 bool GoalRefinement::is_worth_trying_without_budget() const {
@@ -100,7 +101,9 @@ bool GoalRefinement::is_worth_trying_without_budget() const {
 /// Returns after how many triangles an attempt without a budget ends.
 std::uint64_t GoalRefinement::max_made() const {
   const std::uint64_t most = std::min(goals_.max_faces, kMaxFaces);
-  const std::uint64_t max = most + std::min((kMaxMade - 1) * most, kMaxMadeBeyond);
+  const auto faces = static_cast<double>(most);
+  const double beyond = std::min((kMaxMade - 1) * faces, std::max(kFewMore, (kMaxManyMade - 1) * faces));
+  const std::uint64_t max = most + whole(std::min(beyond, kMaxMadeBeyond));
   const std::uint64_t made = std::clamp(whole(kMaxOfPredicted * static_cast<double>(predicted_faces_)), most, max);
   return work_.taken() == 0 ? made : std::min(made, work_.left());
 }
@@ -145,7 +148,13 @@ const SizeField& GoalRefinement::size_field(const PatchedSurface& on, const Tria
 
 bool GoalRefinement::is_over_budget(std::uint64_t faces) {
   if (!has_goals() || faces <= goals_.max_faces || is_budget_too_small()) return false;
-  if (!std::exchange(needs_budget_, true)) return true;
+  if (!std::exchange(needs_budget_, true)) {
+    // The attempt failed by its number of faces alone. The next one may make all faces that are allowed. If these are
+    // many, it takes too long to look for the best way to save some of them.
+    is_hopeless_ = is_hopeless_ || static_cast<double>(goals_.max_faces) > kFewFaces;
+    work_ = WorkBound(kWorkOfAttempts.steps(0, goals_.max_faces));
+    return true;
+  }
   const bool is_in_vain = last_faces_ != 0 && faces >= last_faces_;
   last_faces_ = faces;
   retries_ += is_in_vain ? kRetriesInVain : 1;

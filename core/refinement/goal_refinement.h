@@ -91,9 +91,10 @@ class GoalRefinement {
   }
 
  private:
-  /// An attempt without a budget ends when it makes more than kMaxMade times the faces allowed, or kMaxMadeBeyond more
-  /// than these, which would take a few GB of memory. See experiments.md, Prediction.
-  static constexpr std::uint64_t kMaxMade = 4, kMaxMadeBeyond = std::uint64_t{1} << 23;
+  /// An attempt without a budget ends when it makes far more faces than are allowed: kMaxMade times as many, if that is
+  /// no more than kFewMore faces above the limit, and otherwise kMaxManyMade times as many. It ends in any case with
+  /// kMaxMadeBeyond above the limit, which would take a few GB of memory. See experiments.md, Prediction.
+  static constexpr double kMaxMade = 4, kMaxManyMade = 1.5, kFewMore = 0x1p17, kMaxMadeBeyond = 0x1p23;
   /// It also ends when it makes more faces than allowed and kMaxOfPredicted times those that are predicted. Thinning
   /// out leaves a third at least, so the prediction was far too low, and nothing tells that there is an end at all.
   static constexpr double kMaxOfPredicted = 4;
@@ -128,7 +129,8 @@ class GoalRefinement {
   bool are_any_curved_ = false;
   double angle_margin_ = 0;    ///< in degrees
   bool needs_budget_ = false;  ///< an attempt without a budget made too many faces, or would
-  bool is_hopeless_ = false;   ///< far more faces than allowed were predicted or made
+  bool is_hopeless_ =
+      false;  ///< far more faces than allowed were predicted or made, or more than many that are allowed
   int retries_ = 0;
   std::uint64_t last_faces_ = 0;            ///< the faces of the last result that was over its budget; 0: none yet
   IdVector<PatchId, std::uint8_t> frozen_;  ///< one per patch; not 0: it is not refined

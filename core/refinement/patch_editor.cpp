@@ -128,7 +128,7 @@ std::uint32_t PatchEditor::cut_one(std::uint32_t side, double t, Vec2 p, std::ui
   return v;
 }
 
-void PatchEditor::apply_cuts(SegmentId segment, std::span<const double> cuts) {
+void PatchEditor::apply_cuts(SegmentId segment, std::span<const double> cuts, const RunControl& control) {
   const PatchBoundary& boundary = patch_.boundary;
   boundary.list_pieces(segment, scratch_.pieces);
   // For each piece, the cuts inside it are made by halves. The middle one is the first, so that no vertex gets all of
@@ -142,6 +142,7 @@ void PatchEditor::apply_cuts(SegmentId segment, std::span<const double> cuts) {
         {piece, static_cast<std::size_t>(first - cuts.begin()), static_cast<std::size_t>(last - cuts.begin())});
   }
   while (!ranges.empty()) {
+    control.check();
     const RefinerScratch::Range range = ranges.back();
     ranges.pop_back();
     if (range.first == range.last) continue;

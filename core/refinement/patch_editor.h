@@ -61,8 +61,9 @@ class PatchEditor {
   /// turn out that rounding leaves no room for the cut (WorkingPatch::impossible).
   bool cut_side(std::uint32_t side);
   /// Cuts the patch's sides along a segment wherever they are not cut yet.
-  /// Input: `cuts` has all cuts of that segment, ascending.
-  void apply_cuts(SegmentId segment, std::span<const double> cuts);
+  /// Input:  `cuts` has all cuts of that segment, ascending.
+  /// Errors: kCancelled, kTimeout - asked to stop through `control`.
+  void apply_cuts(SegmentId segment, std::span<const double> cuts, const RunControl& control);
 
   /// Returns how many triangles this object has made. This includes the triangles that its cuts make in other patches,
   /// and leaves out those that `apply_cuts` makes.

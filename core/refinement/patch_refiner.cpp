@@ -26,7 +26,7 @@ PatchRefiner::PatchRefiner(const PatchToRefine& patch, const Criteria& criteria,
   const PatchBoundary& boundary = patch_.boundary;
   for (std::size_t c = 0; c < boundary.chain_count() && !patch_.impossible.is_valid(); ++c) {
     const SegmentId segment = boundary.segment_of_chain(c);
-    if (!cuts[segment].empty()) editor.apply_cuts(segment, cuts[segment]);
+    if (!cuts[segment].empty()) editor.apply_cuts(segment, cuts[segment], control);
   }
   if (!criteria.has_sizes() && !patch.mesh.has_rulings) fill_columns(editor, quota, control);
   first_refined_ = patch_.mesh.vertex_slots();
@@ -112,8 +112,8 @@ bool PatchRefiner::has_work(const PatchMesh& patch, const PatchChart& chart, con
   return false;
 }
 
-void PatchRefiner::apply_cuts(SegmentId segment, std::span<const double> cuts) {
-  PatchEditor(sizes_, patch_, *scratch_).apply_cuts(segment, cuts);
+void PatchRefiner::apply_cuts(SegmentId segment, std::span<const double> cuts, const RunControl& control) {
+  PatchEditor(sizes_, patch_, *scratch_).apply_cuts(segment, cuts, control);
 }
 
 bool PatchRefiner::split_edges(std::span<const std::uint32_t> half_edges, RunControl& control) {
@@ -160,6 +160,8 @@ void PatchRefiner::run(std::uint64_t quota, RefinementProgress& progress) {
     // Among many points on one circle, one step may go through as many triangles as there are points.
     constexpr std::size_t kOften = 1024, kTrianglesOfStep = 8;
     treatment.treat(task);
+    // A step may ask for the sizes at a hundred places.
+    progress.check();
     work += 1 + patch_.mesh.last_cavity_size() / kTrianglesOfStep;
     if (work < kOften) continue;
     tell();

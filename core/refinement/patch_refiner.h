@@ -47,7 +47,8 @@ class PatchRefiner {
 
   /// Cuts the patch's sides along `segment` wherever they are not cut yet. `cuts` are all cuts of that segment,
   /// ascending.
-  void apply_cuts(SegmentId segment, std::span<const double> cuts);
+  /// Errors: kCancelled, kTimeout - asked to stop through `control`.
+  void apply_cuts(SegmentId segment, std::span<const double> cuts, const RunControl& control);
 
   /// Puts a point into the middle of each of these edges inside the patch. An edge is left out if it is gone when its
   /// turn comes, or if there is no room for a point.

@@ -75,6 +75,16 @@ PatchThinner::Fan PatchThinner::fan_of(Vec2 p, std::span<const std::uint32_t> ri
   return fan;
 }
 
+/// Returns whether no triangle between a point and a ring is sharp or has a worse shape.
+bool PatchThinner::is_fan_good(Vec2 p, std::span<const std::uint32_t> ring, double worst_shape) const {
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const TriangleMeasures m =
+        measure_spanned(p, mesh_.point(ring[i]), mesh_.point(ring[i + 1 < ring.size() ? i + 1 : 0]));
+    if (m.shape() < worst_shape || criteria_.is_sharp(m)) return false;
+  }
+  return true;
+}
+
 void PatchThinner::note_remade() {
   patch_.states.resize(mesh_.triangle_slots(), TriangleState::good());
   for (const std::uint32_t t : mesh_.changed()) {
@@ -179,9 +189,8 @@ std::optional<Vec2> PatchThinner::place_within(std::span<const std::uint32_t> ri
     const bool is_clearly_too_far =
         norm(farthest - p) > limit.around(norm(0.5 * (p + farthest) - limit.place())).nowhere;
     if (nearest_squared >= shortest * shortest && !is_clearly_too_far) {
-      const Fan fan = fan_of(p, ring);
       // The farthest vertex is tested first, because most places fail by it.
-      if (fan.worst_shape >= worst_shape && !fan.is_any_sharp && is_within_reach(farthest) &&
+      if (is_fan_good(p, ring, worst_shape) && is_within_reach(farthest) &&
           std::all_of(ring.begin(), ring.end(), [&](std::uint32_t u) { return is_within_reach(mesh_.point(u)); }))
         return sizes_.chart().on_grid(p);
     }
@@ -283,8 +292,8 @@ void PatchThinner::thin_out(std::uint32_t first, Thinning thinning, RunControl& 
     waiting.push_back(v);
   };
   list_unsettled(first, is_waiting);
-  for (std::uint32_t steps = 1; !waiting.empty(); ++steps) {
-    if (steps % 256 == 0) control.check();
+  while (!waiting.empty()) {
+    control.check();
     const std::uint32_t v = waiting.back();
     waiting.pop_back();
     is_waiting[v] = 0;

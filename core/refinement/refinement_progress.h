@@ -27,6 +27,8 @@ class RefinementProgress {
     control_.progress(std::min(0.99, std::max(known, fraction)));
   }
 
+  void check() const { control_.check(); }
+
  private:
   RunControl& control_;
   const double expected_;

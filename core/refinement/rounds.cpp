@@ -262,7 +262,7 @@ class Rounds {
     if (const auto chords = std::exchange(chords_.of_patch[p], {}); !chords.empty())
       if (refiner->triangle_count() != before || refiner->split_edges(chords, control_)) chords_.is_any_split = true;
     for (const SegmentCuts::Message& message : cuts_.messages_for(p))
-      if (!refiner->impossible().is_valid()) refiner->apply_cuts(message.segment, cuts_[message.segment]);
+      if (!refiner->impossible().is_valid()) refiner->apply_cuts(message.segment, cuts_[message.segment], control_);
     if (!refiner->impossible().is_valid()) {
       const std::uint64_t made = refiner->triangle_count() - std::min(refiner->triangle_count(), before);
       progress_.add(std::int64_t{refiner->triangle_count()} - before);

@@ -250,26 +250,31 @@ void SizeField::Sampler::cut(PatchId patch, std::span<const Part> parts, const B
 template <class CellAt>
 std::vector<SizeField::Sampler::Cell> SizeField::Sampler::look_at_all(const GapSearch& gaps, std::size_t n,
                                                                       const CellAt& cell_at) {
-  constexpr std::size_t kBlock = 64;
-  if (n == 0) return {};
-  // A search may take many times as long as the others of its round.
-  constexpr std::uint64_t kUneven = 4, kMinSteps = 256;
-  const std::uint64_t max_steps = std::max(
-      kMinSteps, work_.left() / n > WorkBound::kNone / kUneven ? WorkBound::kNone : work_.left() / n * kUneven);
   const bool may_cut = !work_.is_spent() && samples_.size() + n <= std::max(max_samples_, 4 * gaps.patch_count()) / 2;
-  std::vector<Output> found = map_blocks<Output>(n, kBlock, control_, [&](std::size_t begin, std::size_t end) {
-    Output out;
-    for (std::size_t i = begin; i < end; ++i) {
-      control_.check();
-      look_at(gaps, cell_at(i), may_cut, max_steps, out);
-    }
-    return out;
-  });
+  // A search may take some times as long as its share. If all searches of a batch do so, less is left for the batches
+  // after it.
+  constexpr std::size_t kBatches = 16, kBlocksOfBatch = 16;
+  constexpr std::uint64_t kUneven = 4, kMinSteps = 64;
+  const std::size_t size = std::max<std::size_t>(1, n / kBatches), block = 1 + size / kBlocksOfBatch;
   std::vector<Cell> cells;
-  for (Output& out : found) {
-    work_.take(out.steps);
-    samples_.insert(samples_.end(), out.samples.begin(), out.samples.end());
-    std::move(out.cells.begin(), out.cells.end(), std::back_inserter(cells));
+  for (std::size_t first = 0; first < n; first += size) {
+    const std::size_t count = std::min(size, n - first);
+    const std::uint64_t left = work_.left(), even = left / (n - first);
+    const std::uint64_t max_steps =
+        even > WorkBound::kNone / kUneven ? left : std::max(kMinSteps, std::min(left, even * kUneven));
+    std::vector<Output> found = map_blocks<Output>(count, block, control_, [&](std::size_t begin, std::size_t end) {
+      Output out;
+      for (std::size_t i = begin; i < end; ++i) {
+        control_.check();
+        look_at(gaps, cell_at(first + i), may_cut, max_steps, out);
+      }
+      return out;
+    });
+    for (Output& out : found) {
+      work_.take(out.steps);
+      samples_.insert(samples_.end(), out.samples.begin(), out.samples.end());
+      std::move(out.cells.begin(), out.cells.end(), std::back_inserter(cells));
+    }
   }
   return cells;
 }

@@ -205,14 +205,18 @@ Verdict verify(const Claim& claim, RunControl& control) {
 
   DelaunayCheck(model, output_edges, is_positive).run(faults, control);
   check_intersections(claim, is_positive, faults, verdict, control);
-  if (claim.refinement != nullptr) {
-    const Goals& goals = claim.refinement->goals;
+  check_whole(model, input_edges.counts(), boundary.input_vertices, output_edges.counts(), shapes, faults, control);
+  // Sizes that vary take as long to check as all the rest. A result that has failed already is not held against them.
+  const Goals* const goals = claim.refinement != nullptr ? &claim.refinement->goals : nullptr;
+  const bool do_sizes_vary = goals != nullptr && (goals->proximity > 0 || goals->gradation > 0);
+  const bool are_goals_checked = goals != nullptr && !(do_sizes_vary && faults.is_any());
+  if (are_goals_checked) {
     std::optional<VaryingSizes> sizes;
-    if (goals.proximity > 0 || goals.gradation > 0) sizes.emplace(claim, model, seams.input, seams.output, control);
+    if (do_sizes_vary) sizes.emplace(claim, model, seams.input, seams.output, control);
     check_goals(*claim.refinement, model, output_edges, seams.output, sizes ? &*sizes : nullptr, faults, control);
   }
-  check_whole(model, input_edges.counts(), boundary.input_vertices, output_edges.counts(), shapes, faults, control);
   faults.write_to(verdict);
+  if (goals != nullptr && !are_goals_checked) verdict.quality = false;
   control.progress(1);
   return verdict;
 }

@@ -180,7 +180,7 @@ TEST(patch_refiner, cuts_of_others_are_applied_each_once) {
   Subject subject(shapes::sheet(4, 1, 1, 1), with_angle(20));
   PatchRefiner refiner = subject.refiner();
   const std::vector<double> some{0.25, 0.5}, all{0.125, 0.25, 0.5, 0.75};
-  for (const auto& cuts : {some, all, all}) refiner.apply_cuts(SegmentId(0), cuts);
+  for (const auto& cuts : {some, all, all}) refiner.apply_cuts(SegmentId(0), cuts, subject.chain.control);
   EXPECT_TRUE(own_cuts(refiner).empty()) << "what others cut is not told again";
   refiner.run(0, subject.progress);
   const PatchRefiner::Refined refined = refiner.finish();
