@@ -91,8 +91,10 @@ const std::array<OptionSpec, 26> kTable{{
     {.name = "min_edge_length",
      .type = OptionType::kNumber,
      .field = &Options::min_edge_length,
-     .help = "refinement makes no edge shorter than this, in model units",
-     .unset = "none",
+     .help =
+         "refinement makes no edge shorter than this, in model units; auto: shorter ones are made as long as angles "
+         "alone do not ask for more than 20 faces for each triangle of the input, plus 1,000; 0: of any length",
+     .unset = "auto",
      .example = "0.001"},
     {.name = "proximity",
      .type = OptionType::kNumber,

@@ -415,6 +415,7 @@ void write_report(JsonWriter& json, const Report& report, const RequestOptions& 
                   const StageTimes& times, RunControl& control) {
   RequestOptions used = with_defaults({report.options, options.preset, options.format});
   used.core.plane_tolerance = report.plane_tolerance;
+  if (report.min_edge_length > 0) used.core.min_edge_length = report.min_edge_length;
   const bool is_remesh = kind == ReportKind::kRemesh;
 
   json.begin_object();

@@ -169,7 +169,7 @@ void update_summary(const Result& rounded, Summary& summary, RunControl& control
   summary.origin = rounded.report.output_origin;
   summary.unrefined.clear();
   for (const Unrefined& left : summarise_unrefined(rounded.basis.unrefined, rounded.mesh.positions.items(),
-                                                   rounded.mesh.faces.items(), control))
+                                                   rounded.mesh.faces.items(), rounded.basis.goals, control))
     summary.unrefined.emplace_back(left.reason, left.count);
 }
 

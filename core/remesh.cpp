@@ -197,7 +197,9 @@ class Run {
     const double diagonal = report_.input.bounding_box.diagonal();
     check_options(options_, diagonal);
     const std::uint64_t taken = refiner_ ? refiner_->work_taken() : 0;
-    refiner_.emplace(goals_of(options_, diagonal), control_, taken);
+    Goals goals = goals_of(options_, diagonal);
+    keep_in_proportion(goals, options_, diagonal, input_.corners.size() - 2 * input_.face_count());
+    refiner_.emplace(goals, control_, taken);
     regions_ = {};
     ladder_.emplace(surface(), prepared_.without_area);
     if (options_.keep_boundary_vertices) ladder_->forced().assign(surface().vertex_count(), 1);
@@ -266,6 +268,7 @@ class Run {
     else
       split_chords(with_cuts(), candidate_.triangulated, refinement, {}, UnrefinedReason::kSizeFloor, control_);
     report_.refinement_rounds = refinement.rounds;
+    report_.min_edge_length = refiner_->goals().min_edge_length;
     if (refiner_->smallest_gap()) report_.smallest_gap = refiner_->smallest_gap();
     lift_new_vertices(with_cuts(), partition_.patches, candidate_.triangulated, refinement.first_inner,
                       report_.plane_tolerance, refinement.new_positions, control_);

@@ -22,7 +22,7 @@ constexpr std::array<NumberOption, 16> kNumberOptions{{
     {"max_edge_length", &Options::max_edge_length, kAboveZero},
     {"max_edge_fraction", &Options::max_edge_fraction, kAboveZero},
     {"max_area", &Options::max_area, kAboveZero},
-    {"min_edge_length", &Options::min_edge_length, kAboveZero},
+    {"min_edge_length", &Options::min_edge_length, kNotNegative},
     {"proximity", &Options::proximity, kNotNegative},
     {"gradation", &Options::gradation, {.minimum = 1, .above_minimum = true}},
     {"max_output_faces", &Options::max_output_faces, {.minimum = 1}},

@@ -52,6 +52,8 @@ struct Options {
   std::optional<double> max_edge_length;
   std::optional<double> max_edge_fraction;  ///< instead of max_edge_length; a fraction of the bounding box's diagonal
   std::optional<double> max_area;
+  /// Empty: refinement makes edges of any length, as long as there are not far more faces than in the input; see
+  /// goals.h. 0: of any length.
   std::optional<double> min_edge_length;
   double proximity = 0;  ///< 0: off
   std::optional<double> gradation;

@@ -286,7 +286,8 @@ void measure_output(Result& result, RunControl& control) {
            add_incomplete_check(report.verified.searched, result.mesh.faces.size(), report.volume_obstacles);
          });
   report.output.intersecting_pairs = report.verified.intersections.size();
-  report.unrefined = summarise_unrefined(result.basis.unrefined, positions, result.mesh.faces.items(), control);
+  report.unrefined =
+      summarise_unrefined(result.basis.unrefined, positions, result.mesh.faces.items(), result.basis.goals, control);
   if (!report.output_origin) return;
   const Vec3 origin = *report.output_origin;
   Box3& box = report.output.bounding_box;

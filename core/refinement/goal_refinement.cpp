@@ -37,6 +37,11 @@ std::uint64_t GoalRefinement::predict_faces(const PatchedSurface& on, const Tria
   const SizeField& sizes = size_field(on, triangulated, gaps.get());
   if (!has_goals()) return predicted_faces_;
   Prediction prediction = predict(triangulated, goals_, sizes, control_);
+  while (prediction.expected > static_cast<double>(goals_.faces_without_floor) && may_raise_floor()) {
+    raise_floor();
+    prediction = predict(triangulated, goals_, sizes, control_);
+  }
+  limit_to_proportion(prediction);
   predicted_faces_ = whole(prediction.expected);
   // The patches' own shares leave out what comes from cuts that other patches need.
   double sum = 0;
@@ -57,7 +62,8 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
   const auto gaps = gap_search(on, triangulated);
   const SizeField& sizes = size_field(on, triangulated, gaps.get());
   const std::optional<SizeField> graded = sizes_without_floor(on, triangulated);
-  const Prediction prediction = predict(triangulated, goals_, sizes, control_);
+  Prediction prediction = predict(triangulated, goals_, sizes, control_);
+  limit_to_proportion(prediction);
   predicted_faces_ = whole(prediction.expected);
   const auto attempt = [&](std::uint64_t budget, std::uint64_t max_made) {
     SegmentTable segments(on.surface, triangulated, frozen_, sizes, goals_, control_);
@@ -86,7 +92,14 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
   };
   if (!needs_budget_ && !is_worth_trying_without_budget()) needs_budget_ = is_hopeless_ = true;
   if (!needs_budget_) {
-    if (auto refined = attempt(kNoLimit, max_made())) return measured(*std::move(refined));
+    for (;;) {
+      if (auto refined = attempt(kNoLimit, max_made())) return measured(*std::move(refined));
+      if (!may_raise_floor()) break;
+      raise_floor();
+      prediction = predict(triangulated, goals_, sizes, control_);
+      limit_to_proportion(prediction);
+      predicted_faces_ = whole(prediction.expected);
+    }
     needs_budget_ = is_hopeless_ = true;
   }
   // Half of what is left remains for yet another attempt, so that one of them is small enough to be worth its result.
@@ -94,18 +107,43 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
 }
 
 bool GoalRefinement::is_worth_trying_without_budget() const {
+  if (may_raise_floor()) return true;
   return goals_.max_faces != kNoLimit && static_cast<double>(predicted_faces_) <=
                                              std::max(kFewFaces, kHopeless * static_cast<double>(goals_.max_faces));
 }
 
 /// Returns after how many triangles an attempt without a budget ends.
 std::uint64_t GoalRefinement::max_made() const {
-  const std::uint64_t most = std::min(goals_.max_faces, kMaxFaces);
-  const auto faces = static_cast<double>(most);
-  const double beyond = std::min((kMaxMade - 1) * faces, std::max(kFewMore, (kMaxManyMade - 1) * faces));
-  const std::uint64_t max = most + whole(std::min(beyond, kMaxMadeBeyond));
+  const auto far_more_than = [](std::uint64_t allowed) {
+    const auto faces = static_cast<double>(allowed);
+    const double beyond = std::min((kMaxMade - 1) * faces, std::max(kFewMore, (kMaxManyMade - 1) * faces));
+    return allowed + whole(std::min(beyond, kMaxMadeBeyond));
+  };
+  if (may_raise_floor()) return far_more_than(goals_.faces_without_floor);
+  const std::uint64_t most = std::min(goals_.max_faces, kMaxFaces), max = far_more_than(most);
   const std::uint64_t made = std::clamp(whole(kMaxOfPredicted * static_cast<double>(predicted_faces_)), most, max);
   return work_.taken() == 0 ? made : std::min(made, work_.left());
+}
+
+/// Returns whether the floor under the lengths of edges is what limits the number of faces. Faces of curved patches are
+/// asked for by elements_per_circle or a tolerance, so their number is no reason for a floor.
+bool GoalRefinement::is_floor_automatic() const {
+  return !are_any_curved_ && goals_.faces_without_floor < std::min(goals_.max_faces, kMaxFaces);
+}
+
+bool GoalRefinement::may_raise_floor() const {
+  return is_floor_automatic() && !needs_budget_ && goals_.min_edge_length < kHighestFloor * goals_.lowest_floor;
+}
+
+/// With a floor, there are hardly ever more faces than are in proportion.
+void GoalRefinement::limit_to_proportion(Prediction& prediction) const {
+  if (is_floor_automatic())
+    prediction.expected = std::min(prediction.expected, static_cast<double>(goals_.faces_without_floor));
+}
+
+void GoalRefinement::raise_floor() {
+  const double step = static_cast<double>(goals_.faces_without_floor) > kFewFaces ? kLargeFloorStep : kFloorStep;
+  goals_.min_edge_length = goals_.min_edge_length > 0 ? step * goals_.min_edge_length : goals_.lowest_floor;
 }
 
 /// Throws if any result must have more faces than allowed. This is done before memory is allocated for them.
@@ -147,6 +185,11 @@ const SizeField& GoalRefinement::size_field(const PatchedSurface& on, const Tria
 }
 
 bool GoalRefinement::is_over_budget(std::uint64_t faces) {
+  if (faces > goals_.faces_without_floor && may_raise_floor()) {
+    raise_floor();
+    work_ = WorkBound(kWorkOfAttempts.steps(0, goals_.max_faces));
+    return true;
+  }
   if (!has_goals() || faces <= goals_.max_faces || is_budget_too_small()) return false;
   if (!std::exchange(needs_budget_, true)) {
     // The attempt failed by its number of faces alone. The next one may make all faces that are allowed. If these are

@@ -56,7 +56,8 @@ class GoalRefinement {
   /// with goals.proximity.
   std::optional<double> smallest_gap() const { return smallest_gap_; }
 
-  /// Predicts how many faces refinement will make of these triangles.
+  /// Predicts how many faces refinement will make of these triangles. If they are out of proportion, it is predicted
+  /// for the lowest floor with which they are not.
   std::uint64_t predict_faces(const PatchedSurface& on, const TriangulatedPatches& triangulated);
   /// Returns how the faces that predict_faces predicted are shared out among the patches. Their sum is that number.
   /// Empty without goals.
@@ -72,8 +73,9 @@ class GoalRefinement {
   /// were.
   const IdVector<PatchId, std::uint8_t>& frozen() const { return frozen_; }
 
-  /// Returns whether a result with so many faces needs another attempt, and adapts the budget for that attempt. The
-  /// first attempt has no budget as long as it does not make far more triangles than allowed: many of them are removed
+  /// Returns whether a result with so many faces needs another attempt, and adapts the budget for that attempt, or the
+  /// floor under the lengths of edges if the faces are out of proportion (Goals::faces_without_floor). The first
+  /// attempt has no budget as long as it does not make far more triangles than allowed: many of them are removed
   /// when patches are thinned out, so they are no reason to leave anything undone. The next attempt may exceed its
   /// budget by cuts that patches have to make because their neighbours made them, by points in chords, or by cuts for
   /// sizes alone. Then the attempt after it gets a smaller budget. If that does not help, or not soon enough, nothing
@@ -102,6 +104,10 @@ class GoalRefinement {
   /// kFewFaces it is tried in any case, for two reasons: where boundaries are locked or edges must not be short,
   /// predictions may be far too high, and it takes a second at most.
   static constexpr double kHopeless = 2, kFewFaces = 0x1p17;
+  /// A floor is raised by the first of these factors, or by the second if so many faces are in proportion that each
+  /// attempt takes seconds. It is not raised beyond kHighestFloor times the lowest. See experiments.md, Floor of a
+  /// default answer.
+  static constexpr double kFloorStep = 2, kLargeFloorStep = 4, kHighestFloor = 0x1p14;
   static constexpr int kMaxRetries = 6;
   static constexpr int kRetriesInVain = 3;  ///< a retry that made no fewer faces counts as so many
   /// One kReserve-th of the faces allowed is reserved for what comes when the budget is spent: cuts that neighbours
@@ -119,6 +125,10 @@ class GoalRefinement {
   std::unique_ptr<const GapSearch> gap_search(const PatchedSurface& on, const TriangulatedPatches& triangulated) const;
   std::optional<SizeField> sizes_without_floor(const PatchedSurface& on, const TriangulatedPatches& triangulated) const;
   std::uint64_t max_made() const;
+  bool is_floor_automatic() const;
+  bool may_raise_floor() const;
+  void raise_floor();
+  void limit_to_proportion(Prediction& prediction) const;
   void refuse_if_hopeless(double least) const;
   bool is_worth_trying_without_budget() const;
 

@@ -31,6 +31,18 @@ Goals goals_of(const Options& options, double diagonal) {
   return goals;
 }
 
+void keep_in_proportion(Goals& goals, const Options& options, double diagonal, std::uint64_t triangles) {
+  // Small angles of the input need some faces each, and a part of a few faces may need hundreds.
+  constexpr std::uint64_t kPerTriangle = 20, kAlways = 1000;
+  // See experiments.md, Floor of a default answer.
+  constexpr double kLowestFloor = 0x1p-20;
+  const bool do_sizes_ask = std::isfinite(goals.max_edge_length) || std::isfinite(goals.max_area) ||
+                            goals.proximity > 0 || goals.gradation > 0;
+  if (options.min_edge_length || do_sizes_ask || !options.refine) return;
+  goals.faces_without_floor = kPerTriangle * triangles + kAlways;
+  goals.lowest_floor = kLowestFloor * diagonal;
+}
+
 double equilateral_area(double edge) { return std::numbers::sqrt3 / 4 * edge * edge; }
 double equilateral_edge(double area) { return std::sqrt(4 / std::numbers::sqrt3 * area); }
 

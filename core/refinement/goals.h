@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 
 #include "core/base/options.h"
 
@@ -10,6 +11,8 @@ namespace remesh {
 /// Lengths and areas are in model units, angles in degrees. If there is no bound, an upper bound is infinity and a
 /// lower one is 0.
 struct Goals {
+  static constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
+
   double min_angle_deg = 0;    ///< lower bound for every triangle, measured in space
   double max_edge_length;      ///< infinity: none
   double max_area;             ///< infinity: none
@@ -17,6 +20,10 @@ struct Goals {
   double proximity = 0;        ///< edges are at most as long as the gap divided by this; 0: no such limit
   double gradation = 0;        ///< largest ratio of the lengths of neighbouring edges, > 1; 0: no limit
   std::uint64_t max_faces;     ///< limit on the faces of the whole result
+  /// If there would be more faces than this, refinement looks for a value of min_edge_length with which there are no
+  /// more. The largest number: it does not look for one.
+  std::uint64_t faces_without_floor = kNoLimit;
+  double lowest_floor = 0;  ///< the first value that is tried
   bool split_boundaries = true;
 
   /// Sizes that gaps and short edges ask for are known at some places and interpolated between them. An edge that is
@@ -34,6 +41,10 @@ struct Goals {
 /// Without `refine` there is no goal at all.
 /// Input: `diagonal` is the diagonal of the input's bounding box. It is needed for max_edge_fraction.
 Goals goals_of(const Options& options, double diagonal);
+
+/// Keeps the answer in proportion to the input, if min_edge_length is automatic and angles alone ask for faces.
+/// Input: `triangles` is the number of the input's triangles, where a polygon counts as the triangles that fill it.
+void keep_in_proportion(Goals& goals, const Options& options, double diagonal, std::uint64_t triangles);
 
 /// Return the area of an equilateral triangle with this edge, and the edge of one with this area. No triangle with
 /// edges up to `edge` has a larger area. Infinity gives infinity.

@@ -59,15 +59,20 @@ UnrefinedFaces find_unrefined(std::span<const Vec3> positions, std::span<const T
 }
 
 std::vector<Unrefined> summarise_unrefined(const UnrefinedFaces& unrefined, std::span<const Vec3> positions,
-                                           std::span<const Triangle> faces, RunControl& control) {
+                                           std::span<const Triangle> faces, const Goals& goals, RunControl& control) {
   StopCheck check(control);
   std::array<Unrefined, kUnrefinedReasonCount> by_reason;
+  // A floor that was found was not asked for.
+  const bool is_found = goals.faces_without_floor != Goals::kNoLimit;
+  const auto told = [&](UnrefinedReason reason) {
+    return reason == UnrefinedReason::kMinEdgeLength && is_found ? UnrefinedReason::kSizeFloor : reason;
+  };
   for (std::size_t i = 0; i < unrefined.faces.size(); ++i) {
     check();
     const Triangle& face = faces[unrefined.faces[i].value];
     Vec3 centre;
     for (const VertexId v : face) centre += (1.0 / 3) * positions[v.value];
-    by_reason[static_cast<std::size_t>(unrefined.reasons[i])].add(centre);
+    by_reason[static_cast<std::size_t>(told(unrefined.reasons[i]))].add(centre);
   }
   std::vector<Unrefined> result;
   for (int r = 0; r < kUnrefinedReasonCount; ++r) {

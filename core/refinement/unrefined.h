@@ -31,9 +31,9 @@ UnrefinedFaces find_unrefined(std::span<const Vec3> positions, std::span<const T
                               const Goals& goals, RunControl& control);
 
 /// Groups by reason the triangles that find_unrefined found. For each reason, counts the triangles and lists the
-/// centroids of the first ones.
+/// centroids of the first ones. What a floor leaves that `goals` found for themselves counts as kSizeFloor.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 std::vector<Unrefined> summarise_unrefined(const UnrefinedFaces& unrefined, std::span<const Vec3> positions,
-                                           std::span<const Triangle> faces, RunControl& control);
+                                           std::span<const Triangle> faces, const Goals& goals, RunControl& control);
 
 }  // namespace remesh

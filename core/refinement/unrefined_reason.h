@@ -17,7 +17,8 @@ enum class UnrefinedReason : std::uint8_t {
   /// Its shortest edge joins two segments that meet under 60 degrees, at the same distance from their corner.
   kAcrossInputAngle,
   /// A new point would be nearer to another one than features or rounding allow (the floor of its spacing). Or it
-  /// misses a size that is below the floor of all sizes.
+  /// misses a size that is below the floor of all sizes. In the report, the floor may also be the one that keeps the
+  /// number of faces in proportion to the input.
   kSizeFloor,
   /// As kSizeFloor, but the floor comes from the option min_edge_length.
   kMinEdgeLength,

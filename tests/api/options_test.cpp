@@ -40,7 +40,7 @@ TEST(options, the_table_has_every_option_of_the_contract_with_its_default) {
                                                          {"max_edge_length", "none"},
                                                          {"max_edge_fraction", "none"},
                                                          {"max_area", "none"},
-                                                         {"min_edge_length", "none"},
+                                                         {"min_edge_length", "auto"},
                                                          {"proximity", "0"},
                                                          {"gradation", "auto"},
                                                          {"max_output_faces", "none"},
@@ -246,11 +246,13 @@ TEST(options, ranges_hold_at_their_ends) {
   EXPECT_EQ(read("min_angle_deg", "33").core.min_angle_deg, 33.0);
   expect_invalid("min_angle_deg", "33.000001");
   expect_invalid("min_angle_deg", "-1e-9");
-  for (const std::string_view name :
-       {"max_edge_length", "max_edge_fraction", "max_area", "min_edge_length", "plane_tolerance"}) {
+  for (const std::string_view name : {"max_edge_length", "max_edge_fraction", "max_area", "plane_tolerance"}) {
     expect_invalid(name, "0");
     expect_invalid(name, "-1");
   }
+  EXPECT_EQ(read("min_edge_length", "0").core.min_edge_length, 0.0);
+  EXPECT_EQ(read("min_edge_length", "auto").core.min_edge_length, std::nullopt);
+  expect_invalid("min_edge_length", "-1e-9");
   expect_invalid("gradation", "1");
   EXPECT_EQ(read("max_radius_edge_ratio", "0.918").core.max_radius_edge_ratio, 0.918);
   expect_invalid("max_radius_edge_ratio", "0.917");

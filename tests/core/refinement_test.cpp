@@ -225,7 +225,9 @@ TEST(refinement, facets_of_a_cylinder_get_hardly_more_faces_than_they_need) {
                                    return corners;
                                  }()),
                                  with_angle(bound));
-      const Result result = refined(cylinder, with_angle(bound));
+      Options options = with_angle(bound);
+      options.min_edge_length = 0;
+      const Result result = refined(cylinder, options);
       EXPECT_EQ(listed(result.report), 0u);
       EXPECT_GE(smallest_angle_deg(result.mesh), bound);
       EXPECT_LE(static_cast<double>(result.mesh.faces.size()),
@@ -307,13 +309,15 @@ TEST(refinement, faces_along_strips_are_foreseen) {
   for (const PolygonMesh& mesh :
        {chamfered(1e-2), chamfered(1e-3), chamfered(1e-4), shapes::cylinder(32, 1, 40), shapes::cylinder(360, 1, 5),
         shapes::rotated(shapes::box({1, 0.01, 3}), {1, 2, 3}, 40)}) {
-    const Result result = refined(mesh);
+    Options options;
+    options.min_edge_length = 0;
+    const Result result = refined(mesh, options);
     const double ratio =
         static_cast<double>(result.report.predicted_faces) / static_cast<double>(result.mesh.faces.size());
     EXPECT_GT(ratio, 0.5) << result.mesh.faces.size();
     EXPECT_LT(ratio, 2) << result.mesh.faces.size();
     RunControl control;
-    EXPECT_EQ(analyze_surface(mesh, {}, RunSettings{}, control).predicted_faces, result.report.predicted_faces);
+    EXPECT_EQ(analyze_surface(mesh, options, RunSettings{}, control).predicted_faces, result.report.predicted_faces);
   }
 }
 

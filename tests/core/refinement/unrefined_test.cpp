@@ -106,7 +106,7 @@ TEST(summarise_unrefined, reasons_come_in_their_order_with_the_first_hundred_pla
   goals.min_angle_deg = 25;
   RunControl control;
   const UnrefinedFaces found = find_unrefined(row.positions, row.faces, row.reasons, {}, goals, control);
-  const std::vector<Unrefined> summary = summarise_unrefined(found, row.positions, row.faces, control);
+  const std::vector<Unrefined> summary = summarise_unrefined(found, row.positions, row.faces, Goals{}, control);
   ASSERT_EQ(summary.size(), 2u);
   EXPECT_EQ(summary[0].reason, UnrefinedReason::kAcrossInputAngle);
   EXPECT_EQ(summary[1].reason, UnrefinedReason::kMinEdgeLength);
@@ -117,7 +117,7 @@ TEST(summarise_unrefined, reasons_come_in_their_order_with_the_first_hundred_pla
   // The centroid of the second needle, face 3.
   EXPECT_NEAR(summary[0].places[0].x, 6 + 1.0 / 3, 1e-12);
   EXPECT_NEAR(summary[0].places[0].y, 0.001 / 3, 1e-15);
-  EXPECT_TRUE(summarise_unrefined({}, row.positions, row.faces, control).empty());
+  EXPECT_TRUE(summarise_unrefined({}, row.positions, row.faces, Goals{}, control).empty());
 }
 
 }  // namespace

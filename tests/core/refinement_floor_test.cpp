@@ -1,0 +1,165 @@
+// Tests that by default, the number of faces stays in proportion to the input, however thin its needles and slits are.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+
+#include "core/refinement/goals.h"
+#include "core/remesh.h"
+#include "tests/support/refined_checks.h"
+#include "tests/support/shapes.h"
+
+namespace remesh {
+namespace {
+
+std::uint64_t triangles_of(const PolygonMesh& mesh) { return mesh.corners.size() - 2 * mesh.face_count(); }
+std::uint64_t in_proportion(const PolygonMesh& mesh) { return 20 * triangles_of(mesh) + 1000; }
+
+/// A strip of needles in one plane: two rails of length 1, a height apart, with every second vertex on each of them.
+PolygonMesh strip_of_needles(int count, double height) {
+  PolygonMesh mesh;
+  for (int i = 0; i <= count; ++i)
+    mesh.positions.push_back({static_cast<double>(i) / count, i % 2 == 0 ? 0 : height, i % 3 == 0 ? 0.0 : 1e-3});
+  for (int i = 0; i + 2 <= count; ++i) {
+    const int odd = i % 2;
+    for (const int k : {i, i + 1 + odd, i + 2 - odd}) mesh.corners.push_back(VertexId(static_cast<std::size_t>(k)));
+    mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corners.size()));
+  }
+  return mesh;
+}
+
+TEST(refinement_floor, thin_plates_stay_in_proportion_and_tell_what_is_left) {
+  for (const double height : {1e-3, 1e-4, 1e-5, 1e-6}) {
+    const PolygonMesh mesh = shapes::box({1, 0.7, height});
+    const Result result = refined(mesh);
+    expect_promises(mesh, {}, result);
+    EXPECT_LE(result.mesh.faces.size(), in_proportion(mesh)) << height;
+    EXPECT_GT(result.report.min_edge_length, 0) << height;
+    EXPECT_GT(listed(result.report, UnrefinedReason::kSizeFloor), 0u) << height;
+    EXPECT_EQ(listed(result.report), listed(result.report, UnrefinedReason::kSizeFloor))
+        << listed_in_words(result.report);
+    EXPECT_GE(shortest_edge(result.mesh), std::min(height, result.report.min_edge_length) * (1 - 1e-9)) << height;
+  }
+}
+
+TEST(refinement_floor, even_thinner_plates_stay_in_proportion) {
+  for (const double height : {1e-7, 1e-8, 1e-9, 1e-10}) {
+    const PolygonMesh mesh = shapes::box({1, 0.7, height});
+    const Result result = refined(mesh);
+    EXPECT_TRUE(result.report.verified.all_true()) << height;
+    EXPECT_LE(result.mesh.faces.size(), in_proportion(mesh)) << height;
+    EXPECT_EQ(listed(result.report), faces_beyond(result.mesh, bounds_of({})).size()) << height;
+  }
+}
+
+TEST(refinement_floor, long_beams_stay_long) {
+  const PolygonMesh mesh = shapes::box({1, 1, 1000});
+  const Result result = refined(mesh);
+  expect_promises(mesh, {}, result);
+  EXPECT_LE(result.mesh.faces.size(), in_proportion(mesh));
+  // A beam that needs fewer faces has no floor.
+  const PolygonMesh shorter = shapes::box({1, 1, 100});
+  const Result whole = refined(shorter);
+  expect_promises(shorter, {}, whole);
+  EXPECT_EQ(whole.report.min_edge_length, 0);
+  EXPECT_TRUE(whole.report.unrefined.empty()) << listed_in_words(whole.report);
+}
+
+TEST(refinement_floor, rows_of_needles_stay_in_proportion_to_their_number) {
+  for (const int count : {10, 100, 1000})
+    for (const double height : {1e-4, 1e-6, 1e-8}) {
+      const PolygonMesh mesh = strip_of_needles(count, height);
+      const Result result = refined(mesh);
+      EXPECT_TRUE(result.report.verified.all_true()) << count << " of height " << height;
+      EXPECT_LE(result.mesh.faces.size(), in_proportion(mesh)) << count << " of height " << height;
+      EXPECT_EQ(listed(result.report), faces_beyond(result.mesh, bounds_of({})).size())
+          << count << " of height " << height << ": " << listed_in_words(result.report);
+    }
+}
+
+TEST(refinement_floor, a_floor_of_0_makes_edges_of_any_length) {
+  const PolygonMesh mesh = shapes::box({1, 0.7, 1e-3});
+  Options options;
+  options.min_edge_length = 0;
+  const Result result = refined(mesh, options);
+  expect_promises(mesh, options, result);
+  EXPECT_GT(result.mesh.faces.size(), in_proportion(mesh));
+  EXPECT_TRUE(result.report.unrefined.empty()) << listed_in_words(result.report);
+  EXPECT_EQ(result.report.min_edge_length, 0);
+}
+
+TEST(refinement_floor, the_floor_in_the_report_asks_for_the_same_mesh) {
+  const PolygonMesh mesh = shapes::box({1, 0.7, 1e-5});
+  const Result found = refined(mesh, {}, 1);
+  for (const int workers : {2, 8}) {
+    const Result again = refined(mesh, {}, workers);
+    EXPECT_EQ(again.mesh.positions, found.mesh.positions) << workers << " workers";
+    EXPECT_EQ(again.mesh.faces, found.mesh.faces) << workers << " workers";
+  }
+  Options options;
+  options.min_edge_length = found.report.min_edge_length;
+  const Result asked = refined(mesh, options);
+  EXPECT_EQ(asked.mesh.positions, found.mesh.positions);
+  EXPECT_EQ(asked.mesh.faces, found.mesh.faces);
+  EXPECT_EQ(listed(asked.report, UnrefinedReason::kMinEdgeLength), listed(found.report, UnrefinedReason::kSizeFloor));
+}
+
+TEST(refinement_floor, the_lowest_floor_that_serves_is_taken) {
+  const PolygonMesh mesh = shapes::box({1, 0.7, 1e-5});
+  Options options;
+  options.min_edge_length = refined(mesh).report.min_edge_length / 2;
+  EXPECT_GT(refined(mesh, options).mesh.faces.size(), in_proportion(mesh));
+}
+
+TEST(refinement_floor, a_limit_below_the_proportion_is_a_budget) {
+  const PolygonMesh mesh = shapes::box({1, 0.7, 1e-5});
+  Options options;
+  options.max_output_faces = 300;
+  const Result result = refined(mesh, options);
+  expect_promises(mesh, options, result);
+  EXPECT_LE(result.mesh.faces.size(), 300u);
+  EXPECT_EQ(result.report.min_edge_length, 0);
+  EXPECT_GT(listed(result.report, UnrefinedReason::kBudget), 0u) << listed_in_words(result.report);
+}
+
+TEST(refinement_floor, what_sizes_ask_for_is_made) {
+  const PolygonMesh mesh = shapes::box({1, 1, 1});
+  const Options options = with_length(0.02);
+  const Result result = refined(mesh, options);
+  EXPECT_GT(result.mesh.faces.size(), in_proportion(mesh));
+  EXPECT_EQ(result.report.min_edge_length, 0);
+  EXPECT_TRUE(result.report.unrefined.empty()) << listed_in_words(result.report);
+}
+
+TEST(keep_in_proportion, is_for_angles_alone) {
+  const auto looks = [](const Options& options) {
+    Goals goals = goals_of(options, 1);
+    keep_in_proportion(goals, options, 1, 10);
+    return goals.faces_without_floor != Goals::kNoLimit;
+  };
+  EXPECT_TRUE(looks({}));
+  EXPECT_TRUE(looks(with_angle(33)));
+  EXPECT_FALSE(looks(with_length(1)));
+  Options options;
+  options.max_edge_fraction = 0.1;
+  EXPECT_FALSE(looks(options));
+  options = {};
+  options.max_area = 1;
+  EXPECT_FALSE(looks(options));
+  options = {};
+  options.proximity = 1;
+  EXPECT_FALSE(looks(options));
+  options = {};
+  options.gradation = 1.5;
+  EXPECT_FALSE(looks(options));
+  options = {};
+  options.min_edge_length = 0;
+  EXPECT_FALSE(looks(options));
+  options = {};
+  options.refine = false;
+  EXPECT_FALSE(looks(options));
+}
+
+}  // namespace
+}  // namespace remesh
