@@ -328,8 +328,8 @@ class Cull {
       }
     }
     if (box.is_empty()) return box;
-    // The margin is for rounding. It never takes the part out of the face, whose own box is exact: beside one coordinate
-    // that is far too large, the margin may be larger than all faces.
+    // The margin is for rounding. It never takes the part out of the face, whose own box is exact. Beside a coordinate
+    // that is far too large, the margin may be larger than all other faces.
     const Box3 whole = box_of(f);
     for (int axis = 0; axis < 3; ++axis) {
       box.min[axis] = std::clamp(box.min[axis] - kHeightMargin, whole.min[axis], whole.max[axis]);

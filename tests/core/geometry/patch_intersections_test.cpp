@@ -72,6 +72,26 @@ TEST(patch_intersections, touching_from_one_patch_to_another_counts) {
   EXPECT_EQ(patched.find().pairs, expected.pairs);
 }
 
+TEST(patch_intersections, beside_a_coordinate_that_is_far_too_large_faces_are_still_told_apart) {
+  // Two sheets of 8,192 faces that cross, and a needle of length 2^80. Relative to it, both sheets are one point.
+  const PolygonMesh sheet = shapes::sheet(2, 2, 64, 64);
+  PolygonMesh mesh = shapes::joined(shapes::rotated(sheet, {0, 1, 0}, 45),
+                                    shapes::moved(shapes::rotated(sheet, {0, 1, 0}, 40), {0.01, 0.013, -0.05}));
+  const std::size_t faces = shapes::triangles(mesh).faces.size();
+  mesh = shapes::joined(mesh, shapes::polygon({{5, 5}, {0x1p80, 5}, {5, 6}}));
+  const Patched patched(mesh);
+  RunControl control;
+  SearchLimits limits(1'000'000);
+  limits.max_steps = 400 * faces;  // to test all pairs takes many times as many
+  const SelfIntersections found =
+      patch_intersections({patched.triangles.positions.items(), corners_of(patched.triangles.faces.items()),
+                           patched.patch, patched.normals, patched.simple},
+                          limits, control);
+  EXPECT_TRUE(found.is_complete);
+  EXPECT_GT(found.pairs.size(), 30u);
+  EXPECT_EQ(found.pairs, patched.find_all().pairs);
+}
+
 TEST(patch_intersections, sheets_that_lie_in_one_another_are_compared_as_a_whole) {
   // Each face is near all other sheets: too many parts to keep.
   Random random(17);
