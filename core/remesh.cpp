@@ -55,6 +55,7 @@ enum class Outcome {
   kTooManyFaces,      ///< refinement made more faces than are allowed
   kOffsetsChanged,    ///< curved surfaces have to be moved by other offsets
   kRefinementFailed,  ///< the check failed on patches whose refinement can be left out
+  kRestUnrefined,     ///< without any refinement, the result passed verification
   kPatchesFailed,     ///< some patches have no triangles, or the check failed on them
   kFacesFailed,       ///< patches failed that are single faces already
 };
@@ -76,6 +77,8 @@ constexpr std::array kRetries{
     Retry{Outcome::kOffsetsChanged, Step::kPartition},
     // Refine again, but leave the patches that failed as they are. The patches and their triangles are used again.
     Retry{Outcome::kRefinementFailed, Step::kRefine},
+    // Refine the patches that have never failed. The result without any refinement is right.
+    Retry{Outcome::kRestUnrefined, Step::kRefine},
     // Split the patches that failed under a tighter tolerance, in the end into single faces (Ladder). The prepared
     // surface is used again, and so are the regions of all other faces.
     Retry{Outcome::kPatchesFailed, Step::kPartition},
@@ -247,14 +250,20 @@ class Run {
     if (refiner_->is_over_budget(candidate_.assembled.faces.size())) return Outcome::kTooManyFaces;
     refuse_if_too_large();
     check_candidate();
-    if (report_.verified.all_true()) return Outcome::kVerified;
+    if (report_.verified.all_true()) {
+      if (!refiner_->goes_on_with_the_rest()) return Outcome::kVerified;
+      refiner_->freeze(patches_with(has_failed_), partition_.patches.count());
+      return Outcome::kRestUnrefined;
+    }
+    note_faces(report_.verified.failed_patches, has_failed_);
     for (const PatchId p : report_.verified.failed_patches) failed.push_back({p, PatchReason::kVerificationFailed});
     // If the result as a whole is wrong, no single patch is at fault, so all patches take a step.
     if (failed.empty())
       for (std::size_t p = 0; p < partition_.patches.count(); ++p)
         failed.push_back({PatchId(p), PatchReason::kVerificationFailed});
     // A curved patch cannot be left as it was triangulated: that is too far from its surface.
-    if (curved_at_fault(failed).empty() && refiner_->freeze(report_.verified.failed_patches))
+    if (curved_at_fault(failed).empty() &&
+        refiner_->freeze(report_.verified.failed_patches, partition_.patches.count()))
       return Outcome::kRefinementFailed;
     return step_up(failed);
   }
@@ -332,6 +341,25 @@ class Run {
       return;
     assemble(candidate_, with_cuts(), asked_goals(), control_);
     report_.verified = check(candidate_, against, control_);
+  }
+
+  /// Marks the input's faces from which these patches are made.
+  void note_faces(const std::vector<PatchId>& patches, std::vector<std::uint8_t>& is_noted) const {
+    is_noted.resize(input_.face_count(), 0);
+    for (const PatchId p : patches)
+      for (const FaceId f : partition_.patches.faces_of(p)) is_noted[surface().face_source[f].value] = 1;
+  }
+  /// Returns the patches that have any such face.
+  std::vector<PatchId> patches_with(const std::vector<std::uint8_t>& is_noted) const {
+    std::vector<PatchId> found;
+    if (is_noted.empty()) return found;
+    for (std::size_t p = 0; p < partition_.patches.count(); ++p) {
+      const auto faces = partition_.patches.faces_of(PatchId(p));
+      if (std::any_of(faces.begin(), faces.end(),
+                      [&](FaceId f) { return is_noted[surface().face_source[f].value] != 0; }))
+        found.push_back(PatchId(p));
+    }
+    return found;
   }
 
   std::vector<PatchId> curved_at_fault(const std::vector<FailedPatch>& failed) {
@@ -510,7 +538,8 @@ class Run {
   std::optional<GoalRefinement> refiner_;                  ///< belongs to the prepared surface
   std::optional<FoundIntersections> input_intersections_;  ///< belongs to the prepared surface; empty until known
   Regions regions_;
-  CurvedStage curves_;  ///< belongs to the prepared surface
+  CurvedStage curves_;                    ///< belongs to the prepared surface
+  std::vector<std::uint8_t> has_failed_;  ///< one per input face: its patch has failed the check; empty until one has
   Partition partition_;
   Candidate candidate_;
 };

@@ -58,7 +58,10 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
   frozen_.resize(on.patches.count(), 0);
   for (std::size_t p = 0; p < on.patches.count(); ++p)
     if (ladder.is_kept(on.patches.faces_of(PatchId(p))[0])) frozen_[PatchId(p)] = 1;
-  if (is_budget_too_small() || is_effort_spent()) frozen_.assign(on.patches.count(), 1);
+  // Curved patches have to be refined, or they fail.
+  if (order_ == Order::kAll && !are_any_curved_ && is_any_wrong_ && is_much_spent()) order_ = Order::kNothingYet;
+  if (is_budget_too_small() || is_effort_spent() || order_ == Order::kNothingYet)
+    frozen_.assign(on.patches.count(), 1);
   const auto gaps = gap_search(on, triangulated);
   const SizeField& sizes = size_field(on, triangulated, gaps.get());
   const std::optional<SizeField> graded = sizes_without_floor(on, triangulated);
@@ -208,8 +211,17 @@ bool GoalRefinement::is_over_budget(std::uint64_t faces) {
   return true;
 }
 
-bool GoalRefinement::freeze(const std::vector<PatchId>& failed) {
+bool GoalRefinement::goes_on_with_the_rest() {
+  if (order_ != Order::kNothingYet || is_effort_spent()) return false;
+  order_ = Order::kRest;
+  frozen_.clear();
+  return true;
+}
+
+bool GoalRefinement::freeze(const std::vector<PatchId>& failed, std::size_t count) {
   if (!has_goals()) return false;
+  is_any_wrong_ = true;
+  frozen_.resize(count, 0);
   bool is_new = false;
   for (const PatchId p : failed) {
     is_new = is_new || frozen_[p] == 0;

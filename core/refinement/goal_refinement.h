@@ -38,8 +38,9 @@ class GoalRefinement {
   /// Input: `taken` is the work that attempts at the surface took before its faces were mended anew.
   GoalRefinement(const Goals& goals, RunControl& control, std::uint64_t taken = 0)
       : goals_(goals), budget_(goals.max_faces), control_(control), work_(kWorkOfAttempts.steps(0, goals.max_faces)) {
-    work_.take(taken);
     if (budget_ != std::numeric_limits<std::uint64_t>::max()) budget_ -= budget_ / kReserve;
+    work_.take(taken);
+    is_any_wrong_ = taken > 0;
   }
 
   const Goals& goals() const { return goals_; }
@@ -84,9 +85,16 @@ class GoalRefinement {
 
   /// Freezes patches whose refinement failed the check: they stay as they were before it. Returns whether any of them
   /// was not frozen before.
-  bool freeze(const std::vector<PatchId>& failed);
+  /// Input: `count` is the number of all patches.
+  bool freeze(const std::vector<PatchId>& failed, std::size_t count);
+  /// If half of the work is spent in vain, the next attempts refine nothing, until one of them passes the check. Then
+  /// the patches that have never failed are refined. Returns whether they are to be refined in the next attempt, now
+  /// that the last one has passed. Patches that have failed must then be frozen again.
+  bool goes_on_with_the_rest();
   /// Forgets what is known of the patches. After a step of the ladder the patches are others.
   void thaw() {
+    if (order_ == Order::kRest) order_ = Order::kNothingYet;
+    is_any_wrong_ = true;
     frozen_.clear();
     sizes_.reset();
     last_faces_ = 0;
@@ -118,6 +126,9 @@ class GoalRefinement {
   /// Returns whether the attempts so far leave no work for another one that would be worth while.
   bool is_effort_spent() const { return work_.left() < kMinAttempt; }
   static constexpr std::uint64_t kMinAttempt = 1 << 10;
+  /// What is refined in the next attempt.
+  enum class Order { kAll, kNothingYet, kRest };
+  bool is_much_spent() const { return work_.taken() > work_.left(); }
   /// Returns the size field. It is the same for all attempts at the same patches.
   /// Input: `gaps` is there with proximity, and null otherwise.
   const SizeField& size_field(const PatchedSurface& on, const TriangulatedPatches& triangulated, const GapSearch* gaps);
@@ -137,7 +148,9 @@ class GoalRefinement {
   RunControl& control_;
   WorkBound work_;  ///< a step is a triangle of a complete attempt
   bool are_any_curved_ = false;
-  double angle_margin_ = 0;    ///< in degrees
+  double angle_margin_ = 0;  ///< in degrees
+  Order order_ = Order::kAll;
+  bool is_any_wrong_ = false;  ///< a result has failed the check
   bool needs_budget_ = false;  ///< an attempt without a budget made too many faces, or would
   bool is_hopeless_ =
       false;  ///< far more faces than allowed were predicted or made, or more than many that are allowed

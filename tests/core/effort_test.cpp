@@ -141,11 +141,32 @@ TEST(effort, when_attempts_have_taken_all_the_work_nothing_is_refined_and_all_is
   EXPECT_EQ(chain.meshes[PatchId(0)].mesh.triangle_count(), before);
   ASSERT_EQ(refinement.reason.size(), 12u);
   for (const UnrefinedReason reason : refinement.reason) EXPECT_EQ(reason, UnrefinedReason::kEffort);
-  // With little left, the attempt makes as few faces as that allows.
+  EXPECT_FALSE(spent.goes_on_with_the_rest());
+}
+
+TEST(effort,
+     when_half_of_the_work_is_spent_in_vain_patches_that_have_not_failed_are_refined_after_a_result_has_passed) {
+  StageChain chain(shapes::box({1, 1, 1}));
+  Options options;
+  options.max_edge_length = 0.2;
+  options.max_output_faces = 4000;
+  const Goals goals = goals_of(options, std::sqrt(3));
+  const PatchedSurface on{chain.surface, chain.adjacency, chain.patches, 1e-6};
   GoalRefinement nearly(goals, chain.control, kWorkOfAttempts.steps(0, goals.max_faces) - 1100);
-  const Refinement little = nearly.refine(on, Ladder(chain.surface, {}), {}, chain.triangulated);
-  EXPECT_GT(little.reason.size(), 12u);
-  EXPECT_LE(little.reason.size(), 1100u);
+  const Ladder ladder(chain.surface, {});
+  // The first attempt is to show whether a result passes at all.
+  EXPECT_EQ(nearly.refine(on, ladder, {}, chain.triangulated).reason.size(), 12u);
+  ASSERT_TRUE(nearly.goes_on_with_the_rest());
+  // The second one leaves out what has failed. It makes no more faces than half of the work that is left allows.
+  const PatchId failed(0);
+  nearly.freeze({failed}, chain.patches.count());
+  const std::size_t before = chain.meshes[failed].mesh.triangle_count();
+  const Refinement little = nearly.refine(on, ladder, {}, chain.triangulated);
+  EXPECT_EQ(chain.meshes[failed].mesh.triangle_count(), before);
+  EXPECT_GT(little.reason.size(), 100u);
+  EXPECT_LE(little.reason.size(), 1100u / 2);
+  // If that passes, it is the result.
+  EXPECT_FALSE(nearly.goes_on_with_the_rest());
 }
 
 }  // namespace
