@@ -236,6 +236,7 @@ class Run {
   /// Goes from the patches' triangles to a verdict.
   Outcome attempt() {
     if (!input_intersections_) find_input_intersections(Triangulated(surface(), control_));
+    refiner_->begin_attempt();
     watch_.enter(Stage::kAssembly);
     std::vector<FailedPatch> failed = find_failed_patches(candidate_.triangulated.meshes);
     if (!failed.empty()) return step_up(failed);

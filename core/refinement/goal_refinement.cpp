@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/stoppable.h"
 #include "core/refinement/gap_search.h"
 #include "core/refinement/prediction.h"
 #include "core/refinement/segment_table.h"
@@ -21,6 +22,19 @@ constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
 /// Converts to an integer. The limit of 2^62 is far beyond any result, so larger numbers are cut off there.
 std::uint64_t whole(double faces) { return static_cast<std::uint64_t>(std::min(faces, 0x1p62)); }
 
+/// Returns the area of all triangles, in model units squared.
+double area_of(const Surface& surface, const PatchMeshes& meshes, RunControl& control) {
+  StopCheck check(control);
+  double area = 0;
+  for (const PatchMesh& patch : meshes)
+    for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); h += 3) {
+      check();
+      const auto corner = [&](std::uint32_t k) { return surface.local[patch.vertices[patch.mesh.from(h + k)]]; };
+      area += 0.5 * norm(cross(corner(1) - corner(0), corner(2) - corner(0)));
+    }
+  return area * surface.unit * surface.unit;
+}
+
 std::string count_text(double count) {
   return count < 1e15 ? std::to_string(static_cast<std::uint64_t>(count)) : "10^15";
 }
@@ -28,6 +42,7 @@ std::string count_text(double count) {
 }  // namespace
 
 bool GoalRefinement::has_goals() const {
+  if (order_ == Order::kNothingYet) return false;
   return are_any_curved_ || goals_.min_angle_deg > 0 || std::isfinite(goals_.max_edge_length) ||
          std::isfinite(goals_.max_area) || goals_.proximity > 0 || goals_.gradation > 0;
 }
@@ -58,14 +73,18 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
   frozen_.resize(on.patches.count(), 0);
   for (std::size_t p = 0; p < on.patches.count(); ++p)
     if (ladder.is_kept(on.patches.faces_of(PatchId(p))[0])) frozen_[PatchId(p)] = 1;
-  // Curved patches have to be refined, or they fail.
-  if (order_ == Order::kAll && !are_any_curved_ && is_any_wrong_ && is_much_spent()) order_ = Order::kNothingYet;
-  if (is_budget_too_small() || is_effort_spent() || order_ == Order::kNothingYet)
-    frozen_.assign(on.patches.count(), 1);
+  if (is_budget_too_small() || is_effort_spent()) frozen_.assign(on.patches.count(), 1);
   const auto gaps = gap_search(on, triangulated);
   const SizeField& sizes = size_field(on, triangulated, gaps.get());
   const std::optional<SizeField> graded = sizes_without_floor(on, triangulated);
   Prediction prediction = predict(triangulated, goals_, sizes, control_);
+  if (gaps && coarsest_size_ == 0 && prediction.expected > kFarTooMany * static_cast<double>(goals_.max_faces)) {
+    coarsest_size_ = equilateral_edge(area_of(on.surface, triangulated.meshes, control_) /
+                                      (kEvenShare * static_cast<double>(goals_.max_faces)));
+    sizes_.reset();
+    size_field(on, triangulated, gaps.get());
+    prediction = predict(triangulated, goals_, sizes, control_);
+  }
   limit_to_proportion(prediction);
   predicted_faces_ = whole(prediction.expected);
   const auto attempt = [&](std::uint64_t budget, std::uint64_t max_made) {
@@ -175,13 +194,14 @@ std::optional<SizeField> GoalRefinement::sizes_without_floor(const PatchedSurfac
 const SizeField& GoalRefinement::size_field(const PatchedSurface& on, const TriangulatedPatches& triangulated,
                                             const GapSearch* gaps) {
   if (sizes_) return *sizes_;
-  if (gaps != nullptr) smallest_gap_ = gaps->smallest(control_, goals_.max_faces);
+  if (gaps != nullptr && !std::exchange(is_smallest_gap_known_, true))
+    smallest_gap_ = gaps->smallest(control_, goals_.max_faces);
   // With proximity, gradation is about the sizes that gaps ask for; around short segments, the bound on angles makes
   // edges grow gradually. Gradation without proximity is about short segments.
   std::vector<std::array<VertexId, 2>> segments;
   if (gaps == nullptr && goals_.gradation > 0) segments = segment_ends(triangulated.meshes, control_);
   if (gaps != nullptr || goals_.gradation > 0)
-    sizes_.emplace(on.surface, gaps, segments, goals_, on.plane_tolerance, control_);
+    sizes_.emplace(on.surface, gaps, segments, goals_, on.plane_tolerance, control_, coarsest_size_);
   else
     sizes_.emplace(goals_.max_edge_length);
   return *sizes_;
@@ -211,8 +231,14 @@ bool GoalRefinement::is_over_budget(std::uint64_t faces) {
   return true;
 }
 
+void GoalRefinement::begin_attempt() {
+  // Curved patches have to be refined, or they fail.
+  const bool is_in_vain = is_any_wrong_ && work_.taken() > work_.left() && !is_effort_spent();
+  if (order_ == Order::kAll && !are_any_curved_ && is_in_vain) order_ = Order::kNothingYet;
+}
+
 bool GoalRefinement::goes_on_with_the_rest() {
-  if (order_ != Order::kNothingYet || is_effort_spent()) return false;
+  if (order_ != Order::kNothingYet) return false;
   order_ = Order::kRest;
   frozen_.clear();
   return true;

@@ -87,14 +87,17 @@ class GoalRefinement {
   /// was not frozen before.
   /// Input: `count` is the number of all patches.
   bool freeze(const std::vector<PatchId>& failed, std::size_t count);
-  /// If half of the work is spent in vain, the next attempts refine nothing, until one of them passes the check. Then
-  /// the patches that have never failed are refined. Returns whether they are to be refined in the next attempt, now
-  /// that the last one has passed. Patches that have failed must then be frozen again.
+  /// Must be called before each attempt. If half of the work is spent in vain, the next attempts have no goals, until the
+  /// result of one of them passes the check.
+  void begin_attempt();
+  /// Returns whether the attempt that has just passed the check had no goals for that reason. Then the next one has them
+  /// again, and patches that have ever failed must be frozen for it.
   bool goes_on_with_the_rest();
   /// Forgets what is known of the patches. After a step of the ladder the patches are others.
   void thaw() {
     if (order_ == Order::kRest) order_ = Order::kNothingYet;
     is_any_wrong_ = true;
+    is_smallest_gap_known_ = false;
     frozen_.clear();
     sizes_.reset();
     last_faces_ = 0;
@@ -108,6 +111,10 @@ class GoalRefinement {
   /// It also ends when it makes more faces than allowed and kMaxOfPredicted times those that are predicted. Thinning
   /// out leaves a third at least, so the prediction was far too low, and nothing tells that there is an end at all.
   static constexpr double kMaxOfPredicted = 4;
+  /// If gaps ask for kFarTooMany times the faces allowed, most of what they ask for cannot be met. Then no size is below
+  /// the edge of kEvenShare times the faces allowed, evenly spread over the surface. This is because work that depends
+  /// on sizes would be for far more faces than there will be.
+  static constexpr double kFarTooMany = 8, kEvenShare = 2;
   /// An attempt without a budget is not worth while if more than kHopeless times the faces allowed are predicted. Up to
   /// kFewFaces it is tried in any case, for two reasons: where boundaries are locked or edges must not be short,
   /// predictions may be far too high, and it takes a second at most.
@@ -128,7 +135,6 @@ class GoalRefinement {
   static constexpr std::uint64_t kMinAttempt = 1 << 10;
   /// What is refined in the next attempt.
   enum class Order { kAll, kNothingYet, kRest };
-  bool is_much_spent() const { return work_.taken() > work_.left(); }
   /// Returns the size field. It is the same for all attempts at the same patches.
   /// Input: `gaps` is there with proximity, and null otherwise.
   const SizeField& size_field(const PatchedSurface& on, const TriangulatedPatches& triangulated, const GapSearch* gaps);
@@ -157,10 +163,12 @@ class GoalRefinement {
   int retries_ = 0;
   std::uint64_t last_faces_ = 0;            ///< the faces of the last result that was over its budget; 0: none yet
   IdVector<PatchId, std::uint8_t> frozen_;  ///< one per patch; not 0: it is not refined
+  double coarsest_size_ = 0;                ///< gaps do not make sizes smaller than this, in model units; 0: no matter
   std::optional<SizeField> sizes_;          ///< the size field of the patches as they are; empty until needed
   std::uint64_t predicted_faces_ = 0;
   std::vector<float> predicted_of_patch_;
   std::optional<double> smallest_gap_;
+  bool is_smallest_gap_known_ = false;
 };
 
 }  // namespace remesh

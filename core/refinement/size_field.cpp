@@ -104,6 +104,7 @@ class SizeField::Sampler {
   double floor() const { return floor_; }
   bool is_floor_asked() const { return is_floor_asked_; }
   void drop_floor() { floor_ = 0; }
+  void raise_floor(double to) { floor_ = std::max(floor_, to); }
 
  private:
   /// A cell is the part of a patch in a box along the patch's own axes. For a planar patch, the box has no end along
@@ -312,7 +313,7 @@ void SizeField::Sampler::sample_segments(std::span<const std::array<VertexId, 2>
 }
 
 SizeField::SizeField(const Surface& surface, const GapSearch* gaps, std::span<const std::array<VertexId, 2>> segments,
-                     const Goals& goals, double plane_tolerance, RunControl& control)
+                     const Goals& goals, double plane_tolerance, RunControl& control, double coarsest)
     : largest_(goals.max_edge_length),
       slope_(std::min(goals.size_slope(), kSteepest)),
       centre_(surface.centre),
@@ -321,6 +322,7 @@ SizeField::SizeField(const Surface& surface, const GapSearch* gaps, std::span<co
   Sampler sampler(surface, goals, plane_tolerance, control);
   floor_ = sampler.floor() * surface.unit;
   is_floor_asked_ = sampler.is_floor_asked();
+  sampler.raise_floor(coarsest / surface.unit);
   if (gaps != nullptr) {
     axes_.reserve(gaps->patch_count());
     for (std::size_t p = 0; p < gaps->patch_count(); ++p) axes_.push_back(gaps->axes_of(PatchId(p)));

@@ -47,9 +47,11 @@ class SizeField {
   ///
   /// Input:  `gaps` is there with proximity, and null otherwise. `segments` are pairs of essential vertices; they have
   ///         no effect with proximity. The tolerance is in model units.
+  ///         `coarsest` is 0, or a size in model units: gaps that ask for less get this size, although it is above the
+  ///         floor.
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
   SizeField(const Surface& surface, const GapSearch* gaps, std::span<const std::array<VertexId, 2>> segments,
-            const Goals& goals, double plane_tolerance, RunControl& control);
+            const Goals& goals, double plane_tolerance, RunControl& control, double coarsest = 0);
 
   /// Makes the field that short segments alone ask for, with no floor under it.
   /// Input: The same as for the constructor, with goals.gradation > 0.

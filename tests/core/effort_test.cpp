@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -144,8 +145,30 @@ TEST(effort, when_attempts_have_taken_all_the_work_nothing_is_refined_and_all_is
   EXPECT_FALSE(spent.goes_on_with_the_rest());
 }
 
-TEST(effort,
-     when_half_of_the_work_is_spent_in_vain_patches_that_have_not_failed_are_refined_after_a_result_has_passed) {
+TEST(effort, where_gaps_ask_for_far_more_than_is_allowed_sizes_are_as_coarse_as_the_limit) {
+  // Two plates that ask for more than a million faces, and a bar far from them, of which no gap asks for anything.
+  const PolygonMesh plate = shapes::sheet(1, 1, 1, 1);
+  const PolygonMesh plates = shapes::joined(plate, shapes::moved(plate, {0, 0, 0.002}));
+  const PolygonMesh mesh = shapes::joined(plates, shapes::moved(shapes::box({1, 0.1, 0.1}), {0, 5, 0}));
+  Options options;
+  options.proximity = 1;
+  options.max_output_faces = 5000;
+  const Result result = refined(mesh, options);
+  expect_promises(mesh, options, result);
+  EXPECT_LE(result.mesh.faces.size(), 5000u);
+  EXPECT_GT(result.mesh.faces.size(), 1000u);
+  // Nearly all faces of the plates are longer than the gap. All of these are listed.
+  std::size_t too_long = 0;
+  for (const auto& [a, b, c] : result.mesh.faces) {
+    const Vec3 &p = result.mesh.positions[a], &q = result.mesh.positions[b], &r = result.mesh.positions[c];
+    const double longest = std::max({norm(q - p), norm(r - q), norm(p - r)});
+    too_long += p.y <= 1 && longest > 0.002 * Goals::kSizeSlack ? 1 : 0;
+  }
+  EXPECT_GT(too_long, 500u);
+  EXPECT_GE(listed(result.report), too_long) << listed_in_words(result.report);
+}
+
+TEST(effort, when_half_of_the_work_was_in_vain_patches_that_have_not_failed_are_refined_last) {
   StageChain chain(shapes::box({1, 1, 1}));
   Options options;
   options.max_edge_length = 0.2;
@@ -155,12 +178,15 @@ TEST(effort,
   GoalRefinement nearly(goals, chain.control, kWorkOfAttempts.steps(0, goals.max_faces) - 1100);
   const Ladder ladder(chain.surface, {});
   // The first attempt is to show whether a result passes at all.
-  EXPECT_EQ(nearly.refine(on, ladder, {}, chain.triangulated).reason.size(), 12u);
+  nearly.begin_attempt();
+  EXPECT_FALSE(nearly.has_goals());
   ASSERT_TRUE(nearly.goes_on_with_the_rest());
   // The second one leaves out what has failed. It makes no more faces than half of the work that is left allows.
   const PatchId failed(0);
   nearly.freeze({failed}, chain.patches.count());
   const std::size_t before = chain.meshes[failed].mesh.triangle_count();
+  nearly.begin_attempt();
+  EXPECT_TRUE(nearly.has_goals());
   const Refinement little = nearly.refine(on, ladder, {}, chain.triangulated);
   EXPECT_EQ(chain.meshes[failed].mesh.triangle_count(), before);
   EXPECT_GT(little.reason.size(), 100u);
