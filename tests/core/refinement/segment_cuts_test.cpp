@@ -23,7 +23,7 @@ Goals fit_into_gaps() {
 /// The segments of sheets that are stacked. Gaps ask for many cuts of each.
 struct Stack {
   Stack()
-      : chain(hostile::family("straight_stack").make(60)),
+      : chain(hostile::family("straight_stack").make(20)),
         goals(fit_into_gaps()),
         gaps(chain.surface, chain.adjacency, chain.patches, 1e-6, chain.control, &chain.triangulated),
         sizes(chain.surface, &gaps, {}, goals, 1e-6, chain.control),
