@@ -22,6 +22,7 @@ int status_of(Code code) {
     case Code::kCancelled: return 499;
     case Code::kVerificationFailed:
     case Code::kInternal: return 500;
+    case Code::kOutOfMemory: return 503;
     case Code::kTimeout: return 504;
   }
   return 500;

@@ -108,6 +108,18 @@ std::map<int, std::uint64_t> predict_by_circles(const RecognisedFacets& facets, 
   return predict_by_elements_per_circle(facets, present, options, control);
 }
 
+/// Returns the number of faces for the bounds on memory. Polygons count as their triangles, and three vertices count as
+/// a face, whether or not a face has them.
+template <class Polygons>
+std::uint64_t counted_faces(const Polygons& mesh) {
+  return std::max(mesh.corners.size() - 2 * mesh.face_count(), mesh.vertex_count() / 3 + 1);
+}
+
+/// Returns whether the options allow boundaries to be cut anew, so that patches have more vertices than the input.
+bool may_cut_curves(const Options& options) {
+  return options.elements_per_circle || options.surface_tolerance || options.surface_tolerance_fraction;
+}
+
 /// Takes the distances that were proven into the report.
 void take_bounds(Report& report) {
   report.distance_bound = report.verified.distance_bound;
@@ -189,9 +201,16 @@ class Run {
   const Goals* asked_goals() const { return options_.refine ? goals() : nullptr; }
 
   void prepare() {
+    // Nothing of the last attempt is needed any more.
+    const std::uint64_t taken = refiner_ ? refiner_->work_taken() : 0;
+    refiner_.reset();
+    candidate_.clear();
+    control_.memory().set_input(counted_faces(input_));
     InputSummary summary;
     summary.diagnostics = diagnostics_of_reader_;
     prepared_ = remesh::prepare(input_, options_, limits_, summary, watch_, control_);
+    // Polygons have got new corners where vertices lay on their edges.
+    control_.memory().set_input(std::max(counted_faces(input_), counted_faces(surface())));
     report_.input = std::move(summary.statistics);
     report_.plane_tolerance = summary.plane_tolerance;
     report_.plane_tolerance_is_automatic = summary.plane_tolerance_is_automatic;
@@ -199,7 +218,6 @@ class Run {
     report_.diagnostics = std::move(summary.diagnostics);
     const double diagonal = report_.input.bounding_box.diagonal();
     check_options(options_, diagonal);
-    const std::uint64_t taken = refiner_ ? refiner_->work_taken() : 0;
     Goals goals = goals_of(options_, diagonal);
     keep_in_proportion(goals, options_, diagonal, input_.corners.size() - 2 * input_.face_count());
     refiner_.emplace(goals, control_, taken);
@@ -211,17 +229,19 @@ class Run {
   }
 
   void find_patches() {
+    candidate_.clear();
     const PatchSet before = curves_.take_facets(partition_);
     partition_ = make_partition(prepared_, report_.plane_tolerance, options_, *ladder_, regions_, watch_, control_);
     // Beyond the 2018 report: find curved surfaces, and join their facets as far as that is asked for.
     watch_.enter(Stage::kSurfaces);
+    if (may_cut_curves(options_)) control_.memory().set_output(options_.max_output_faces.value_or(MemoryBound::kNone));
     curves_.run(partition_, before, prepared_, *ladder_, options_,
                 {report_.plane_tolerance, report_.input.bounding_box.diagonal(),
                  options_.refine ? refiner_->goals().min_angle_deg : 0},
                 control_);
     refiner_->set_curved(curves_.curved() != nullptr);
     refiner_->set_angle_margin(curves_.outside() != nullptr ? kAngleMarginOfFit : 0);
-    report_.surfaces = curves_.surfaces();
+    report_.surfaces = curves_.take_surfaces();
   }
 
   void triangulate() {
@@ -231,6 +251,7 @@ class Run {
     candidate_.triangulated =
         mesh_patches(with_cuts(), adjacency(), partition_.patches, partition_.loops, partition_.essential,
                      {options_.reference_axis, options_.reference_direction}, control_, curves ? &*curves : nullptr);
+    count_output();
   }
 
   /// Goes from the patches' triangles to a verdict.
@@ -269,6 +290,13 @@ class Run {
     return step_up(failed);
   }
 
+  /// Counts the faces of the output for the bounds on memory, as far as there are any. A sample of sizes takes less than
+  /// a face.
+  void count_output() {
+    const std::uint64_t samples = refiner_->sample_count();
+    control_.memory().set_output(std::max(candidate_.triangulated.triangle_count(), samples));
+  }
+
   void refine() {
     Refinement& refinement = candidate_.refinement;
     if (goals() == nullptr && !candidate_.has_chords) return;
@@ -277,6 +305,7 @@ class Run {
       refinement = refiner_->refine(patched(), *ladder_, intersections().patches, candidate_.triangulated);
     else
       split_chords(with_cuts(), candidate_.triangulated, refinement, {}, UnrefinedReason::kSizeFloor, control_);
+    count_output();
     report_.refinement_rounds = refinement.rounds;
     report_.min_edge_length = refiner_->goals().min_edge_length;
     if (refiner_->smallest_gap()) report_.smallest_gap = refiner_->smallest_gap();

@@ -55,6 +55,7 @@ void for_blocks(std::size_t n, std::size_t size, RunControl& control, const Body
 
 /// Returns those ids i of 0 .. n - 1 for which `is_wanted(i)` is true, in ascending order. Calls `is_wanted` in
 /// parallel.
+/// Errors: kOutOfMemory - see MemoryBound; kCancelled, kTimeout - asked to stop through `control`.
 template <class Id, class IsWanted>
 std::vector<Id> select_ids(std::size_t n, std::size_t size, RunControl& control, const IsWanted& is_wanted) {
   const auto found = map_blocks<std::vector<Id>>(n, size, control, [&](std::size_t begin, std::size_t end) {
@@ -63,17 +64,23 @@ std::vector<Id> select_ids(std::size_t n, std::size_t size, RunControl& control,
       if (is_wanted(i)) wanted.push_back(Id(i));
     return wanted;
   });
+  std::size_t count = 0;
+  for (const std::vector<Id>& wanted : found) count += wanted.size();
+  control.memory().ask_for<Id>(count);
   std::vector<Id> all;
+  all.reserve(count);
   for (const std::vector<Id>& wanted : found) all.insert(all.end(), wanted.begin(), wanted.end());
   return all;
 }
 
 /// Joins the items of all blocks in the order of the blocks, and passes each item through `convert`. Runs in parallel.
+/// Errors: as above.
 template <class To, class From, class Convert = std::identity>
 std::vector<To, DefaultInit<To>> concatenate(const std::vector<std::vector<From>>& blocks, RunControl& control,
                                              const Convert& convert = {}) {
   std::vector<std::size_t> begin(blocks.size() + 1, 0);
   for (std::size_t b = 0; b < blocks.size(); ++b) begin[b + 1] = begin[b] + blocks[b].size();
+  control.memory().ask_for<To>(begin.back());
   std::vector<To, DefaultInit<To>> all(begin.back());
   for_blocks(blocks.size(), 16, control, [&](std::size_t b, std::size_t end) {
     for (; b < end; ++b)

@@ -19,6 +19,7 @@ std::string_view code_name(Code code) {
     case Code::kNotAcceptable: return "not_acceptable";
     case Code::kCancelled: return "cancelled";
     case Code::kTimeout: return "timeout";
+    case Code::kOutOfMemory: return "out_of_memory";
     case Code::kVerificationFailed: return "verification_failed";
     case Code::kInternal: return "internal";
   }

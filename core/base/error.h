@@ -27,6 +27,7 @@ enum class Code {
   kNotAcceptable,
   kCancelled,
   kTimeout,
+  kOutOfMemory,
   kVerificationFailed,
   kInternal,
 };

@@ -34,6 +34,8 @@ GroupingOf<Item> group_by(std::size_t n, std::size_t key_count, const KeyOf& key
   constexpr std::size_t kLeast = 1 << 14;
   const std::size_t size = std::max(kLeast, 8 * key_count);
   const std::size_t blocks = (n + size - 1) / size;
+  control.memory().ask_for<std::uint32_t>(blocks * key_count + key_count);
+  control.memory().ask_for<Item>(n);
   std::vector<std::uint32_t> at(blocks * key_count, 0);
   const auto for_each_item = [&](const auto& visit) {
     for_blocks(n, size, control, [&](std::size_t begin, std::size_t end) {

@@ -21,8 +21,10 @@ void take_pages(std::span<T> items) {
 }
 
 /// Reserves memory for `n` items that one thread will make. All threads take its pages.
+/// Errors: kOutOfMemory - see MemoryBound; kCancelled, kTimeout - asked to stop through `control`.
 template <class T>
 void reserve_pages(std::vector<T>& items, std::size_t n, RunControl& control) {
+  control.memory().ask_for<T>(n);
   items.reserve(n);
   auto* const memory = reinterpret_cast<std::byte*>(items.data());
   for_blocks(n * sizeof(T), std::size_t{1} << 20, control,

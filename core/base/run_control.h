@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "core/base/error.h"
+#include "core/base/memory_bound.h"
 
 namespace remesh {
 
@@ -32,6 +33,7 @@ class RunControl {
     check();
     fraction_ppm_.store(0, std::memory_order_relaxed);
     stage_.store(stage, std::memory_order_relaxed);
+    memory_.enter(stage);
   }
   /// Sets the progress within the stage, 0 to 1. Checks for cancellation.
   void progress(double fraction) {
@@ -41,6 +43,10 @@ class RunControl {
 
   Stage stage() const { return stage_.load(std::memory_order_relaxed); }
   double fraction() const { return fraction_ppm_.load(std::memory_order_relaxed) * 1e-6; }
+
+  /// Returns the bound on the memory of the stage. The thread that enters stages may change it.
+  MemoryBound& memory() { return memory_; }
+  const MemoryBound& memory() const { return memory_; }
 
  private:
   enum class Reason : std::int8_t { kNone, kCancelled, kTimeout };
@@ -54,6 +60,7 @@ class RunControl {
   std::atomic<Reason> stop_{Reason::kNone};
   std::atomic<Stage> stage_{Stage::kQueued};
   std::atomic<std::int32_t> fraction_ppm_{0};
+  MemoryBound memory_;
 };
 
 }  // namespace remesh

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/base/ids.h"
@@ -72,8 +73,8 @@ class CurvedStage {
   const VolumeOffsets* outside() const { return is_outside_ ? &outside_ : nullptr; }
   /// Returns the surfaces of the facets.
   const RecognisedSurfaces& recognised() const { return recognised_; }
-  /// Returns the surfaces of the patches, with the tolerances in force.
-  const RecognisedSurfaces& surfaces() const { return surfaces_; }
+  /// Takes out the surfaces of the patches that the last run found, with the tolerances in force.
+  RecognisedSurfaces take_surfaces() { return std::move(surfaces_); }
 
  private:
   void recognise(const Partition& partition, Prepared& prepared, const Options& options, double plane_tolerance,
@@ -84,7 +85,7 @@ class CurvedStage {
                       double min_angle_deg, RunControl& control);
 
   RecognisedSurfaces recognised_;       ///< those of the facets
-  RecognisedSurfaces surfaces_;         ///< those of the patches
+  RecognisedSurfaces surfaces_;         ///< those of the patches, until they are taken
   IdVector<FaceId, CurvedRung> rungs_;  ///< empty while no curved patch has failed
   CurvedPatches curved_;
   CurveCuts cuts_;                    ///< only with curved patches

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <numeric>
 
 #include "core/geometry/patch_mesh.h"
 #include "core/patches/patch_chart.h"
@@ -15,6 +17,11 @@ struct TriangulatedPatches {
   PatchCharts charts;
 
   std::size_t size() const { return meshes.size(); }
+  /// Returns the number of triangles of all patches.
+  std::uint64_t triangle_count() const {
+    return std::accumulate(meshes.begin(), meshes.end(), std::uint64_t{0},
+                           [](std::uint64_t sum, const PatchMesh& patch) { return sum + patch.mesh.triangle_count(); });
+  }
 };
 
 }  // namespace remesh

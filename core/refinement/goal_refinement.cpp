@@ -74,6 +74,9 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
   for (std::size_t p = 0; p < on.patches.count(); ++p)
     if (ladder.is_kept(on.patches.faces_of(PatchId(p))[0])) frozen_[PatchId(p)] = 1;
   if (is_budget_too_small() || is_effort_spent()) frozen_.assign(on.patches.count(), 1);
+  // There are at most as many samples of sizes as faces, apart from a few.
+  if (goals_.proximity > 0)
+    control_.memory().set_output(std::min<std::uint64_t>(goals_.max_faces, SizeField::kMaxSamples));
   const auto gaps = gap_search(on, triangulated);
   const SizeField& sizes = size_field(on, triangulated, gaps.get());
   const std::optional<SizeField> graded = sizes_without_floor(on, triangulated);
@@ -88,6 +91,7 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
   limit_to_proportion(prediction);
   predicted_faces_ = whole(prediction.expected);
   const auto attempt = [&](std::uint64_t budget, std::uint64_t max_made) {
+    control_.memory().set_output(std::min(budget, max_made));
     SegmentTable segments(on.surface, triangulated, frozen_, sizes, goals_, control_);
     refuse_if_hopeless(least_faces(triangulated, frozen_, segments, goals_, sizes, control_));
     segments.plan_cuts(triangulated, sizes, goals_, control_);

@@ -57,6 +57,9 @@ class GoalRefinement {
   /// with goals.proximity.
   std::optional<double> smallest_gap() const { return smallest_gap_; }
 
+  /// Returns the number of samples of sizes that are held.
+  std::size_t sample_count() const { return sizes_ ? sizes_->sample_count() : 0; }
+
   /// Predicts how many faces refinement will make of these triangles. If they are out of proportion, it is predicted
   /// for the lowest floor with which they are not.
   std::uint64_t predict_faces(const PatchedSurface& on, const TriangulatedPatches& triangulated);

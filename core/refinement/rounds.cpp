@@ -208,7 +208,7 @@ class Rounds {
     result_.new_positions.clear();
     result_.reason.clear();
     const std::uint64_t max = budget_.max_faces();
-    cuts_.begin(input_.sizes, budget_.is_limited() ? max - std::min(max, faces) : kNoFaceLimit);
+    cuts_.begin(input_.sizes, budget_.is_limited() ? max - std::min(max, faces) : kNoFaceLimit, budget_.max_made());
     find_dirty();
   }
 

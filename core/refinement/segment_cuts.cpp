@@ -1,6 +1,7 @@
 #include "core/refinement/segment_cuts.h"
 
 #include <algorithm>
+#include <atomic>
 #include <utility>
 
 #include "core/base/blocks.h"
@@ -12,48 +13,57 @@ namespace {
 
 constexpr std::size_t kSegmentsPerTask = 1024;
 
+/// Counts the patches beside a segment. Sides of one patch stand together.
+std::size_t count_patches(std::span<const SegmentSide> sides) {
+  std::size_t patches = 0;
+  for (std::size_t i = 0; i < sides.size(); ++i) patches += i == 0 || sides[i].patch != sides[i - 1].patch ? 1 : 0;
+  return patches;
+}
+
 }  // namespace
 
-void SegmentCuts::begin(const SizeField& sizes, std::uint64_t max_triangles) {
+void SegmentCuts::begin(const SizeField& sizes, std::uint64_t max_triangles, std::uint64_t max_made) {
   messages_.clear();
   cuts_.assign(segments_.size(), {});
+  const std::uint64_t max_kept = std::min(max_triangles, max_made);
+  std::atomic<std::uint64_t> of_sides = 0, of_messages = 0;
+  IdVector<SegmentId, std::uint32_t> counts(segments_.size());
   for_blocks(segments_.size(), kSegmentsPerTask, control_, [&](std::size_t from, std::size_t to) {
-    for (std::size_t s = from; s < to; ++s) {
+    for (SegmentId s(from); s.value < to; ++s.value) {
       control_.check();
-      cuts_[SegmentId(s)] = segments_.size_cuts(SegmentId(s), sizes);
+      std::vector<double> cuts = segments_.size_cuts(s, sizes);
+      counts[s] = static_cast<std::uint32_t>(cuts.size());
+      of_sides += cuts.size() * segments_.sides(s).size();
+      // Once there are too many, cuts are only counted. It depends on the threads which of them are stored by then.
+      if ((of_messages += cuts.size() * count_patches(segments_.sides(s))) <= max_kept) cuts_[s] = std::move(cuts);
     }
   });
-  thin_out(max_triangles);
+  if (of_sides > max_triangles)
+    thin_out(sizes, counts, static_cast<double>(max_triangles) / 2 / static_cast<double>(of_sides));
   StopCheck check(control_);
   for (const SegmentSide& side : segments_.all_sides()) {
     check();
-    if (!cuts_[side.segment].empty()) messages_.push_back({side.patch, side.segment, cuts_[side.segment].size()});
+    if (counts[side.segment] > 0) messages_.push_back({side.patch, side.segment, counts[side.segment]});
   }
   sort_messages();
 }
 
-void SegmentCuts::thin_out(std::uint64_t max_triangles) {
-  if (max_triangles == kNoFaceLimit) return;
-  std::uint64_t count = 0;
-  StopCheck check(control_);
-  for (const SegmentSide& side : segments_.all_sides()) {
-    check();
-    count += cuts_[side.segment].size();
-  }
-  if (count <= max_triangles) return;
-  // The other half of the triangles is for what patches do inside.
-  const double share = static_cast<double>(max_triangles) / 2 / static_cast<double>(count);
-  for (std::vector<double>& cuts : cuts_) {
-    check();
-    const std::size_t pieces = cuts.size() + 1;
-    const auto left = std::max<std::size_t>(1, static_cast<std::size_t>(share * static_cast<double>(pieces)));
-    // There are never more cuts than before. Each is taken as much later than the one before it.
-    for (std::size_t i = 1; i < left; ++i) {
-      check();
-      cuts[i - 1] = cuts[i * pieces / left - 1];
+/// Leaves this share of the pieces of each segment. The other half of the triangles is for what patches do inside.
+void SegmentCuts::thin_out(const SizeField& sizes, IdVector<SegmentId, std::uint32_t>& counts, double share) {
+  for_blocks(segments_.size(), kSegmentsPerTask, control_, [&](std::size_t from, std::size_t to) {
+    for (SegmentId s(from); s.value < to; ++s.value) {
+      control_.check();
+      const std::size_t pieces = std::size_t{counts[s]} + 1;
+      const auto left = std::max<std::size_t>(1, static_cast<std::size_t>(share * static_cast<double>(pieces)));
+      counts[s] = static_cast<std::uint32_t>(left - 1);
+      std::vector<double> all = std::exchange(cuts_[s], {});
+      if (left == 1) continue;
+      if (all.empty()) all = segments_.size_cuts(s, sizes);
+      // There are never more cuts than before.
+      cuts_[s].reserve(left - 1);
+      for (std::size_t i = 1; i < left; ++i) cuts_[s].push_back(all[i * pieces / left - 1]);
     }
-    cuts.resize(left - 1);
-  }
+  });
 }
 
 void SegmentCuts::exchange(std::vector<FreshCut> fresh) {
