@@ -266,7 +266,7 @@ class Search {
     return done;
   }
 
-  /// What is known of the nodes of a tree over all faces.
+  /// Knows the nodes of a tree over all faces.
   class View {
    public:
     View(const Search& search, const TriangleTree& tree) : search_(search), tree_(tree) {
@@ -378,7 +378,7 @@ class Search {
         search_);
   }
 
-  /// What is known of the nodes of a tree over the faces at a hub.
+  /// Knows the nodes of a tree over the faces at a hub.
   class ViewFromHub {
    public:
     /// Input:   `at_hub` has the face for each arc of the tree, and `faces` its corners.

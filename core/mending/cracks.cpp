@@ -7,6 +7,7 @@
 
 #include "core/base/blocks.h"
 #include "core/base/diagnostic.h"
+#include "core/base/loop_progress.h"
 #include "core/base/stoppable.h"
 #include "core/geometry/box_tree.h"
 #include "core/mending/open_edges.h"
@@ -35,9 +36,11 @@ struct Nearest {
 template <class Find>
 std::vector<Nearest> find_all(std::size_t edges, RunControl& control, const Find& find) {
   LooksAtEdges looks(edges);
+  LoopProgress progress(control, edges);
   const auto blocks = map_blocks<std::vector<Nearest>>(edges, kBlock, control, [&](std::size_t begin, std::size_t end) {
     std::vector<Nearest> nearest(end - begin);
     for (std::size_t i = begin; i < end && !looks.are_too_many(); ++i) looks.add(find(i, nearest[i - begin]));
+    progress.add(end - begin);
     return nearest;
   });
   std::vector<Nearest> all;

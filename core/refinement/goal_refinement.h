@@ -83,6 +83,11 @@ class GoalRefinement {
   /// Freezes patches whose refinement failed the check: they stay as they were before it. Returns whether any of them
   /// was not frozen before.
   bool freeze(const std::vector<PatchId>& failed);
+  /// Freezes patches before the next attempt, which is at a surface with so many patches.
+  void freeze_before(std::size_t patches, const std::vector<PatchId>& those) {
+    frozen_.resize(patches, 0);
+    freeze(those);
+  }
   /// Forgets what is known of the patches. After a step of the ladder the patches are others.
   void thaw() {
     frozen_.clear();

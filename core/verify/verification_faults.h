@@ -63,6 +63,7 @@ class FoundFaults {
   void add(const std::vector<FoundFault>& faults) {
     for (const FoundFault& f : faults) add(f.patch, f.fault, f.element);
   }
+  bool is_any() const { return !faults_.empty(); }
   /// Writes the flags, the failed patches and the first failures in words.
   void write_to(Verdict& verdict) const;
 

@@ -33,6 +33,20 @@ TriangleMesh triangles_of(std::string_view family, std::size_t size) {
   return mesh;
 }
 
+/// Makes a fan of needles in a plane, from one corner to many places along a line, and a small wall that stands on the
+/// line at each place. So each needle passes below the walls before its own. This is what triangulating the base of a
+/// comb comes to.
+TriangleMesh needles_below_walls(std::uint32_t size) {
+  TriangleMesh mesh;
+  const VertexId corner = mesh.positions.push_back({0, -1, 0});
+  for (std::uint32_t i = 0; i < size; ++i) {
+    const VertexId a = mesh.positions.push_back({2.0 * i, 0, 0}), b = mesh.positions.push_back({2.0 * i + 1, 0, 0});
+    mesh.faces.push_back({corner, b, a});
+    mesh.faces.push_back({a, b, mesh.positions.push_back({2.0 * i, 5, 1})});
+  }
+  return mesh;
+}
+
 SelfIntersections find(const TriangleMesh& mesh, const SearchLimits& limits) {
   RunControl control;
   return self_intersections(mesh.positions.items(), mesh.faces.items(), {}, limits, control);
@@ -131,12 +145,33 @@ TEST(bounded_search, well_shaped_faces_take_less_than_a_tenth_of_the_steps_that_
 }
 
 TEST(bounded_search, steps_grow_by_less_than_fourteen_in_a_decade_if_few_faces_meet) {
-  for (const char* family : {"straight_stack", "askew_stack", "parallel_needles", "fan_around_an_edge"}) {
+  for (const char* family :
+       {"straight_stack", "askew_stack", "parallel_needles", "fan_around_a_vertex", "fan_around_an_edge"}) {
     const auto steps = [&](std::size_t size) {
       return static_cast<double>(find(triangles_of(family, size), kAllPairs).steps);
     };
     EXPECT_LT(steps(20'000) / steps(2000), 14) << family;
   }
+  const auto steps = [&](std::uint32_t size) {
+    const SelfIntersections found = find(needles_below_walls(size), kAllPairs);
+    EXPECT_TRUE(found.pairs.empty());
+    return static_cast<double>(found.steps);
+  };
+  EXPECT_LT(steps(20'000) / steps(2000), 14);
+}
+
+TEST(bounded_search, of_needles_that_are_searched_twice_each_pair_is_found_once) {
+  // Some walls reach down through the needles. Walls far from the corner have few needles in their boxes, so they are
+  // searched once, and others twice.
+  TriangleMesh mesh = needles_below_walls(600);
+  for (std::uint32_t f = 1; f < mesh.faces.size(); f += 14)
+    mesh.positions[mesh.faces[FaceId(f)][2]] -= Vec3{0.3 * (f % 4), 5.01 + 0.001 * f, 1.5};
+  const Pairs expected = all_pairs(mesh);
+  EXPECT_GT(expected.size(), 100u);
+  SearchLimits limits(expected.size());
+  const SelfIntersections found = find(mesh, limits);
+  EXPECT_TRUE(found.is_complete);
+  EXPECT_EQ(found.pairs, expected);
 }
 
 }  // namespace
