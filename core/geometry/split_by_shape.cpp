@@ -108,7 +108,10 @@ void split_by_shape(std::span<ShapedItem> items, std::size_t middle, RunControl&
     for (int i = 0; i < 3; ++i)
       for (double& x : eigen.vectors[i]) x /= std::sqrt(std::max(smallest, eigen.values[i]));
     by_place = widest_direction(eigen.vectors, places.get());
-    by_reach = widest_direction(eigen.vectors, reaches.get());
+    // Nothing more is gained by a direction in which the sides differ little, even if all are short there.
+    const Eigen<3> of_reach = symmetric_eigen(reaches.get());
+    by_reach.along = {of_reach.vectors[2][0], of_reach.vectors[2][1], of_reach.vectors[2][2]};
+    by_reach.ratio = of_reach.values[2] / std::max(smallest, dot(by_reach.along, times(lengths, by_reach.along)));
   }
   const bool is_by_place = by_place.ratio >= by_reach.ratio;
   const Vec3 along = is_by_place ? by_place.along : by_reach.along;
