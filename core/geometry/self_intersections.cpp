@@ -446,7 +446,7 @@ SelfIntersections self_intersections(std::span<const Vec3> positions, std::span<
 }
 
 std::uint64_t SearchLimits::steps_for(std::size_t faces) {
-  constexpr std::uint64_t kFewSteps = 1 << 25, kStepsPerFace = 192;
+  constexpr std::uint64_t kFewSteps = 1 << 25, kStepsPerFace = 128;
   return kFewSteps + kStepsPerFace * faces * std::bit_width(faces);
 }
 

@@ -72,6 +72,10 @@ Direction widest_direction(const Matrix<3>& whitened, const Matrix<3>& covarianc
 
 }  // namespace
 
+Vec3 place_of(const Triangle& face, std::span<const Vec3> positions) {
+  return (2.0 / 3) * (positions[face[0].value] + positions[face[1].value] + positions[face[2].value]);
+}
+
 Vec3 reach_of(const Triangle& face, std::span<const Vec3> positions) {
   Vec3 longest;
   double most = 0;

@@ -13,11 +13,14 @@ namespace remesh {
 
 /// A triangle on its way to a slot of a tree.
 struct ShapedItem {
-  Vec3 centre;     ///< twice the centre of the triangle's box
+  Vec3 centre;     ///< twice the mean of the corners, which lies in the triangle's plane, unlike its box's centre
   Vec3 reach;      ///< the longest side, in the direction in which its largest coordinate is positive
   double key = 0;  ///< the place in the order by which a node is split
   FaceId face;
 };
+
+/// Returns twice the mean of a triangle's corners.
+Vec3 place_of(const Triangle& face, std::span<const Vec3> positions);
 
 /// Returns the longest side of a triangle, in the direction in which its largest coordinate is positive.
 Vec3 reach_of(const Triangle& face, std::span<const Vec3> positions);

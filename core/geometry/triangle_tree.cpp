@@ -91,7 +91,7 @@ TriangleTree::TriangleTree(std::span<const Vec3> positions, std::span<const Tria
   } else {
     sort<ShapedItem>(
         [&](std::size_t f) {
-          return ShapedItem{centre_of(f), reach_of(faces[f], positions), 0, FaceId(f)};
+          return ShapedItem{place_of(faces[f], positions), reach_of(faces[f], positions), 0, FaceId(f)};
         },
         groups, control,
         [&](std::span<ShapedItem> node, std::size_t middle) { split_by_shape(node, middle, control); });
