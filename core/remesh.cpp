@@ -13,8 +13,10 @@
 
 #include "core/base/blocks.h"
 #include "core/base/parallel.h"
+#include "core/base/stoppable.h"
 #include "core/base/stopwatch.h"
 #include "core/base/tolerance.h"
+#include "core/base/work_bound.h"
 #include "core/geometry/patch_mesh.h"
 #include "core/geometry/patch_reason.h"
 #include "core/mending/body_labels.h"
@@ -242,6 +244,7 @@ class Run {
     refiner_->set_curved(curves_.curved() != nullptr);
     refiner_->set_angle_margin(curves_.outside() != nullptr ? kAngleMarginOfFit : 0);
     report_.surfaces = curves_.take_surfaces();
+    freeze_again();
   }
 
   void triangulate() {
@@ -398,6 +401,7 @@ class Run {
 
   /// Takes the patches that failed a step up the ladder. If curved ones may be at fault, they take a step of their own.
   Outcome step_up(const std::vector<FailedPatch>& failed) {
+    keep_frozen();
     refiner_->thaw();
     watch_.enter(Stage::kPatches);
     if (const std::vector<PatchId> curved = curved_at_fault(failed); !curved.empty()) {
@@ -409,6 +413,30 @@ class Run {
     if (exhausted.empty() || exhausted.size() != partition_.face_count_of(failed)) return Outcome::kPatchesFailed;
     keep_verbatim(exhausted);
     return Outcome::kFacesFailed;
+  }
+
+  /// Remembers which faces are frozen if it took much work to find them.
+  void keep_frozen() {
+    if (refiner_->work_taken() < kWorkBeforeFrozenStay) return;
+    stays_frozen_.resize(input_.face_count(), 0);
+    for (std::uint32_t p = 0; p < refiner_->frozen().size(); ++p)
+      if (refiner_->frozen()[PatchId(p)] != 0)
+        for (const FaceId f : partition_.patches.faces_of(PatchId(p)))
+          stays_frozen_[surface().face_source[f].value] = 1;
+  }
+  /// Freezes the patches all of whose faces were frozen before.
+  void freeze_again() {
+    if (stays_frozen_.empty()) return;
+    std::vector<PatchId> frozen;
+    StopCheck check(control_);
+    for (std::uint32_t p = 0; p < partition_.patches.count(); ++p) {
+      check();
+      const auto faces = partition_.patches.faces_of(PatchId(p));
+      if (std::all_of(faces.begin(), faces.end(),
+                      [&](FaceId f) { return stays_frozen_[surface().face_source[f].value] != 0; }))
+        frozen.push_back(PatchId(p));
+    }
+    refiner_->freeze(frozen, partition_.patches.count());
   }
 
   /// Marks faces to be copied verbatim in the next attempt.
@@ -563,6 +591,7 @@ class Run {
   Stopwatch watch_;
   Report report_;
   MendingLimits limits_;
+  std::vector<std::uint8_t> stays_frozen_;  ///< by input face; empty as long as none is
   Prepared prepared_;
   std::optional<Ladder> ladder_;                           ///< belongs to the prepared surface
   std::optional<GoalRefinement> refiner_;                  ///< belongs to the prepared surface

@@ -72,4 +72,8 @@ inline constexpr StageWork kWorkOfPatch{0, 8, 1 << 18};
 /// are allowed can be repeated with a few of them, and one with few faces can be repeated often.
 inline constexpr StageWork kWorkOfAttempts{0, 1, 1 << 15, StageWork::Growth::kLinear};
 
+/// The triangles that all attempts may refine before faces of frozen patches stay frozen after a step of the ladder.
+/// Each step would otherwise need one attempt to find them again.
+inline constexpr std::uint64_t kWorkBeforeFrozenStay = 1 << 19;
+
 }  // namespace remesh

@@ -158,52 +158,92 @@ std::size_t gather_pairs(std::size_t n, std::size_t block, PairSearch& search, c
   return done;
 }
 
-/// The triangles of a tree, and how to search them.
+/// The triangles of a search, and how to search them.
 struct SearchedTriangles {
-  const TriangleTree& tree;
   std::span<const Vec3> positions;
   std::span<const Triangle> faces;
-  double margin = 0;  ///< the search widens boxes by this
+  std::span<const std::uint32_t> groups = {};  ///< as for a TriangleTree
+  double margin = 0;                           ///< the search widens boxes by this
   /// kByBoxes: some triangles only stand for their boxes. The faces that they represent may be anywhere in the box.
   enum { kByTriangles, kByBoxes } by = kByTriangles;
-  /// Called with the slots whose boxes meet too many others. If it returns true, fewer nodes are of interest to some of
-  /// these slots from then on.
-  std::function<bool(std::span<const std::uint32_t> slots)> lose_interest = {};
 };
 
-/// Appends to the result the pairs of a tree's slots whose triangles meet, within the margin, and for which
-/// is_pair(slot, other) holds, until the search is cut short. Of the pairs that are further apart, is_pair is called
-/// for some.
-/// Input:   face_of(slot) is the face that is reported for a slot. is_of_no_interest(slot, node) says that no slot of
-///          the node makes a pair with this one.
-/// Output:  the number of slots whose pairs have all been found.
-/// Holds:   the earlier one of two slots finds the pair. The result is the same for any number of threads.
+/// Tells which pairs of slots have already been found by an earlier search, which had another tree.
+class EarlierSearch {
+ public:
+  /// Input:   is_left(slot) says whether a slot of the earlier tree is searched again. All pairs of other slots were
+  ///          found by the earlier one of the two slots, but with slots that are searched again.
+  template <class IsLeft>
+  EarlierSearch(const TriangleTree& earlier, const TriangleTree& tree, const IsLeft& is_left, RunControl& control)
+      : slot_before_(tree.size()), is_left_(tree.size()) {
+    StopCheck check(control);
+    std::vector<std::uint32_t> slot_of_face(tree.size());
+    for (std::uint32_t slot = 0; slot < tree.size(); ++slot) {
+      check();
+      slot_of_face[earlier.face(slot).value] = slot;
+    }
+    for (std::uint32_t slot = 0; slot < tree.size(); ++slot) {
+      check();
+      slot_before_[slot] = slot_of_face[tree.face(slot).value];
+      is_left_[slot] = is_left(slot_before_[slot]) ? 1 : 0;
+    }
+    last_finished_ =
+        tree.joined<std::uint32_t>([&](std::size_t slot) { return is_left_[slot] != 0 ? 0u : slot_before_[slot]; },
+                                   [](std::uint32_t a, std::uint32_t b) { return std::max(a, b); }, control);
+  }
+
+  bool is_left(std::size_t slot) const { return is_left_[slot] != 0; }
+  /// Returns whether a slot that is left has to look for pairs with another one.
+  bool is_new(std::size_t slot, std::size_t other) const {
+    return is_left(other) ? slot < other : slot_before_[slot] < slot_before_[other];
+  }
+  /// If this is true, is_new is false for all slots of a node that ends at `end`.
+  bool is_none_new(std::size_t slot, std::size_t node, std::size_t end) const {
+    return end <= slot + 1 && last_finished_[node] <= slot_before_[slot];
+  }
+
+ private:
+  std::vector<std::uint32_t> slot_before_;    ///< by slot: that of the same face in the earlier tree
+  std::vector<std::uint8_t> is_left_;         ///< by slot
+  std::vector<std::uint32_t> last_finished_;  ///< by node: the last earlier slot of those that are not left, or 0
+};
+
+/// Appends to the result the pairs of faces whose triangles meet, within the margin, and for which is_pair(face, other)
+/// holds, until the search is cut short. Of the pairs that are further apart, is_pair is called for some.
+/// Input:   faces are numbered as in `triangles`. reported(face) is the face that is reported for one.
+///          view_of(tree) returns an object that knows the nodes of a tree, of which there may be two:
+///          - is_of_no_interest(face, slot, node) says that no face of the node makes a pair with this one.
+///          - lose_interest(slots) is called with the slots whose boxes meet too many others. If it returns true, fewer
+///            nodes are of interest to some of these slots from then on.
+/// Output:  the number of faces whose pairs have all been found.
+/// Holds:   one of two faces finds the pair. The result is the same for any number of threads.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
-/// Cost:    for each slot, O(log n) and the number of slots whose boxes meet its own. If these are many more than the
-///          pairs, as among needles askew to the axes, the number of slots whose OrientedBoxes meet its own.
-template <class FaceOf, class IsOfNoInterest, class IsPair>
-std::size_t find_pairs(const SearchedTriangles& triangles, const FaceOf& face_of,
-                       const IsOfNoInterest& is_of_no_interest, const IsPair& is_pair, PairSearch& pair_search) {
-  const TriangleTree& tree = triangles.tree;
+/// Cost:    for each face, O(log n) and the number of faces whose boxes meet its own. If these are many more than the
+///          pairs, as among needles askew to the axes, the number of faces whose OrientedBoxes meet its own, in a tree
+///          that is split by shape.
+template <class Reported, class ViewOf, class IsPair>
+std::size_t find_pairs(const SearchedTriangles& triangles, const Reported& reported, const ViewOf& view_of,
+                       const IsPair& is_pair, PairSearch& pair_search) {
   RunControl& control = pair_search.control();
+  const std::size_t n = triangles.faces.size();
   constexpr std::size_t kBlock = 256;
   constexpr std::uint64_t kStepsBetweenChecks = 1 << 15;
   // If a slot needs more tests without success than `most_in_vain`, its pairs are dropped and it is searched again
   // later. This would gain nothing for a slot with nearly as many pairs.
   constexpr std::size_t kMaxInVainPerPair = 4;
   std::vector<std::uint32_t> slots;
-  std::vector<std::uint8_t> is_for_later(tree.size(), 0);
-  std::optional<OrientedBoxes> oriented;
+  std::vector<std::uint8_t> is_for_later(n, 0);
   std::size_t most_in_vain = 0, done = 0;
-  const auto search = [&](std::size_t slot, FoundInTurn& found, std::size_t room) {
+  // Searches for the pairs of a slot among the nodes and slots for which the last two arguments do not return true.
+  const auto search = [&](const TriangleTree& tree, std::size_t slot, std::size_t first, FoundInTurn& found,
+                          std::size_t room, const auto& is_node_skipped, const auto& is_slot_skipped) {
     control.check();  // a search of many nodes may find nothing, and would not check otherwise
     Box3 box = tree.box(slot);
     for (int axis = 0; axis < 3; ++axis) {
       box.min[axis] -= triangles.margin;
       box.max[axis] += triangles.margin;
     }
-    std::optional<OrientedBoxes::Query> query;
-    if (oriented) query = oriented->query(triangles.faces[tree.face(slot).value]);
+    const FaceId face = tree.face(slot);
     const std::size_t before = found.pairs.size();
     std::size_t in_vain = 0;
     const auto allowed = [&] { return std::max(most_in_vain, kMaxInVainPerPair * (found.pairs.size() - before)); };
@@ -215,15 +255,15 @@ std::size_t find_pairs(const SearchedTriangles& triangles, const FaceOf& face_of
       control.check();
     };
     tree.visit_meeting(
-        box, slot + 1,
-        [&](std::size_t node) {
-          step(query ? kStepsPerOrientedBox : 1);
-          return is_of_no_interest(slot, node) || (query && oriented->are_apart(*query, node));
-        },
+        box, first, [&](std::size_t node) { return is_node_skipped(node, step); },
         [&](std::size_t other) {
+          if (is_slot_skipped(other)) {
+            step(1);
+            return true;
+          }
           step(kStepsPerTest);
-          if (!is_pair(slot, other)) return ++in_vain <= allowed();
-          found.pairs.push_back(std::minmax(face_of(slot), face_of(other)));
+          if (!is_pair(face, tree.face(other))) return ++in_vain <= allowed();
+          found.pairs.push_back(std::minmax(reported(face), reported(tree.face(other))));
           return found.pairs.size() <= room;
         });
     found.steps += steps;
@@ -231,11 +271,19 @@ std::size_t find_pairs(const SearchedTriangles& triangles, const FaceOf& face_of
     found.pairs.resize(before);
     is_for_later[slot] = 1;
   };
-  const auto search_all = [&](std::size_t n, std::size_t most, const auto& slot_at) {
+  const TriangleTree tree(triangles.positions, triangles.faces, control, triangles.groups);
+  auto view = view_of(tree);
+  const auto search_all = [&](std::size_t count, std::size_t most, const auto& slot_at) {
     most_in_vain = most;
-    done += gather_pairs(n, kBlock, pair_search,
-                         [&](std::size_t i, FoundInTurn& found, std::size_t room) { search(slot_at(i), found, room); });
-    slots = select_ids<std::uint32_t>(tree.size(), kItemsPerBlock, control,
+    done += gather_pairs(count, kBlock, pair_search, [&](std::size_t i, FoundInTurn& found, std::size_t room) {
+      const std::size_t slot = slot_at(i);
+      const auto is_node_skipped = [&](std::size_t node, const auto& step) {
+        step(1);
+        return view.is_of_no_interest(tree.face(slot), slot, node);
+      };
+      search(tree, slot, slot + 1, found, room, is_node_skipped, [](std::size_t) { return false; });
+    });
+    slots = select_ids<std::uint32_t>(n, kItemsPerBlock, control,
                                       [&](std::size_t slot) { return is_for_later[slot] != 0; });
     done -= slots.size();
     std::fill(is_for_later.begin(), is_for_later.end(), std::uint8_t{0});
@@ -244,17 +292,44 @@ std::size_t find_pairs(const SearchedTriangles& triangles, const FaceOf& face_of
   // Well-shaped faces have some twenty neighbours. A few slots may have more, as long as all of them together make only
   // a few times n tests.
   constexpr std::size_t kFewInVain = 64, kInVainPerSlot = 4;
-  if (!search_all(tree.size(), kFewInVain, [](std::size_t i) { return i; })) return done;
+  if (!search_all(n, kFewInVain, [](std::size_t i) { return i; })) return done;
   const auto search_later = [&](std::size_t most) {
     const std::vector<std::uint32_t> later = std::move(slots);
     return search_all(later.size(), most, [&](std::size_t i) { return later[i]; });
   };
-  const std::size_t share = kInVainPerSlot * tree.size() / slots.size();
+  const std::size_t share = kInVainPerSlot * n / slots.size();
   if (share > 4 * kFewInVain && !search_later(share)) return done;
-  if (triangles.lose_interest && triangles.lose_interest(slots) && !search_later(kFewInVain)) return done;
-  if (triangles.by == SearchedTriangles::kByTriangles)
-    oriented.emplace(tree, triangles.positions, triangles.faces, triangles.margin, control);
-  search_later(tree.size());
+  const bool is_interest_lost = view.lose_interest(slots);
+  if (is_interest_lost && !search_later(kFewInVain)) return done;
+  if (triangles.by == SearchedTriangles::kByBoxes) {
+    search_later(n);
+    return done;
+  }
+
+  const TriangleTree by_shape(triangles.positions, triangles.faces, control, triangles.groups, TriangleTree::kByShape);
+  const EarlierSearch earlier(
+      tree, by_shape, [&](std::size_t slot) { return std::binary_search(slots.begin(), slots.end(), slot); }, control);
+  slots =
+      select_ids<std::uint32_t>(n, kItemsPerBlock, control, [&](std::size_t slot) { return earlier.is_left(slot); });
+  auto view_by_shape = view_of(by_shape);
+  if (is_interest_lost) view_by_shape.lose_interest(slots);
+  const OrientedBoxes oriented(by_shape, triangles.positions, triangles.faces, triangles.margin, control);
+  most_in_vain = n;
+  done += gather_pairs(slots.size(), kBlock, pair_search, [&](std::size_t i, FoundInTurn& found, std::size_t room) {
+    const std::size_t slot = slots[i];
+    const FaceId face = by_shape.face(slot);
+    const OrientedBoxes::Query query = oriented.query(triangles.faces[face.value]);
+    const auto is_node_skipped = [&](std::size_t node, const auto& step) {
+      step(1);
+      if (earlier.is_none_new(slot, node, by_shape.slots(node).second) ||
+          view_by_shape.is_of_no_interest(face, slot, node))
+        return true;
+      step(kStepsPerOrientedBox - 1);
+      return oriented.are_apart(query, node);
+    };
+    search(by_shape, slot, 0, found, room, is_node_skipped,
+           [&](std::size_t other) { return !earlier.is_new(slot, other); });
+  });
   return done;
 }
 

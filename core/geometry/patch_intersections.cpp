@@ -10,6 +10,7 @@
 
 #include "core/base/blocks.h"
 #include "core/base/largest_coordinate.h"
+#include "core/base/loop_progress.h"
 #include "core/base/stoppable.h"
 #include "core/geometry/pair_search.h"
 #include "core/geometry/predicates_3d.h"
@@ -111,8 +112,11 @@ class Cull {
     const auto are_too_many = [&](std::size_t parts_so_far, std::size_t looks_so_far) {
       return parts_so_far > most_parts || looks_so_far > most_looks;
     };
+    // Blocks begin where they do in find_places, because runs do.
+    LoopProgress progress(control_, surface_.face_count());
     auto found = map_blocks<Near>(surface_.face_count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
       Near near;
+      const std::size_t first = begin;
       if (are_too_many(parts.load(std::memory_order_relaxed), looks.load(std::memory_order_relaxed))) return near;
       std::vector<PatchId> near_run;
       StopCheck check_looks(control_);
@@ -133,6 +137,7 @@ class Cull {
       }
       parts.fetch_add(near.parts.size(), std::memory_order_relaxed);
       looks.fetch_add(near.looks, std::memory_order_relaxed);
+      progress.add(end - first);
       return near;
     });
     // The counts exceed the limits, or do not, whatever the order in which blocks are counted.

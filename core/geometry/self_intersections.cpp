@@ -256,44 +256,49 @@ class Search {
 
   std::size_t find_everywhere() {
     static_assert(kNoPiece == TriangleTree::kNoGroup);
-    const TriangleTree tree(positions_, faces_, control_, pieces_);
-    std::vector<Hubs> hubs;
-    if (!is_hub_.empty())
-      hubs = tree.joined<Hubs>([&](std::size_t slot) { return hubs_of(tree.face(slot)); }, common, control_);
-    // The piece to which all faces of a node belong; kNoPiece if there is none.
-    std::vector<std::uint32_t> pieces;
-    if (std::any_of(pieces_.begin(), pieces_.end(), [](std::uint32_t piece) { return piece != kNoPiece; }))
-      pieces =
-          tree.joined<std::uint32_t>([&](std::size_t slot) { return pieces_[tree.face(slot).value]; },
-                                     [](std::uint32_t a, std::uint32_t b) { return a == b ? a : kNoPiece; }, control_);
-    const auto face_of = [&](std::size_t slot) { return tree.face(slot); };
-    AxialSearch axial;
     const std::size_t done = find_pairs(
-        {.tree = tree,
-         .positions = positions_,
-         .faces = faces_,
-         .lose_interest =
-             [&](std::span<const std::uint32_t> slots) {
-               const auto edge_of = [&](std::size_t slot) { return widest_edge(face_of(slot)); };
-               return axial.prepare(tree, positions_, faces_, slots, edge_of, control_);
-             }},
-        face_of,
-        [&](std::size_t slot, std::size_t node) {
-          if (!pieces.empty() && pieces[node] != kNoPiece && pieces[node] == pieces_[face_of(slot).value]) return true;
-          if (axial.are_apart(slot, node)) return true;
-          const Triangle& face = faces_[face_of(slot).value];
-          return !hubs.empty() && std::any_of(hubs[node].begin(), hubs[node].end(),
-                                              [&](VertexId v) { return v.is_valid() && has(face, v); });
-        },
-        [&](std::size_t slot, std::size_t other) {
-          const FaceId f = face_of(slot), g = face_of(other);
-          return !shared_hubs(f, g)[0].is_valid() && do_count(f, g);
-        },
-        search_);
+        {.positions = positions_, .faces = faces_, .groups = pieces_}, [](FaceId f) { return f; },
+        [&](const TriangleTree& tree) { return View(*this, tree); },
+        [&](FaceId f, FaceId g) { return !shared_hubs(f, g)[0].is_valid() && do_count(f, g); }, search_);
     if (!search_.goes_on() && search_.limits().is_estimate_wanted)
-      search_.result().estimated_pairs = std::max(estimate(tree), static_cast<double>(search_.result().pairs.size()));
+      search_.result().estimated_pairs = std::max(estimate(TriangleTree(positions_, faces_, control_, pieces_)),
+                                                  static_cast<double>(search_.result().pairs.size()));
     return done;
   }
+
+  /// Knows the nodes of a tree over all faces.
+  class View {
+   public:
+    View(const Search& search, const TriangleTree& tree) : search_(search), tree_(tree) {
+      if (!search.is_hub_.empty())
+        hubs_ = tree.joined<Hubs>([&](std::size_t slot) { return search.hubs_of(tree.face(slot)); }, common,
+                                  search.control_);
+      const auto pieces = search.pieces_;
+      if (std::any_of(pieces.begin(), pieces.end(), [](std::uint32_t piece) { return piece != kNoPiece; }))
+        pieces_ = tree.joined<std::uint32_t>([&](std::size_t slot) { return pieces[tree.face(slot).value]; },
+                                             [](std::uint32_t a, std::uint32_t b) { return a == b ? a : kNoPiece; },
+                                             search.control_);
+    }
+
+    bool is_of_no_interest(FaceId f, std::size_t slot, std::size_t node) const {
+      if (!pieces_.empty() && pieces_[node] != kNoPiece && pieces_[node] == search_.pieces_[f.value]) return true;
+      if (axial_.are_apart(slot, node)) return true;
+      const Triangle& face = search_.faces_[f.value];
+      return !hubs_.empty() && std::any_of(hubs_[node].begin(), hubs_[node].end(),
+                                           [&](VertexId v) { return v.is_valid() && has(face, v); });
+    }
+    bool lose_interest(std::span<const std::uint32_t> slots) {
+      const auto edge_of = [&](std::size_t slot) { return search_.widest_edge(tree_.face(slot)); };
+      return axial_.prepare(tree_, search_.positions_, search_.faces_, slots, edge_of, search_.control_);
+    }
+
+   private:
+    const Search& search_;
+    const TriangleTree& tree_;
+    std::vector<Hubs> hubs_;             ///< by node; empty if no vertex is one
+    std::vector<std::uint32_t> pieces_;  ///< by node: the piece of all its faces, or kNoPiece; empty if there are none
+    AxialSearch axial_;
+  };
 
   /// Compares faces that share two hubs. Such faces meet elsewhere, too, only if they are in one half-plane about the
   /// edge between these hubs.
@@ -357,35 +362,54 @@ class Search {
       const std::size_t n = corners.size();
       arcs.push_back({VertexId(n - 3), VertexId(n - 2), VertexId(n - 1)});
     }
-    const TriangleTree tree(corners, arcs, control_);
-    const auto face_of = [&](std::size_t slot) { return at_hub_[begin + tree.face(slot).value].second; };
-    const auto hubs = tree.joined<Hubs>([&](std::size_t slot) { return hubs_of(face_of(slot)); }, common, control_);
-    AxialSearch axial;
+    const auto face_of = [&](FaceId arc) { return at_hub_[begin + arc.value].second; };
     return find_pairs(
-        {.tree = tree,
-         .positions = corners,
+        {.positions = corners,
          .faces = arcs,
          .margin = kDirectionMargin,
-         .by = are_wide ? SearchedTriangles::kByBoxes : SearchedTriangles::kByTriangles,
-         .lose_interest =
-             [&](std::span<const std::uint32_t> slots) {
-               const auto edge_of = [&](std::size_t slot) { return widest_edge(face_of(slot)); };
-               return axial.prepare(tree, positions_, faces, slots, edge_of, control_);
-             }},
+         .by = are_wide ? SearchedTriangles::kByBoxes : SearchedTriangles::kByTriangles},
         face_of,
-        [&](std::size_t slot, std::size_t node) {
-          if (axial.are_apart(slot, node)) return true;
-          const Triangle& face = faces[tree.face(slot).value];
-          return std::count_if(hubs[node].begin(), hubs[node].end(),
-                               [&](VertexId v) { return v.is_valid() && has(face, v); }) > 1;
-        },
-        [&](std::size_t slot, std::size_t other) {
-          const FaceId f = face_of(slot), g = face_of(other);
+        [&](const TriangleTree& tree) { return ViewFromHub(*this, tree, std::span(at_hub_).subspan(begin), faces); },
+        [&](FaceId arc, FaceId other) {
+          const FaceId f = face_of(arc), g = face_of(other);
           const Hubs shared = shared_hubs(f, g);
           return shared[0] == hub && !shared[1].is_valid() && do_count(f, g);
         },
         search_);
   }
+
+  /// Knows the nodes of a tree over the faces at a hub.
+  class ViewFromHub {
+   public:
+    /// Input:   `at_hub` has the face for each arc of the tree, and `faces` its corners.
+    ViewFromHub(const Search& search, const TriangleTree& tree, std::span<const std::pair<VertexId, FaceId>> at_hub,
+                std::span<const Triangle> faces)
+        : search_(search), tree_(tree), at_hub_(at_hub), faces_(faces) {
+      hubs_ =
+          tree.joined<Hubs>([&](std::size_t slot) { return search.hubs_of(face_of(slot)); }, common, search.control_);
+    }
+
+    bool is_of_no_interest(FaceId arc, std::size_t slot, std::size_t node) const {
+      if (axial_.are_apart(slot, node)) return true;
+      const Triangle& face = faces_[arc.value];
+      return std::count_if(hubs_[node].begin(), hubs_[node].end(),
+                           [&](VertexId v) { return v.is_valid() && has(face, v); }) > 1;
+    }
+    bool lose_interest(std::span<const std::uint32_t> slots) {
+      const auto edge_of = [&](std::size_t slot) { return search_.widest_edge(face_of(slot)); };
+      return axial_.prepare(tree_, search_.positions_, faces_, slots, edge_of, search_.control_);
+    }
+
+   private:
+    FaceId face_of(std::size_t slot) const { return at_hub_[tree_.face(slot).value].second; }
+
+    const Search& search_;
+    const TriangleTree& tree_;
+    std::span<const std::pair<VertexId, FaceId>> at_hub_;
+    std::span<const Triangle> faces_;
+    std::vector<Hubs> hubs_;  ///< by node
+    AxialSearch axial_;
+  };
 
   /// A triangle of directions that contains the arc of a face: the arc's two ends, and the point where the tangents
   /// there cross. Empty if that point is far away.
@@ -422,7 +446,7 @@ SelfIntersections self_intersections(std::span<const Vec3> positions, std::span<
 }
 
 std::uint64_t SearchLimits::steps_for(std::size_t faces) {
-  constexpr std::uint64_t kFewSteps = 1 << 25, kStepsPerFace = 192;
+  constexpr std::uint64_t kFewSteps = 1 << 25, kStepsPerFace = 128;
   return kFewSteps + kStepsPerFace * faces * std::bit_width(faces);
 }
 

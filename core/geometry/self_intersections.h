@@ -64,10 +64,11 @@ inline constexpr std::uint32_t kNoPiece = 0xffffffffu;
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:    O(n log n) for the tree, then for each face O(log n) and the number of faces whose boxes meet its own. On a
 ///          surface of well-shaped faces these are a handful. Runs on the caller's TBB arena. Takes memory for at most
-///          65 times max_pairs, and some 150 bytes a face. Whatever the surface, the search ends soon after
-///          `max_steps`. Four means keep the cost low on other surfaces:
+///          65 times max_pairs, and some 150 bytes a face, 300 with a second tree. Whatever the surface, the search
+///          ends soon after `max_steps`. Four means keep the cost low on other surfaces:
 ///          - If many faces have more than 64 others in their boxes without meeting them, boxes along the faces
-///            (OrientedBoxes) separate them. This happens where needles lie side by side, askew to the axes.
+///            (OrientedBoxes) separate them, in a second tree that is split by their shapes (split_by_shape). This
+///            happens where needles lie side by side, askew to the axes, or reach below many small faces.
 ///          - Around a vertex with many faces, these are compared by their directions from it, so a fan of k needles
 ///            costs O(k log k).
 ///          - At an edge between two such vertices, faces are compared by their half-planes about it, so a book of k

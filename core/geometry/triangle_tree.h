@@ -24,12 +24,17 @@ namespace remesh {
 ///          sizes.
 class TriangleTree {
  public:
+  enum Split {
+    kByPlace,  ///< across the axis along which the triangles of a node are spread most
+    kByShape,  ///< by split_by_shape, which takes several times as long and is for long triangles
+  };
+
   /// Input:   `groups` is empty or has one entry per face. In nodes of up to 2^13 faces, the faces of one group have
   ///          slots next to each other, and those of kNoGroup are ordered by place. So few of the nodes below mix faces
   ///          of a group with others.
   /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
   TriangleTree(std::span<const Vec3> positions, std::span<const Triangle> faces, RunControl& control,
-               std::span<const std::uint32_t> groups = {});
+               std::span<const std::uint32_t> groups = {}, Split split = kByPlace);
   static constexpr std::uint32_t kNoGroup = 0xffffffffu;
 
   std::size_t size() const { return face_.size(); }
@@ -65,6 +70,10 @@ class TriangleTree {
  private:
   template <class T>
   using Unset = std::vector<T, DefaultInit<T>>;
+
+  /// Puts the faces into their slots. item_of(f) is what split(items, middle) reorders.
+  template <class Item, class ItemOf, class SplitNode>
+  void sort(const ItemOf& item_of, std::span<const std::uint32_t> groups, RunControl& control, const SplitNode& split);
 
   SlotTree slots_;
   Unset<FaceId> face_;    ///< by slot

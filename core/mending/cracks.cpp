@@ -7,6 +7,7 @@
 
 #include "core/base/blocks.h"
 #include "core/base/diagnostic.h"
+#include "core/base/loop_progress.h"
 #include "core/base/stoppable.h"
 #include "core/geometry/box_tree.h"
 #include "core/mending/open_edges.h"
@@ -34,10 +35,21 @@ struct Nearest {
 /// Calls find(i, nearest) for all edges. It returns how many others it looked at. Output: empty if there were too many.
 template <class Find>
 std::vector<Nearest> find_all(std::size_t edges, RunControl& control, const Find& find) {
+  constexpr std::size_t kManyLooks = 1 << 12;
   LooksAtEdges looks(edges);
+  LoopProgress progress(control, edges);
   const auto blocks = map_blocks<std::vector<Nearest>>(edges, kBlock, control, [&](std::size_t begin, std::size_t end) {
     std::vector<Nearest> nearest(end - begin);
-    for (std::size_t i = begin; i < end && !looks.are_too_many(); ++i) looks.add(find(i, nearest[i - begin]));
+    std::size_t told = begin;
+    for (std::size_t i = begin; i < end && !looks.are_too_many(); ++i) {
+      const std::size_t seen = find(i, nearest[i - begin]);
+      looks.add(seen);
+      // If very many edges have one middle, a block of them may take seconds.
+      if (seen < kManyLooks) continue;
+      progress.add(i + 1 - told);
+      told = i + 1;
+    }
+    progress.add(end - told);
     return nearest;
   });
   std::vector<Nearest> all;

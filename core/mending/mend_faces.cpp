@@ -62,8 +62,12 @@ class Mending {
     const std::size_t faces = surface_.face_count();
     if (keep_verbatim_.empty() && are_all_sound()) return false;
     is_degenerate_.reserve(faces);
+    const double before = control_.fraction();
+    // The rest is for what comes after it.
+    constexpr double kShare = 0.5;
     for (std::size_t f = 0; f < faces; ++f) {
-      if (f % 4096 == 0) control_.progress(static_cast<double>(f) / static_cast<double>(faces));
+      if (f % 4096 == 0)
+        control_.progress(before + (1 - before) * kShare * (static_cast<double>(f) / static_cast<double>(faces)));
       take_face(FaceId(f));
     }
     cuts_.reset();

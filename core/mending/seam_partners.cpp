@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/base/blocks.h"
+#include "core/base/loop_progress.h"
 #include "core/base/stoppable.h"
 #include "core/base/tolerance.h"
 #include "core/base/union_find.h"
@@ -33,6 +34,7 @@ Candidates find_candidates(const OpenEdges& open, const SeamRules& rules, RunCon
     return edge.length > 2 * tolerance && edge.height > kThinFace * tolerance;
   };
   LooksAtEdges looks(open.size());
+  LoopProgress progress(control, open.size());
   const auto blocks =
       map_blocks<std::vector<SeamPair>>(open.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
         std::vector<SeamPair> pairs;
@@ -48,6 +50,7 @@ Candidates find_candidates(const OpenEdges& open, const SeamRules& rules, RunCon
               pairs.push_back({static_cast<std::uint32_t>(i), j, fit});
           }));
         }
+        progress.add(end - begin);
         return pairs;
       });
   if (looks.are_too_many()) return {{}, false};

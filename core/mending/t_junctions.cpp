@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/base/blocks.h"
+#include "core/base/loop_progress.h"
 #include "core/base/stoppable.h"
 #include "core/base/tolerance.h"
 #include "core/geometry/box_tree.h"
@@ -27,6 +28,12 @@ constexpr std::size_t kBlock = 256;
 /// quadratic time and memory.
 constexpr std::size_t kMaxLooksPerCorner = 4;
 constexpr std::size_t kFewLooks = 4096;
+
+/// The same for looks at nodes of the tree of vertices. On ordinary surfaces there are some twenty for each open edge,
+/// and few open edges. If all edges span the surface, each comes near a large part of the vertices, and finding those on
+/// it would take quadratic time.
+constexpr std::size_t kMaxNodesPerCorner = 128;
+constexpr std::size_t kFewNodes = 1 << 22;
 
 /// The tag of the tree's boxes: the box in full precision. The tolerance is far smaller than single precision can
 /// resolve.
@@ -135,23 +142,32 @@ class Search {
       entries[i].tag.box.add(surface_.local[vertices_[i]]);
     }
     const VertexTree tree(entries, control_);
-    const std::size_t most_looks = kFewLooks + kMaxLooksPerCorner * surface_.corners.size();
-    std::atomic<std::size_t> looks{0};
+    const Looks most{kFewLooks + kMaxLooksPerCorner * surface_.corners.size(),
+                     kFewNodes + kMaxNodesPerCorner * surface_.corners.size()};
+    std::atomic<std::size_t> vertices{0}, nodes{0};
+    const auto are_too_many = [&] {
+      return vertices.load(std::memory_order_relaxed) > most.vertices ||
+             nodes.load(std::memory_order_relaxed) > most.nodes;
+    };
+    LoopProgress progress(control_, open_.size());
     const auto found =
         map_blocks<std::vector<Junction>>(open_.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
           std::vector<Junction> junctions;
-          for (std::size_t i = begin; i < end && looks.load(std::memory_order_relaxed) <= most_looks; ++i)
-            looks.fetch_add(find_on(open_[i], tree, [&](const Junction& j) { junctions.push_back(j); }),
-                            std::memory_order_relaxed);
+          for (std::size_t i = begin; i < end && !are_too_many(); ++i) {
+            const Looks looks = find_on(open_[i], tree, [&](const Junction& j) { junctions.push_back(j); });
+            vertices.fetch_add(looks.vertices, std::memory_order_relaxed);
+            nodes.fetch_add(looks.nodes, std::memory_order_relaxed);
+          }
+          progress.add(end - begin);
           return junctions;
         });
-    // The count exceeds the limit, or does not, whatever the order in which edges are looked at.
-    result.is_complete = looks.load(std::memory_order_relaxed) <= most_looks;
+    // The counts exceed the limits, or do not, whatever the order in which edges are looked at.
+    result.is_complete = !are_too_many();
     std::vector<Junction>& all = result.junctions;
     if (result.is_complete)
       for (const auto& junctions : found) all.insert(all.end(), junctions.begin(), junctions.end());
     else
-      all = find_first(tree, most_looks);
+      all = find_first(tree, most);
     const auto key = [](const Junction& j) { return std::tuple(j.face, j.vertex, j.distance, j.half_edge); };
     sort_stoppable(all.begin(), all.end(), control_,
                    [&](const Junction& a, const Junction& b) { return key(a) < key(b); });
@@ -170,6 +186,11 @@ class Search {
   }
 
  private:
+  /// The numbers of vertices and of nodes of the tree that were looked at.
+  struct Looks {
+    std::size_t vertices = 0, nodes = 0;
+  };
+
   void find_boundary() {
     std::uint32_t looks = 0;
     for (const EdgeId e : edges_.odd_edges()) {
@@ -188,25 +209,25 @@ class Search {
 
   Vec3 way(std::uint32_t h) const { return surface_.local[edges_.to(h)] - surface_.local[edges_.from(h)]; }
 
-  /// Calls visit(junction) for the vertices on an edge, including those of its own face. Returns how many vertices were
-  /// looked at.
+  /// Calls visit(junction) for the vertices on an edge, including those of its own face.
   template <class Visit>
-  std::size_t find_on(std::uint32_t h, const VertexTree& tree, const Visit& visit) const {
+  Looks find_on(std::uint32_t h, const VertexTree& tree, const Visit& visit) const {
     const Vec3 a = surface_.local[edges_.from(h)], b = surface_.local[edges_.to(h)];
     const Vec3 ab = way(h);
     const double length = norm(ab);
-    if (!(length > 2 * tolerance_)) return 0;
+    if (!(length > 2 * tolerance_)) return {};
+    Looks looks;
     const auto bound = [&](const VertexTree::Entry& entry) {
       const Box3& box = entry.tag.box;
+      if (++looks.nodes % 4096 == 0) control_.check();
       const bool is_of_interest =
           is_near(a, b, tolerance_, box) && !is_within(a, tolerance_, box) && !is_within(b, tolerance_, box);
       return is_of_interest ? 0 : HUGE_VAL;
     };
     const Order order(ab);
     const double all = 1;
-    std::size_t looks = 0;
     tree.search(all, bound, [&](std::size_t slot) {
-      if (++looks % 4096 == 0) control_.check();
+      ++looks.vertices;
       const VertexId v = vertices_[tree.number(slot)];
       const Vec3 p = surface_.local[v];
       const double along = dot(p - a, ab) / (length * length);
@@ -220,12 +241,15 @@ class Search {
 
   /// The junctions that are found until there are more tests than allowed. They are the same whatever the threads have
   /// tested.
-  std::vector<Junction> find_first(const VertexTree& tree, std::size_t most_looks) const {
+  std::vector<Junction> find_first(const VertexTree& tree, const Looks& most) const {
     std::vector<Junction> junctions;
-    std::size_t looks = 0;
-    for (std::size_t i = 0; i < open_.size() && looks <= most_looks; ++i) {
-      control_.check();
-      looks += find_on(open_[i], tree, [&](const Junction& j) { junctions.push_back(j); });
+    Looks all;
+    LoopProgress progress(control_, most.nodes);
+    for (std::size_t i = 0; i < open_.size() && all.vertices <= most.vertices && all.nodes <= most.nodes; ++i) {
+      const Looks looks = find_on(open_[i], tree, [&](const Junction& j) { junctions.push_back(j); });
+      all.vertices += looks.vertices;
+      all.nodes += looks.nodes;
+      progress.add(looks.nodes);
     }
     return junctions;
   }

@@ -36,12 +36,13 @@ std::vector<FaceId> Ladder::step(const PatchSet& patches, const BoundaryLoops& l
   for (const auto& [patch, reason] : failed) {
     for (std::uint32_t l = loops.patch_begin[patch.value]; l < loops.patch_begin[patch.value + 1]; ++l)
       for (const std::uint32_t h : loops.loop(l)) forced_[adjacency.from(h)] = 1;
+    const bool is_single = patches.faces_of(patch).size() == 1;
     for (const FaceId f : patches.faces_of(patch)) {
       if (rung_[f] == kSingleFace) {
         stuck.push_back(f);
         continue;
       }
-      rung_[f] = steps_ > kPatientRounds ? kSingleFace : static_cast<std::uint8_t>(rung_[f] + 1);
+      rung_[f] = is_single || steps_ > kPatientRounds ? kSingleFace : static_cast<std::uint8_t>(rung_[f] + 1);
       zone_[f] = next_zone_;
       if (reason_[f] == PatchReason::kNone) reason_[f] = reason;
       regions.of_face[f] = RegionId();

@@ -26,7 +26,8 @@ class Ladder {
   explicit Ladder(const Surface& surface, const std::vector<FaceId>& without_area = {});
 
   /// Takes every failed patch one rung up. Its faces lose their region. In new regions they may join each other, within
-  /// a tighter tolerance, but no other faces. The vertices of the patch's boundary become essential.
+  /// a tighter tolerance, but no other faces. The vertices of the patch's boundary become essential. A patch of one
+  /// face goes to the last rung at once, because no tolerance changes it.
   /// Returns: the faces of failed patches that are on the last rung already. Regions cannot help these faces any more,
   ///          so the caller has to change the surface.
   std::vector<FaceId> step(const PatchSet& patches, const BoundaryLoops& loops, const Adjacency& adjacency,

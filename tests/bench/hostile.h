@@ -8,7 +8,8 @@
 namespace remesh::bench {
 
 /// Remeshes a member of each hostile family (tests/support/hostile_families.h) in each size, once, with default
-/// options. Prints seconds, their growth, and what was cut short, as one line for each family.
+/// options. Prints seconds of the processor, their growth in a decade, the peak of memory, and what was cut short, as
+/// one line for each family.
 void measure_hostile(const std::vector<int>& sizes, int workers, Rows& rows);
 
 }  // namespace remesh::bench

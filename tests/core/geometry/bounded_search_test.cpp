@@ -33,6 +33,20 @@ TriangleMesh triangles_of(std::string_view family, std::size_t size) {
   return mesh;
 }
 
+/// Makes a fan of needles in a plane, from one corner to many places along a line, and a small wall that stands on the
+/// line at each place. So each needle passes below the walls before its own. This is what triangulating the base of a
+/// comb comes to.
+TriangleMesh needles_below_walls(std::uint32_t size) {
+  TriangleMesh mesh;
+  const VertexId corner = mesh.positions.push_back({0, -1, 0});
+  for (std::uint32_t i = 0; i < size; ++i) {
+    const VertexId a = mesh.positions.push_back({2.0 * i, 0, 0}), b = mesh.positions.push_back({2.0 * i + 1, 0, 0});
+    mesh.faces.push_back({corner, b, a});
+    mesh.faces.push_back({a, b, mesh.positions.push_back({2.0 * i, 5, 1})});
+  }
+  return mesh;
+}
+
 SelfIntersections find(const TriangleMesh& mesh, const SearchLimits& limits) {
   RunControl control;
   return self_intersections(mesh.positions.items(), mesh.faces.items(), {}, limits, control);
@@ -137,6 +151,38 @@ TEST(bounded_search, steps_grow_by_less_than_fourteen_in_a_decade_if_few_faces_m
     };
     EXPECT_LT(steps(20'000) / steps(2000), 14) << family;
   }
+}
+
+TEST(bounded_search, a_fan_of_needles_takes_less_than_a_third_of_the_steps_that_are_allowed) {
+  const SelfIntersections found = find(triangles_of("fan_around_a_vertex", 100'000), kAllPairs);
+  EXPECT_TRUE(found.pairs.empty());
+  EXPECT_LT(found.steps, (SearchLimits::steps_for(100'000) - SearchLimits::steps_for(0)) / 3);
+}
+
+TEST(bounded_search, steps_for_needles_below_small_walls_grow_nearly_in_proportion) {
+  const auto steps = [](std::uint32_t size) {
+    const SelfIntersections found = find(needles_below_walls(size), kAllPairs);
+    EXPECT_TRUE(found.pairs.empty());
+    return static_cast<double>(found.steps);
+  };
+  EXPECT_LT(steps(10'000) / steps(2000), 7);
+}
+
+TEST(bounded_search, of_needles_that_are_searched_twice_each_pair_is_found_once) {
+  // Some triangles stand across the needles, near their ends. Faces with few others in their boxes are searched once,
+  // and the rest twice.
+  TriangleMesh mesh = needles_below_walls(600);
+  for (int i = 50; i < 600; i += 2) {
+    const double x = 2 * i, y = -0.05 - 1e-5 * i;
+    const VertexId a = mesh.positions.push_back({x, y, -1}), b = mesh.positions.push_back({x + 0.5, y, -1});
+    mesh.faces.push_back({a, b, mesh.positions.push_back({x, y, 1})});
+  }
+  const Pairs expected = all_pairs(mesh);
+  EXPECT_GT(expected.size(), 100u);
+  SearchLimits limits(expected.size());
+  const SelfIntersections found = find(mesh, limits);
+  EXPECT_TRUE(found.is_complete);
+  EXPECT_EQ(found.pairs, expected);
 }
 
 }  // namespace

@@ -13,9 +13,9 @@ namespace {
 
 /// The tree over the first `n` faces of a turned sphere.
 struct SphereTree {
-  explicit SphereTree(std::size_t n)
+  explicit SphereTree(std::size_t n, TriangleTree::Split split = TriangleTree::kByPlace)
       : mesh(shapes::triangles(shapes::rotated(shapes::sphere(4), {1, 2, 3}, 20))),
-        tree(mesh.positions.items(), std::span(mesh.faces.items()).first(n), control) {}
+        tree(mesh.positions.items(), std::span(mesh.faces.items()).first(n), control, {}, split) {}
 
   RunControl control;
   TriangleMesh mesh;
@@ -24,9 +24,12 @@ struct SphereTree {
 
 constexpr std::size_t kSizes[] = {0, 1, 4, 5, 333, 2048};
 
+constexpr TriangleTree::Split kSplits[] = {TriangleTree::kByPlace, TriangleTree::kByShape};
+
 TEST(triangle_tree, every_face_has_one_slot_with_its_box) {
-  for (const std::size_t n : kSizes) {
-    const SphereTree sphere(n);
+  for (const std::size_t i : {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}) {
+    const std::size_t n = kSizes[i / 2];
+    const SphereTree sphere(n, kSplits[i % 2]);
     ASSERT_EQ(sphere.tree.size(), n);
     std::vector<FaceId> faces;
     for (std::size_t slot = 0; slot < n; ++slot) {

@@ -83,6 +83,15 @@ TEST(ladder, a_face_that_fails_on_the_last_step_is_handed_back) {
   EXPECT_EQ(climb.step({{PatchId(0), PatchReason::kVerificationFailed}}), (std::vector{FaceId(0), FaceId(1)}));
 }
 
+TEST(ladder, a_patch_of_one_face_goes_to_the_last_step_at_once) {
+  Climb climb(shapes::sphere(1));
+  ASSERT_EQ(climb.chain.patches.faces_of(PatchId(0)).size(), 1u);
+  const FaceId face = climb.chain.patches.faces_of(PatchId(0))[0];
+  EXPECT_TRUE(climb.step({{PatchId(0), PatchReason::kVerificationFailed}}).empty());
+  EXPECT_EQ(climb.face_rung(face.value), kSingleFace);
+  EXPECT_EQ(climb.step({{PatchId(0), PatchReason::kVerificationFailed}}), std::vector{face});
+}
+
 TEST(ladder, after_many_rounds_a_patch_goes_to_single_faces_at_once) {
   // A chain of patches that fail one after the other must not cost a round for each of their steps.
   Climb climb(shapes::box({1, 1, 1}, 1));
