@@ -71,19 +71,6 @@ TEST(split_by_shape, large_triangles_are_split_from_small_ones_at_the_same_place
   EXPECT_EQ(changes(halves(corners)), 1);
 }
 
-TEST(split_by_shape, sheets_askew_to_the_axes_are_split_between_them_however_they_are_divided_into_triangles) {
-  // The centres of the triangles' boxes do not lie in the sheets.
-  const Vec3 u{2, 1, 2}, v{1, 2, -2}, normal{-2, 2, 1};
-  std::vector<Vec3> corners;
-  for (int i = 0; i < 100; ++i) {
-    const Vec3 at = 0.001 * i * normal;
-    const std::vector<Vec3> sheet{at - u - v, at + u - v, at + u + v, at - u + v};
-    for (const int k : {0, 2})
-      for (const int corner : {k, k + 1, k + 2 + (i % 3 == 0 ? 0 : 1)}) corners.push_back(sheet[corner % 4]);
-  }
-  EXPECT_EQ(changes(halves(corners)), 1);
-}
-
 TEST(split_by_shape, triangles_without_extent_are_split_all_the_same) {
   const std::vector<bool> is_first = halves(std::vector<Vec3>(30, Vec3{1, 2, 3}));
   EXPECT_EQ(std::count(is_first.begin(), is_first.end(), true), 5);
