@@ -17,10 +17,8 @@ std::vector<bool> halves(const std::vector<Vec3>& corners) {
   RunControl control;
   std::vector<ShapedItem> items;
   for (std::uint32_t i = 0; i + 2 < corners.size(); i += 3) {
-    Box3 box;
-    for (int k = 0; k < 3; ++k) box.add(corners[i + k]);
-    items.push_back(
-        {box.min + box.max, reach_of({VertexId(i), VertexId(i + 1), VertexId(i + 2)}, corners), 0, FaceId(i / 3)});
+    const Triangle face{VertexId(i), VertexId(i + 1), VertexId(i + 2)};
+    items.push_back({place_of(face, corners), reach_of(face, corners), 0, FaceId(i / 3)});
   }
   split_by_shape(items, items.size() / 2, control);
   std::vector<bool> is_first(items.size());
@@ -67,6 +65,19 @@ TEST(split_by_shape, large_triangles_are_split_from_small_ones_at_the_same_place
     const double size = i < 100 ? 0.01 : 1;
     const Vec3 middle = 0.05 * Vec3{random.unit(), random.unit(), random.unit()};
     corners.insert(corners.end(), {middle - size * Vec3{1, 1, 0}, middle + size * Vec3{1, 0, 1}, middle});
+  }
+  EXPECT_EQ(changes(halves(corners)), 1);
+}
+
+TEST(split_by_shape, sheets_askew_to_the_axes_are_split_between_them_however_they_are_divided_into_triangles) {
+  // The centres of the triangles' boxes do not lie in the sheets.
+  const Vec3 u{2, 1, 2}, v{1, 2, -2}, normal{-2, 2, 1};
+  std::vector<Vec3> corners;
+  for (int i = 0; i < 100; ++i) {
+    const Vec3 at = 0.001 * i * normal;
+    const std::vector<Vec3> sheet{at - u - v, at + u - v, at + u + v, at - u + v};
+    for (const int k : {0, 2})
+      for (const int corner : {k, k + 1, k + 2 + (i % 3 == 0 ? 0 : 1)}) corners.push_back(sheet[corner % 4]);
   }
   EXPECT_EQ(changes(halves(corners)), 1);
 }
