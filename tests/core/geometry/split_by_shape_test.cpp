@@ -17,10 +17,8 @@ std::vector<bool> halves(const std::vector<Vec3>& corners) {
   RunControl control;
   std::vector<ShapedItem> items;
   for (std::uint32_t i = 0; i + 2 < corners.size(); i += 3) {
-    Box3 box;
-    for (int k = 0; k < 3; ++k) box.add(corners[i + k]);
-    items.push_back(
-        {box.min + box.max, reach_of({VertexId(i), VertexId(i + 1), VertexId(i + 2)}, corners), 0, FaceId(i / 3)});
+    const Triangle face{VertexId(i), VertexId(i + 1), VertexId(i + 2)};
+    items.push_back({place_of(face, corners), reach_of(face, corners), 0, FaceId(i / 3)});
   }
   split_by_shape(items, items.size() / 2, control);
   std::vector<bool> is_first(items.size());
