@@ -293,8 +293,8 @@ class Run {
     return step_up(failed);
   }
 
-  /// Counts the faces of the output for the bounds on memory, as far as there are any. A sample of sizes takes less than
-  /// a face.
+  /// Counts the faces of the output for the bounds on memory, as far as there are any. A sample of sizes takes less
+  /// than a face.
   void count_output() {
     const std::uint64_t samples = refiner_->sample_count();
     control_.memory().set_output(std::max(candidate_.triangulated.triangle_count(), samples));

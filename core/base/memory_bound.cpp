@@ -8,9 +8,10 @@ namespace {
 
 constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
 
-/// The table of bounds, in the order of the stages. A face that is a patch of its own takes the most, because each patch
-/// has a surface, a plane, a summary and a mesh. Stages before refinement may run again after an attempt has failed, and
-/// then hold what that attempt has left. All of them may hold 100,000 pairs of faces that intersect. Readers have limits of their own, and writers hold a text of any length.
+/// The table of bounds, in the order of the stages. A face that is a patch of its own takes the most, because each
+/// patch has a surface, a plane, a summary and a mesh. Stages before refinement may run again after an attempt has
+/// failed, and then hold what that attempt has left. All of them may hold 100,000 pairs of faces that intersect.
+/// Readers have limits of their own, and writers hold a text of any length.
 constexpr std::array<StageMemory, kStageCount> kMemoryOfStages{{
     {0, 0, 0},                // queued
     {0, 0, 0},                // read

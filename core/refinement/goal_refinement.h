@@ -90,11 +90,11 @@ class GoalRefinement {
   /// was not frozen before.
   /// Input: `count` is the number of all patches.
   bool freeze(const std::vector<PatchId>& failed, std::size_t count);
-  /// Must be called before each attempt. If half of the work is spent in vain, the next attempts have no goals, until the
-  /// result of one of them passes the check.
+  /// Must be called before each attempt. If half of the work is spent in vain, the next attempts have no goals, until
+  /// the result of one of them passes the check.
   void begin_attempt();
-  /// Returns whether the attempt that has just passed the check had no goals for that reason. Then the next one has them
-  /// again, and patches that have ever failed must be frozen for it.
+  /// Returns whether the attempt that has just passed the check had no goals for that reason. Then the next one has
+  /// them again, and patches that have ever failed must be frozen for it.
   bool goes_on_with_the_rest();
   /// Forgets what is known of the patches. After a step of the ladder the patches are others.
   void thaw() {
@@ -114,9 +114,9 @@ class GoalRefinement {
   /// It also ends when it makes more faces than allowed and kMaxOfPredicted times those that are predicted. Thinning
   /// out leaves a third at least, so the prediction was far too low, and nothing tells that there is an end at all.
   static constexpr double kMaxOfPredicted = 4;
-  /// If gaps ask for kFarTooMany times the faces allowed, most of what they ask for cannot be met. Then no size is below
-  /// the edge of kEvenShare times the faces allowed, evenly spread over the surface. This is because work that depends
-  /// on sizes would be for far more faces than there will be.
+  /// If gaps ask for kFarTooMany times the faces allowed, most of what they ask for cannot be met. Then no size is
+  /// below the edge of kEvenShare times the faces allowed, evenly spread over the surface. This is because work that
+  /// depends on sizes would be for far more faces than there will be.
   static constexpr double kFarTooMany = 8, kEvenShare = 2;
   /// An attempt without a budget is not worth while if more than kHopeless times the faces allowed are predicted. Up to
   /// kFewFaces it is tried in any case, for two reasons: where boundaries are locked or edges must not be short,

@@ -53,8 +53,8 @@ class SegmentCuts {
   /// Begins anew with the cuts that sizes alone ask for, and with messages of them to all patches.
   /// Input: If all cuts, counted once for each patch beside them, would be more than `max_triangles`, all segments are
   ///        cut less often, in the same proportion, and half of that number is left. It may be kNoFaceLimit.
-  ///        If they are more than `max_made`, the attempt ends at once. Then they are only counted, in the messages, and
-  ///        not all of them are stored.
+  ///        If they are more than `max_made`, the attempt ends at once. Then they are only counted, in the messages,
+  ///        and not all of them are stored.
   void begin(const SizeField& sizes, std::uint64_t max_triangles, std::uint64_t max_made);
 
   /// Takes the cuts that patches made in a round, and makes messages of them. The old messages are forgotten.

@@ -1,4 +1,5 @@
-/// Tests that no stage holds more memory than its row of the table of bounds, on small and larger surfaces of all kinds.
+/// Tests that no stage holds more memory than its row of the table of bounds, on small and larger surfaces of all
+/// kinds.
 #include <gtest/gtest.h>
 
 #include <array>
