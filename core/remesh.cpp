@@ -172,6 +172,7 @@ class Run {
     report_.surfaces.join_bands();
     watch_.enter(Stage::kRefinement);
     refiner_->predict_faces(patched(), candidate_.triangulated);
+    report_.min_edge_length = refiner_->goals().min_edge_length;
     tell_curves({[&](PatchId p) {
                    return goals() != nullptr ? refiner_->predicted_of_patch()[p.value]
                                              : static_cast<double>(partition_.summaries.patches[p.value].output_faces);
@@ -205,6 +206,7 @@ class Run {
   void prepare() {
     // Nothing of the last attempt is needed any more.
     const std::uint64_t taken = refiner_ ? refiner_->work_taken() : 0;
+    const double floor = refiner_ ? refiner_->goals().min_edge_length : 0;
     refiner_.reset();
     candidate_.clear();
     control_.memory().set_input(counted_faces(input_));
@@ -222,7 +224,7 @@ class Run {
     check_options(options_, diagonal);
     Goals goals = goals_of(options_, diagonal);
     keep_in_proportion(goals, options_, diagonal, input_.corners.size() - 2 * input_.face_count());
-    refiner_.emplace(goals, control_, taken);
+    refiner_.emplace(goals, control_, taken, floor);
     regions_ = {};
     ladder_.emplace(surface(), prepared_.without_area);
     if (options_.keep_boundary_vertices) ladder_->forced().assign(surface().vertex_count(), 1);
@@ -288,7 +290,8 @@ class Run {
         failed.push_back({PatchId(p), PatchReason::kVerificationFailed});
     // A curved patch cannot be left as it was triangulated: that is too far from its surface.
     if (curved_at_fault(failed).empty() &&
-        refiner_->freeze(report_.verified.failed_patches, partition_.patches.count()))
+        (refiner_->freeze(report_.verified.failed_patches, partition_.patches.count()) ||
+         refiner_->gives_up_the_rest()))
       return Outcome::kRefinementFailed;
     return step_up(failed);
   }
@@ -417,7 +420,8 @@ class Run {
 
   /// Remembers which faces are frozen if it took much work to find them.
   void keep_frozen() {
-    if (refiner_->work_taken() < kWorkBeforeFrozenStay) return;
+    const bool are_of_these = refiner_->frozen().size() == partition_.patches.count();
+    if (refiner_->work_taken() < kWorkBeforeFrozenStay || !are_of_these) return;
     stays_frozen_.resize(input_.face_count(), 0);
     for (std::uint32_t p = 0; p < refiner_->frozen().size(); ++p)
       if (refiner_->frozen()[PatchId(p)] != 0)

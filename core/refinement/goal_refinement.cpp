@@ -42,7 +42,7 @@ std::string count_text(double count) {
 }  // namespace
 
 bool GoalRefinement::has_goals() const {
-  if (order_ == Order::kNothingYet) return false;
+  if (!effort_.has_goals()) return false;
   return are_any_curved_ || goals_.min_angle_deg > 0 || std::isfinite(goals_.max_edge_length) ||
          std::isfinite(goals_.max_area) || goals_.proximity > 0 || goals_.gradation > 0;
 }
@@ -73,7 +73,7 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
   frozen_.resize(on.patches.count(), 0);
   for (std::size_t p = 0; p < on.patches.count(); ++p)
     if (ladder.is_kept(on.patches.faces_of(PatchId(p))[0])) frozen_[PatchId(p)] = 1;
-  if (is_budget_too_small() || is_effort_spent()) frozen_.assign(on.patches.count(), 1);
+  if (is_budget_too_small() || effort_.is_used_up()) frozen_.assign(on.patches.count(), 1);
   // There are at most as many samples of sizes as faces, apart from a few.
   if (goals_.proximity > 0)
     control_.memory().set_output(std::min<std::uint64_t>(goals_.max_faces, SizeField::kMaxSamples));
@@ -81,17 +81,17 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
   const SizeField& sizes = size_field(on, triangulated, gaps.get());
   const std::optional<SizeField> graded = sizes_without_floor(on, triangulated);
   Prediction prediction = predict(triangulated, goals_, sizes, control_);
-  if (gaps && coarsest_size_ == 0 && prediction.expected > kFarTooMany * static_cast<double>(goals_.max_faces)) {
-    coarsest_size_ = equilateral_edge(area_of(on.surface, triangulated.meshes, control_) /
-                                      (kEvenShare * static_cast<double>(goals_.max_faces)));
-    sizes_.reset();
+  if (gaps && sizes_.coarsest == 0 && prediction.expected > kFarTooMany * static_cast<double>(goals_.max_faces)) {
+    sizes_.coarsest = equilateral_edge(area_of(on.surface, triangulated.meshes, control_) /
+                                       (kEvenShare * static_cast<double>(goals_.max_faces)));
+    sizes_.field.reset();
     size_field(on, triangulated, gaps.get());
     prediction = predict(triangulated, goals_, sizes, control_);
   }
   limit_to_proportion(prediction);
   predicted_faces_ = whole(prediction.expected);
   const auto attempt = [&](std::uint64_t budget, std::uint64_t max_made) {
-    control_.memory().set_output(std::min(budget, max_made));
+    control_.memory().set_output(std::max<std::uint64_t>(triangulated.triangle_count(), std::min(budget, max_made)));
     SegmentTable segments(on.surface, triangulated, frozen_, sizes, goals_, control_);
     refuse_if_hopeless(least_faces(triangulated, frozen_, segments, goals_, sizes, control_));
     segments.plan_cuts(triangulated, sizes, goals_, control_);
@@ -103,17 +103,17 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
                           std::move(segments), triangulated, control_);
   };
   // The first attempt may make all faces that are allowed, and later ones what the bound on the work leaves.
-  const bool is_cut_short = work_.taken() > 0 && work_.left() < budget_;
+  const bool is_cut_short = effort_.taken() > 0 && effort_.left() < budget_;
   const auto measured = [&](Refinement refined) {
     if (gaps || graded)
       note_size_misses(on.surface, triangulated.meshes, frozen_,
                        {goals_, on.plane_tolerance, sizes, gaps.get(), graded ? &*graded : nullptr, crossing}, refined,
                        control_);
     if (is_budget_too_small()) std::fill(refined.reason.begin(), refined.reason.end(), UnrefinedReason::kBudget);
-    if (is_effort_spent()) std::fill(refined.reason.begin(), refined.reason.end(), UnrefinedReason::kEffort);
+    if (effort_.is_used_up()) std::fill(refined.reason.begin(), refined.reason.end(), UnrefinedReason::kEffort);
     if (is_cut_short)
       std::replace(refined.reason.begin(), refined.reason.end(), UnrefinedReason::kBudget, UnrefinedReason::kEffort);
-    work_.take(refined.reason.size());
+    effort_.take(refined.reason.size());
     return refined;
   };
   if (!needs_budget_ && !is_worth_trying_without_budget()) needs_budget_ = is_hopeless_ = true;
@@ -129,7 +129,7 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
     needs_budget_ = is_hopeless_ = true;
   }
   // Half of what is left remains for yet another attempt, so that one of them is small enough to be worth its result.
-  return measured(attempt(is_cut_short ? work_.left() / 2 : budget_, kNoLimit).value());
+  return measured(attempt(is_cut_short ? effort_.left() / 2 : budget_, kNoLimit).value());
 }
 
 bool GoalRefinement::is_worth_trying_without_budget() const {
@@ -148,7 +148,7 @@ std::uint64_t GoalRefinement::max_made() const {
   if (may_raise_floor()) return far_more_than(goals_.faces_without_floor);
   const std::uint64_t most = std::min(goals_.max_faces, kMaxFaces), max = far_more_than(most);
   const std::uint64_t made = std::clamp(whole(kMaxOfPredicted * static_cast<double>(predicted_faces_)), most, max);
-  return work_.taken() == 0 ? made : std::min(made, work_.left());
+  return effort_.taken() == 0 ? made : std::min(made, effort_.left());
 }
 
 /// Returns whether the floor under the lengths of edges is what limits the number of faces. Faces of curved patches are
@@ -197,24 +197,25 @@ std::optional<SizeField> GoalRefinement::sizes_without_floor(const PatchedSurfac
 
 const SizeField& GoalRefinement::size_field(const PatchedSurface& on, const TriangulatedPatches& triangulated,
                                             const GapSearch* gaps) {
-  if (sizes_) return *sizes_;
-  if (gaps != nullptr && !std::exchange(is_smallest_gap_known_, true))
-    smallest_gap_ = gaps->smallest(control_, goals_.max_faces);
+  if (sizes_.field) return *sizes_.field;
+  if (gaps != nullptr && !std::exchange(sizes_.is_smallest_gap_known, true))
+    sizes_.smallest_gap = gaps->smallest(control_, goals_.max_faces);
   // With proximity, gradation is about the sizes that gaps ask for; around short segments, the bound on angles makes
   // edges grow gradually. Gradation without proximity is about short segments.
   std::vector<std::array<VertexId, 2>> segments;
   if (gaps == nullptr && goals_.gradation > 0) segments = segment_ends(triangulated.meshes, control_);
   if (gaps != nullptr || goals_.gradation > 0)
-    sizes_.emplace(on.surface, gaps, segments, goals_, on.plane_tolerance, control_, coarsest_size_);
+    sizes_.field.emplace(on.surface, gaps, segments, goals_, on.plane_tolerance, control_, sizes_.coarsest);
   else
-    sizes_.emplace(goals_.max_edge_length);
-  return *sizes_;
+    sizes_.field.emplace(goals_.max_edge_length);
+  return *sizes_.field;
 }
 
 bool GoalRefinement::is_over_budget(std::uint64_t faces) {
-  if (faces > goals_.faces_without_floor && may_raise_floor()) {
+  const bool is_any_refined = has_goals() && std::find(frozen_.begin(), frozen_.end(), 0) != frozen_.end();
+  if (is_any_refined && faces > goals_.faces_without_floor && may_raise_floor()) {
     raise_floor();
-    work_ = WorkBound(kWorkOfAttempts.steps(0, goals_.max_faces));
+    effort_.give_back_last();
     return true;
   }
   if (!has_goals() || faces <= goals_.max_faces || is_budget_too_small()) return false;
@@ -222,7 +223,7 @@ bool GoalRefinement::is_over_budget(std::uint64_t faces) {
     // The attempt failed by its number of faces alone. The next one may make all faces that are allowed. If these are
     // many, it takes too long to look for the best way to save some of them.
     is_hopeless_ = is_hopeless_ || static_cast<double>(goals_.max_faces) > kFewFaces;
-    work_ = WorkBound(kWorkOfAttempts.steps(0, goals_.max_faces));
+    effort_.give_back_last();
     return true;
   }
   const bool is_in_vain = last_faces_ != 0 && faces >= last_faces_;
@@ -235,22 +236,15 @@ bool GoalRefinement::is_over_budget(std::uint64_t faces) {
   return true;
 }
 
-void GoalRefinement::begin_attempt() {
-  // Curved patches have to be refined, or they fail.
-  const bool is_in_vain = is_any_wrong_ && work_.taken() > work_.left() && !is_effort_spent();
-  if (order_ == Order::kAll && !are_any_curved_ && is_in_vain) order_ = Order::kNothingYet;
-}
-
 bool GoalRefinement::goes_on_with_the_rest() {
-  if (order_ != Order::kNothingYet) return false;
-  order_ = Order::kRest;
+  if (!effort_.goes_on_with_the_rest()) return false;
   frozen_.clear();
   return true;
 }
 
 bool GoalRefinement::freeze(const std::vector<PatchId>& failed, std::size_t count) {
   if (!has_goals()) return false;
-  is_any_wrong_ = true;
+  effort_.note_wrong();
   frozen_.resize(count, 0);
   bool is_new = false;
   for (const PatchId p : failed) {

@@ -10,12 +10,12 @@
 #include <vector>
 
 #include "core/base/run_control.h"
-#include "core/base/work_bound.h"
 #include "core/geometry/patch_set.h"
 #include "core/mesh/adjacency.h"
 #include "core/mesh/surface.h"
 #include "core/patches/ladder.h"
 #include "core/patches/triangulated_patches.h"
+#include "core/refinement/attempt_effort.h"
 #include "core/refinement/gap_search.h"
 #include "core/refinement/goals.h"
 #include "core/refinement/rounds.h"
@@ -35,18 +35,18 @@ struct PatchedSurface {
 class GoalRefinement {
  public:
   /// If `goals` sets no goal, nothing is refined.
-  /// Input: `taken` is the work that attempts at the surface took before its faces were mended anew.
-  GoalRefinement(const Goals& goals, RunControl& control, std::uint64_t taken = 0)
-      : goals_(goals), budget_(goals.max_faces), control_(control), work_(kWorkOfAttempts.steps(0, goals.max_faces)) {
+  /// Input: `taken` is the work that attempts at the surface took before its faces were mended anew, and `floor` is the
+  ///        goals' min_edge_length that they have found.
+  GoalRefinement(const Goals& goals, RunControl& control, std::uint64_t taken = 0, double floor = 0)
+      : goals_(goals), budget_(goals.max_faces), control_(control), effort_(goals.max_faces, taken) {
     if (budget_ != std::numeric_limits<std::uint64_t>::max()) budget_ -= budget_ / kReserve;
-    work_.take(taken);
-    is_any_wrong_ = taken > 0;
+    goals_.min_edge_length = std::max(goals_.min_edge_length, floor);
   }
 
   const Goals& goals() const { return goals_; }
   bool has_goals() const;
   /// Returns the number of triangles that all attempts so far have refined.
-  std::uint64_t work_taken() const { return work_.taken(); }
+  std::uint64_t work_taken() const { return effort_.taken(); }
   /// Tells whether some patches are curved. These have to be refined even if there is no other goal.
   void set_curved(bool are_any_curved) { are_any_curved_ = are_any_curved; }
   /// Makes refinement aim at larger angles than are asked for, by some degrees. Vertices are to be moved after it.
@@ -55,10 +55,10 @@ class GoalRefinement {
   std::uint64_t predicted_faces() const { return predicted_faces_; }
   /// Returns the smallest distance from a facet to another that is not its neighbour, in model units. It is known only
   /// with goals.proximity.
-  std::optional<double> smallest_gap() const { return smallest_gap_; }
+  std::optional<double> smallest_gap() const { return sizes_.smallest_gap; }
 
   /// Returns the number of samples of sizes that are held.
-  std::size_t sample_count() const { return sizes_ ? sizes_->sample_count() : 0; }
+  std::size_t sample_count() const { return sizes_.field ? sizes_.field->sample_count() : 0; }
 
   /// Predicts how many faces refinement will make of these triangles. If they are out of proportion, it is predicted
   /// for the lowest floor with which they are not.
@@ -90,19 +90,19 @@ class GoalRefinement {
   /// was not frozen before.
   /// Input: `count` is the number of all patches.
   bool freeze(const std::vector<PatchId>& failed, std::size_t count);
-  /// Must be called before each attempt. If half of the work is spent in vain, the next attempts have no goals, until
-  /// the result of one of them passes the check.
-  void begin_attempt();
-  /// Returns whether the attempt that has just passed the check had no goals for that reason. Then the next one has
-  /// them again, and patches that have ever failed must be frozen for it.
+  /// Must be called before each attempt. Curved patches have to be refined, or they fail.
+  void begin_attempt() { effort_.begin_attempt(!are_any_curved_); }
+  /// Returns whether the attempt that has just passed the check had no goals because too much work was in vain. Then the
+  /// next one has them again, and patches that have ever failed must be frozen for it.
   bool goes_on_with_the_rest();
+  /// Returns whether the next attempt has to leave all patches as they are, after which a result passed before.
+  bool gives_up_the_rest() { return effort_.gives_up_the_rest(); }
   /// Forgets what is known of the patches. After a step of the ladder the patches are others.
   void thaw() {
-    if (order_ == Order::kRest) order_ = Order::kNothingYet;
-    is_any_wrong_ = true;
-    is_smallest_gap_known_ = false;
+    effort_.note_other_patches();
+    sizes_.is_smallest_gap_known = false;
     frozen_.clear();
-    sizes_.reset();
+    sizes_.field.reset();
     last_faces_ = 0;
   }
 
@@ -133,11 +133,6 @@ class GoalRefinement {
   /// as the first.
   static constexpr std::uint64_t kReserve = 1024;
   bool is_budget_too_small() const { return retries_ > kMaxRetries; }
-  /// Returns whether the attempts so far leave no work for another one that would be worth while.
-  bool is_effort_spent() const { return work_.left() < kMinAttempt; }
-  static constexpr std::uint64_t kMinAttempt = 1 << 10;
-  /// What is refined in the next attempt.
-  enum class Order { kAll, kNothingYet, kRest };
   /// Returns the size field. It is the same for all attempts at the same patches.
   /// Input: `gaps` is there with proximity, and null otherwise.
   const SizeField& size_field(const PatchedSurface& on, const TriangulatedPatches& triangulated, const GapSearch* gaps);
@@ -152,26 +147,29 @@ class GoalRefinement {
   void refuse_if_hopeless(double least) const;
   bool is_worth_trying_without_budget() const;
 
+  /// Holds what is known of sizes, for the patches as they are.
+  struct Sizes {
+    std::optional<SizeField> field;  ///< empty until needed
+    double coarsest = 0;             ///< gaps do not make sizes smaller than this, in model units
+    std::optional<double> smallest_gap;
+    bool is_smallest_gap_known = false;
+  };
+
   Goals goals_;
   std::uint64_t budget_;  ///< the number of faces that an attempt with a budget may make
   RunControl& control_;
-  WorkBound work_;  ///< a step is a triangle of a complete attempt
+  AttemptEffort effort_;
   bool are_any_curved_ = false;
-  double angle_margin_ = 0;  ///< in degrees
-  Order order_ = Order::kAll;
-  bool is_any_wrong_ = false;  ///< a result has failed the check
+  double angle_margin_ = 0;    ///< in degrees
   bool needs_budget_ = false;  ///< an attempt without a budget made too many faces, or would
   bool is_hopeless_ =
       false;  ///< far more faces than allowed were predicted or made, or more than many that are allowed
   int retries_ = 0;
   std::uint64_t last_faces_ = 0;            ///< the faces of the last result that was over its budget; 0: none yet
   IdVector<PatchId, std::uint8_t> frozen_;  ///< one per patch; not 0: it is not refined
-  double coarsest_size_ = 0;                ///< gaps do not make sizes smaller than this, in model units; 0: no matter
-  std::optional<SizeField> sizes_;          ///< the size field of the patches as they are; empty until needed
+  Sizes sizes_;
   std::uint64_t predicted_faces_ = 0;
   std::vector<float> predicted_of_patch_;
-  std::optional<double> smallest_gap_;
-  bool is_smallest_gap_known_ = false;
 };
 
 }  // namespace remesh

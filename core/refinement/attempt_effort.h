@@ -1,0 +1,82 @@
+/// Decides what the next attempt to refine a surface refines, by the work that attempts have taken.
+#pragma once
+
+#include <cstdint>
+#include <utility>
+
+#include "core/base/work_bound.h"
+
+namespace remesh {
+
+/// The work of all attempts at one surface. A step is a triangle of a complete attempt. If half of it is spent on
+/// results that failed the check, the next attempts refine nothing, until one of them passes. Then all is refined that
+/// has never failed.
+/// Source: rules.md, Ladder.
+class AttemptEffort {
+ public:
+  /// Input: `max_faces` is the limit on the faces of the result. `taken` is the work that attempts took before the
+  ///        surface's faces were mended anew; their results were wrong.
+  AttemptEffort(std::uint64_t max_faces, std::uint64_t taken) : max_faces_(max_faces), is_any_wrong_(taken > 0) {
+    work_ = bound();
+    work_.take(taken);
+  }
+
+  std::uint64_t taken() const { return work_.taken(); }
+  std::uint64_t left() const { return work_.left(); }
+  /// Takes the triangles of the attempt that has ended.
+  void take(std::uint64_t triangles) {
+    last_ = triangles;
+    work_.take(triangles);
+  }
+  /// The last attempt failed by the number of its faces alone, so it does not count.
+  void give_back_last() {
+    const std::uint64_t others = work_.taken() - std::exchange(last_, 0);
+    work_ = bound();
+    work_.take(others);
+  }
+  /// Notes that a result has failed the check.
+  void note_wrong() { is_any_wrong_ = true; }
+  /// Notes that the patches are others.
+  void note_other_patches() {
+    if (order_ != Order::kAll) order_ = Order::kNothingYet;
+    is_any_wrong_ = true;
+  }
+
+  /// Must be called before each attempt. Input: whether patches may be left as they are.
+  void begin_attempt(bool may_leave_all) {
+    const bool is_in_vain = is_any_wrong_ && work_.taken() > work_.left() && !is_spent();
+    if (order_ == Order::kAll && may_leave_all && is_in_vain) order_ = Order::kNothingYet;
+  }
+  /// Returns false if the attempt is to show whether a result passes without any refinement.
+  bool has_goals() const { return order_ != Order::kNothingYet; }
+  /// Returns whether the attempt that has just passed the check had no goals. Then the next one has them again.
+  bool goes_on_with_the_rest() {
+    if (order_ != Order::kNothingYet) return false;
+    order_ = Order::kRest;
+    return true;
+  }
+  /// Returns whether what has never failed was being refined. Then it is not refined in the next attempt.
+  bool gives_up_the_rest() {
+    if (order_ != Order::kRest) return false;
+    order_ = Order::kGivenUp;
+    return true;
+  }
+  /// Returns whether the attempt has to leave all patches as they are, and all bad triangles are left for that reason.
+  bool is_used_up() const { return is_spent() || order_ == Order::kGivenUp; }
+
+ private:
+  enum class Order { kAll, kNothingYet, kRest, kGivenUp };
+  /// An attempt with fewer triangles is not worth while.
+  static constexpr std::uint64_t kMinAttempt = 1 << 10;
+
+  WorkBound bound() const { return WorkBound(kWorkOfAttempts.steps(0, max_faces_)); }
+  bool is_spent() const { return work_.left() < kMinAttempt; }
+
+  std::uint64_t max_faces_;
+  WorkBound work_;
+  std::uint64_t last_ = 0;  ///< the work of the last attempt
+  bool is_any_wrong_;       ///< a result has failed the check
+  Order order_ = Order::kAll;
+};
+
+}  // namespace remesh
