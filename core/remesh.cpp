@@ -246,7 +246,7 @@ class Run {
     refiner_->set_curved(curves_.curved() != nullptr);
     refiner_->set_angle_margin(curves_.outside() != nullptr ? kAngleMarginOfFit : 0);
     report_.surfaces = curves_.take_surfaces();
-    freeze_again();
+    freeze_marked(stays_frozen_);
   }
 
   void triangulate() {
@@ -279,10 +279,10 @@ class Run {
     check_candidate();
     if (report_.verified.all_true()) {
       if (!refiner_->goes_on_with_the_rest()) return Outcome::kVerified;
-      refiner_->freeze(patches_with(has_failed_), partition_.patches.count());
+      freeze_marked(has_failed_);
       return Outcome::kRestUnrefined;
     }
-    note_faces(report_.verified.failed_patches, has_failed_);
+    mark_faces(report_.verified.failed_patches, has_failed_);
     for (const PatchId p : report_.verified.failed_patches) failed.push_back({p, PatchReason::kVerificationFailed});
     // If the result as a whole is wrong, no single patch is at fault, so all patches take a step.
     if (failed.empty())
@@ -379,23 +379,28 @@ class Run {
     report_.verified = check(candidate_, against, control_);
   }
 
-  /// Marks the input's faces from which these patches are made.
-  void note_faces(const std::vector<PatchId>& patches, std::vector<std::uint8_t>& is_noted) const {
-    is_noted.resize(input_.face_count(), 0);
+  /// Marks for each face of the input, or empty as long as none is marked. They outlast a step of the ladder, after
+  /// which the patches are others, and mending, after which the faces of the surface are others.
+  using FaceMarks = std::vector<std::uint8_t>;
+
+  /// Marks the faces from which these patches are made.
+  void mark_faces(const std::vector<PatchId>& patches, FaceMarks& marks) const {
+    marks.resize(input_.face_count(), 0);
     for (const PatchId p : patches)
-      for (const FaceId f : partition_.patches.faces_of(p)) is_noted[surface().face_source[f].value] = 1;
+      for (const FaceId f : partition_.patches.faces_of(p)) marks[surface().face_source[f].value] = 1;
   }
-  /// Returns the patches that have any such face.
-  std::vector<PatchId> patches_with(const std::vector<std::uint8_t>& is_noted) const {
-    std::vector<PatchId> found;
-    if (is_noted.empty()) return found;
-    for (std::size_t p = 0; p < partition_.patches.count(); ++p) {
+  /// Freezes the patches all of whose faces are marked.
+  void freeze_marked(const FaceMarks& marks) {
+    if (marks.empty()) return;
+    std::vector<PatchId> marked;
+    StopCheck check(control_);
+    for (std::uint32_t p = 0; p < partition_.patches.count(); ++p) {
+      check();
       const auto faces = partition_.patches.faces_of(PatchId(p));
-      if (std::any_of(faces.begin(), faces.end(),
-                      [&](FaceId f) { return is_noted[surface().face_source[f].value] != 0; }))
-        found.push_back(PatchId(p));
+      if (std::all_of(faces.begin(), faces.end(), [&](FaceId f) { return marks[surface().face_source[f].value] != 0; }))
+        marked.push_back(PatchId(p));
     }
-    return found;
+    refiner_->freeze(marked, partition_.patches.count());
   }
 
   std::vector<PatchId> curved_at_fault(const std::vector<FailedPatch>& failed) {
@@ -422,25 +427,10 @@ class Run {
   void keep_frozen() {
     const bool are_of_these = refiner_->frozen().size() == partition_.patches.count();
     if (refiner_->work_taken() < kWorkBeforeFrozenStay || !are_of_these) return;
-    stays_frozen_.resize(input_.face_count(), 0);
-    for (std::uint32_t p = 0; p < refiner_->frozen().size(); ++p)
-      if (refiner_->frozen()[PatchId(p)] != 0)
-        for (const FaceId f : partition_.patches.faces_of(PatchId(p)))
-          stays_frozen_[surface().face_source[f].value] = 1;
-  }
-  /// Freezes the patches all of whose faces were frozen before.
-  void freeze_again() {
-    if (stays_frozen_.empty()) return;
     std::vector<PatchId> frozen;
-    StopCheck check(control_);
-    for (std::uint32_t p = 0; p < partition_.patches.count(); ++p) {
-      check();
-      const auto faces = partition_.patches.faces_of(PatchId(p));
-      if (std::all_of(faces.begin(), faces.end(),
-                      [&](FaceId f) { return stays_frozen_[surface().face_source[f].value] != 0; }))
-        frozen.push_back(PatchId(p));
-    }
-    refiner_->freeze(frozen, partition_.patches.count());
+    for (std::uint32_t p = 0; p < partition_.patches.count(); ++p)
+      if (refiner_->frozen()[PatchId(p)] != 0) frozen.push_back(PatchId(p));
+    mark_faces(frozen, stays_frozen_);
   }
 
   /// Marks faces to be copied verbatim in the next attempt.
@@ -595,14 +585,14 @@ class Run {
   Stopwatch watch_;
   Report report_;
   MendingLimits limits_;
-  std::vector<std::uint8_t> stays_frozen_;  ///< by input face; empty as long as none is
   Prepared prepared_;
   std::optional<Ladder> ladder_;                           ///< belongs to the prepared surface
   std::optional<GoalRefinement> refiner_;                  ///< belongs to the prepared surface
   std::optional<FoundIntersections> input_intersections_;  ///< belongs to the prepared surface; empty until known
   Regions regions_;
-  CurvedStage curves_;                    ///< belongs to the prepared surface
-  std::vector<std::uint8_t> has_failed_;  ///< one per input face: its patch has failed the check; empty until one has
+  CurvedStage curves_;      ///< belongs to the prepared surface
+  FaceMarks has_failed_;    ///< the faces of patches that have failed the check
+  FaceMarks stays_frozen_;  ///< the faces of patches that stay frozen after a step of the ladder
   Partition partition_;
   Candidate candidate_;
 };

@@ -4,16 +4,16 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <span>
 #include <vector>
 
 #include "core/base/run_control.h"
+#include "core/refinement/goals.h"
 
 namespace remesh {
 
 /// The number of faces that stands for "no limit".
-inline constexpr std::uint64_t kNoFaceLimit = std::numeric_limits<std::uint64_t>::max();
+inline constexpr std::uint64_t kNoFaceLimit = Goals::kNoLimit;
 
 /// The triangles that a refinement may make in all, and the share of each patch in a round.
 class FaceBudget {

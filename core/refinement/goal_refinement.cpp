@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <string>
 #include <utility>
@@ -16,8 +15,6 @@
 
 namespace remesh {
 namespace {
-
-constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
 
 /// Converts to an integer. The limit of 2^62 is far beyond any result, so larger numbers are cut off there.
 std::uint64_t whole(double faces) { return static_cast<std::uint64_t>(std::min(faces, 0x1p62)); }
@@ -119,7 +116,7 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
   if (!needs_budget_ && !is_worth_trying_without_budget()) needs_budget_ = is_hopeless_ = true;
   if (!needs_budget_) {
     for (;;) {
-      if (auto refined = attempt(kNoLimit, max_made())) return measured(*std::move(refined));
+      if (auto refined = attempt(Goals::kNoLimit, max_made())) return measured(*std::move(refined));
       if (!may_raise_floor()) break;
       raise_floor();
       prediction = predict(triangulated, goals_, sizes, control_);
@@ -129,13 +126,14 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
     needs_budget_ = is_hopeless_ = true;
   }
   // Half of what is left remains for yet another attempt, so that one of them is small enough to be worth its result.
-  return measured(attempt(is_cut_short ? effort_.left() / 2 : budget_, kNoLimit).value());
+  return measured(attempt(is_cut_short ? effort_.left() / 2 : budget_, Goals::kNoLimit).value());
 }
 
 bool GoalRefinement::is_worth_trying_without_budget() const {
   if (may_raise_floor()) return true;
-  return goals_.max_faces != kNoLimit && static_cast<double>(predicted_faces_) <=
-                                             std::max(kFewFaces, kHopeless * static_cast<double>(goals_.max_faces));
+  return goals_.max_faces != Goals::kNoLimit &&
+         static_cast<double>(predicted_faces_) <=
+             std::max(kFewFaces, kHopeless * static_cast<double>(goals_.max_faces));
 }
 
 /// Returns after how many triangles an attempt without a budget ends.

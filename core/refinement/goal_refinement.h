@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -39,7 +38,7 @@ class GoalRefinement {
   ///        goals' min_edge_length that they have found.
   GoalRefinement(const Goals& goals, RunControl& control, std::uint64_t taken = 0, double floor = 0)
       : goals_(goals), budget_(goals.max_faces), control_(control), effort_(goals.max_faces, taken) {
-    if (budget_ != std::numeric_limits<std::uint64_t>::max()) budget_ -= budget_ / kReserve;
+    if (budget_ != Goals::kNoLimit) budget_ -= budget_ / kReserve;
     goals_.min_edge_length = std::max(goals_.min_edge_length, floor);
   }
 
@@ -162,8 +161,8 @@ class GoalRefinement {
   bool are_any_curved_ = false;
   double angle_margin_ = 0;    ///< in degrees
   bool needs_budget_ = false;  ///< an attempt without a budget made too many faces, or would
-  bool is_hopeless_ =
-      false;  ///< far more faces than allowed were predicted or made, or more than many that are allowed
+  /// Far more faces than allowed were predicted or made. Or more were made where many are allowed.
+  bool is_hopeless_ = false;
   int retries_ = 0;
   std::uint64_t last_faces_ = 0;            ///< the faces of the last result that was over its budget; 0: none yet
   IdVector<PatchId, std::uint8_t> frozen_;  ///< one per patch; not 0: it is not refined
