@@ -11,7 +11,9 @@ int status_of(Code code) {
     case Code::kInvalidOption: return 400;
     case Code::kNotAcceptable: return 406;
     case Code::kMeshTooLarge:
-    case Code::kDecompressedTooLarge: return 413;
+    case Code::kDecompressedTooLarge:
+    // The bound depends on the mesh alone, so another attempt would end alike.
+    case Code::kOutOfMemory: return 413;
     case Code::kUnsupportedMediaType: return 415;
     case Code::kInvalidMesh:
     case Code::kIndexOutOfRange:
@@ -22,7 +24,6 @@ int status_of(Code code) {
     case Code::kCancelled: return 499;
     case Code::kVerificationFailed:
     case Code::kInternal: return 500;
-    case Code::kOutOfMemory: return 503;
     case Code::kTimeout: return 504;
   }
   return 500;

@@ -17,7 +17,7 @@ TEST(error_map, every_code_has_the_status_of_the_contract) {
       {"unsupported_media_type", 415}, {"invalid_mesh", 422},     {"index_out_of_range", 422},
       {"nonfinite_coordinate", 422},   {"coordinate_range", 422}, {"empty_mesh", 422},
       {"output_too_large", 422},       {"cancelled", 499},        {"internal", 500},
-      {"verification_failed", 500},    {"out_of_memory", 503},    {"timeout", 504}};
+      {"verification_failed", 500},    {"out_of_memory", 413},    {"timeout", 504}};
   std::map<std::string, int> table;
   for (int c = 0; c < kCodeCount; ++c) {
     const Problem problem = to_problem(Error(static_cast<Code>(c), Stage::kRead, "x"));
