@@ -1,6 +1,7 @@
 /// Defines the goals of refinement. They are the options as numbers that always have a value.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <limits>
 
@@ -30,8 +31,10 @@ struct Goals {
   /// longer than the size by no more than this factor meets it. A longer one is listed in the report.
   static constexpr double kSizeSlack = 1.1;
   /// Returns the rate at which the size grows with the distance from the place that asks for it. Without a gradation it
-  /// is 1: a gap grows by no more than the distance that one moves.
-  double size_slope() const { return gradation > 0 ? gradation - 1 : 1; }
+  /// is 1: a gap grows by no more than the distance that one moves. It is kSteepest at most: with that, a size is the
+  /// largest one as soon as two places can be told apart, and sums stay finite.
+  double size_slope() const { return gradation > 0 ? std::min(gradation - 1, kSteepest) : 1; }
+  static constexpr double kSteepest = 0x1p40;
 
   /// This is the largest min_angle_deg that the contract allows.
   static constexpr double kMaxDegrees = Options::kMaxMinAngleDeg;

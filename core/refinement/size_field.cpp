@@ -27,9 +27,6 @@ constexpr double kReachBeside = 1;
 /// and is joined to their patch, because another place of the cell may face it. If this were done for smaller cells
 /// too, cells on a curved surface would have to be about as small as its facets are wide.
 constexpr double kCoarse = 0x1p-6;
-/// No larger slope is used. With it, a size is the largest one as soon as two places can be told apart, and sums stay
-/// finite.
-constexpr double kSteepest = 0x1p40;
 
 /// This slot decided this thread's last question. The next question is most often asked beside it, so the search begins
 /// there. The slot may belong to another field: any slot is a place to begin, and no answer depends on where the search
@@ -315,7 +312,7 @@ void SizeField::Sampler::sample_segments(std::span<const std::array<VertexId, 2>
 SizeField::SizeField(const Surface& surface, const GapSearch* gaps, std::span<const std::array<VertexId, 2>> segments,
                      const Goals& goals, double plane_tolerance, RunControl& control, double coarsest)
     : largest_(goals.max_edge_length),
-      slope_(std::min(goals.size_slope(), kSteepest)),
+      slope_(goals.size_slope()),
       centre_(surface.centre),
       unit_(surface.unit),
       is_of_segments_(gaps == nullptr) {
@@ -337,7 +334,7 @@ SizeField::SizeField(const Surface& surface, const GapSearch* gaps, std::span<co
 SizeField SizeField::without_floor(const Surface& surface, std::span<const std::array<VertexId, 2>> segments,
                                    const Goals& goals, RunControl& control) {
   SizeField field(goals.max_edge_length);
-  field.slope_ = std::min(goals.size_slope(), kSteepest);
+  field.slope_ = goals.size_slope();
   field.centre_ = surface.centre;
   field.unit_ = surface.unit;
   field.is_of_segments_ = true;

@@ -329,6 +329,23 @@ TEST(size_promise, it_holds_with_every_other_option_beside_it) {
     }
 }
 
+TEST(size_promise, a_gradation_of_any_size_is_checked_as_it_was_aimed_at) {
+  // Three triangles in a fan about a corner, and one beside them. The fan's rim has short edges.
+  const double far = 0.8947617251079392;
+  const PolygonMesh mesh = shapes::from_lists({{far, far, 0},
+                                               {0, 0, 0},
+                                               {-far, far, 0},
+                                               {-0.11579068764336044, 0.43213672932835917, 0},
+                                               {-0.2236904312769849, 0.3874431921387319, 0},
+                                               {-0.31634604168499864, 0.3163460416849987, 0}},
+                                              {{2, 3, 1}, {2, 4, 3}, {2, 5, 4}, {0, 2, 1}});
+  for (const double gradation : {1e3, 1e10, 1e12, 1e13, 1e20, 1e100, 1e300}) {
+    Options options;
+    options.gradation = gradation;
+    expect_promises(mesh, options, refined(mesh, options));
+  }
+}
+
 TEST(size_promise, what_is_thinner_than_the_smallest_size_is_listed_for_that) {
   const Options options = with_proximity(1);
   const Result result = refined(nearly_touching(), options);
