@@ -29,9 +29,9 @@ constexpr std::size_t kBlock = 256;
 constexpr std::size_t kMaxLooksPerCorner = 4;
 constexpr std::size_t kFewLooks = 4096;
 
-/// This is the same bound for looks at nodes of the tree of vertices. On ordinary surfaces there are some twenty for each open edge,
-/// and few open edges. If all edges span the surface, each comes near a large part of the vertices, and finding those
-/// on it would take quadratic time.
+/// This is the same bound for looks at nodes of the tree of vertices. On ordinary surfaces there are some twenty for
+/// each open edge, and few open edges. If all edges span the surface, each comes near a large part of the vertices, and
+/// finding those on it would take quadratic time.
 constexpr std::size_t kMaxNodesPerCorner = 128;
 constexpr std::size_t kFewNodes = 1 << 22;
 

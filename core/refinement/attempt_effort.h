@@ -42,7 +42,8 @@ class AttemptEffort {
     is_any_wrong_ = true;
   }
 
-  /// Must be called before each attempt. Input: whether patches may be left as they are.
+  /// Must be called before each attempt.
+  /// Input: whether patches may be left as they are.
   void begin_attempt(bool may_leave_all) {
     const bool is_in_vain = is_any_wrong_ && work_.taken() > work_.left() && !is_spent();
     if (order_ == Order::kAll && may_leave_all && is_in_vain) order_ = Order::kNothingYet;

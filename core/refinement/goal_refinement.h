@@ -91,8 +91,8 @@ class GoalRefinement {
   bool freeze(const std::vector<PatchId>& failed, std::size_t count);
   /// Must be called before each attempt. Curved patches have to be refined, or they fail.
   void begin_attempt() { effort_.begin_attempt(!are_any_curved_); }
-  /// Returns whether the attempt that has just passed the check had no goals because too much work was in vain. Then the
-  /// next one has them again, and patches that have ever failed must be frozen for it.
+  /// Returns whether the attempt that has just passed the check had no goals because too much work was in vain. Then
+  /// the next one has them again, and patches that have ever failed must be frozen for it.
   bool goes_on_with_the_rest();
   /// Returns whether the next attempt has to leave all patches as they are, after which a result passed before.
   bool gives_up_the_rest() { return effort_.gives_up_the_rest(); }
