@@ -38,15 +38,16 @@ struct PresetValue {
   std::string_view option;
   std::string_view text;
 };
-constexpr std::array<PresetValue, 2> kPresetValues{{
+constexpr std::array<PresetValue, 3> kPresetValues{{
     {Preset::kExact, "feature_angle_deg", "0"},
     {Preset::kExact, "split_boundaries", "false"},
+    {Preset::kExact, "defeature_size", "0"},
 }};
 
 constexpr std::array<std::pair<std::string_view, CircleFit>, 2> kCircleFitWords{
     {{"inscribed", CircleFit::kInscribed}, {"volume", CircleFit::kVolume}}};
 
-const std::array<OptionSpec, 26> kTable{{
+const std::array<OptionSpec, 27> kTable{{
     {.name = "refine",
      .type = OptionType::kBoolean,
      .field = &Options::refine,
@@ -96,6 +97,13 @@ const std::array<OptionSpec, 26> kTable{{
          "alone do not ask for more than 20 faces for each triangle of the input, plus 1,000; 0: of any length",
      .unset = "auto",
      .example = "0.001"},
+    {.name = "defeature_size",
+     .type = OptionType::kNumber,
+     .field = &Options::defeature_size,
+     .help = "details smaller than this are removed, in model units: shorter edges, narrower faces, lower steps and "
+             "flaps; auto: only what the rounding of the coordinates explains (plane_tolerance); 0: nothing",
+     .unset = "auto",
+     .example = "0.01"},
     {.name = "proximity",
      .type = OptionType::kNumber,
      .field = &Options::proximity,

@@ -414,7 +414,7 @@ double StageTimes::total() const {
 void write_report(JsonWriter& json, const Report& report, const RequestOptions& options, ReportKind kind,
                   const StageTimes& times, RunControl& control) {
   RequestOptions used = with_defaults({report.options, options.preset, options.format});
-  used.core.plane_tolerance = report.plane_tolerance;
+  used.core.plane_tolerance = report.first_plane_tolerance;
   if (report.min_edge_length > 0) used.core.min_edge_length = report.min_edge_length;
   const bool is_remesh = kind == ReportKind::kRemesh;
 

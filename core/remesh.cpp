@@ -26,6 +26,7 @@
 #include "core/mesh/adjacency.h"
 #include "core/mesh/triangle_corners.h"
 #include "core/output/candidate.h"
+#include "core/output/detail_stage.h"
 #include "core/output/face_labels.h"
 #include "core/output/face_source.h"
 #include "core/output/output_form.h"
@@ -123,10 +124,12 @@ bool may_cut_curves(const Options& options) {
 }
 
 /// Takes the distances that were proven into the report.
-void take_bounds(Report& report) {
-  report.distance_bound = report.verified.distance_bound;
+/// Input: `of_details` is the distance between the surface and the one from which no details had been removed.
+void take_bounds(Report& report, double of_details) {
+  report.distance_bound = {report.verified.distance_bound.output_to_input + of_details,
+                           report.verified.distance_bound.input_to_output + of_details};
   for (std::size_t p = 0; p < report.patches.size(); ++p) {
-    report.patches[p].bound = report.verified.patch_bounds[p];
+    report.patches[p].bound = report.verified.patch_bounds[p] + of_details;
     double& of_surface = report.surfaces.surfaces[report.surfaces.of_patch[PatchId(p)]].bound;
     of_surface = std::max(of_surface, report.patches[p].bound);
   }
@@ -189,6 +192,7 @@ class Run {
                                        control_, curves_.curved() != nullptr ? nullptr : &candidate_.triangulated)
                                  .smallest(control_, refiner_->goals().max_faces);
     summarise();
+    if (details_.is_any_removed()) report_.diagnostics.push_back(details_.removal());
     report_.timing_ms = watch_.finish();
     return std::move(report_);
   }
@@ -216,12 +220,13 @@ class Run {
     // Polygons have got new corners where vertices lay on their edges.
     control_.memory().set_input(std::max(counted_faces(input_), counted_faces(surface())));
     report_.input = std::move(summary.statistics);
-    report_.plane_tolerance = summary.plane_tolerance;
+    report_.plane_tolerance = report_.first_plane_tolerance = summary.plane_tolerance;
     report_.plane_tolerance_is_automatic = summary.plane_tolerance_is_automatic;
     report_.rounding_step = summary.rounding_step;
     report_.diagnostics = std::move(summary.diagnostics);
     const double diagonal = report_.input.bounding_box.diagonal();
     check_options(options_, diagonal);
+    details_.reset(options_, report_.plane_tolerance);
     Goals goals = goals_of(options_, diagonal);
     keep_in_proportion(goals, options_, diagonal, input_.corners.size() - 2 * input_.face_count());
     refiner_.emplace(goals, control_, taken, floor);
@@ -235,7 +240,8 @@ class Run {
   void find_patches() {
     candidate_.clear();
     const PatchSet before = curves_.take_facets(partition_);
-    partition_ = make_partition(prepared_, report_.plane_tolerance, options_, *ladder_, regions_, watch_, control_);
+    divide();
+    while (details_.is_wanted() && remove_details()) divide();
     // Beyond the 2018 report: find curved surfaces, and join their facets as far as that is asked for.
     watch_.enter(Stage::kSurfaces);
     if (may_cut_curves(options_)) control_.memory().set_output(options_.max_output_faces.value_or(MemoryBound::kNone));
@@ -248,6 +254,55 @@ class Run {
     report_.surfaces = curves_.take_surfaces();
     freeze_marked(stays_frozen_);
   }
+
+  void divide() {
+    partition_ = make_partition(prepared_, report_.plane_tolerance, options_, *ladder_, regions_, watch_, control_);
+  }
+
+  /// Looks for details in the triangles of the patches, before facets are joined, and makes the triangles without them
+  /// the surface.
+  /// Output: false if all stays as it is.
+  bool remove_details() {
+    curves_.reset();
+    triangulate();
+    // The ladder comes first, and changes the patches.
+    if (!find_failed_patches(candidate_.triangulated.meshes).empty()) return false;
+    if (!details_.are_there(candidate_.triangulated, surface(), control_)) {
+      details_.stop();
+      return false;
+    }
+    if (!input_intersections_) find_input_intersections(Triangulated(surface(), control_));
+    watch_.enter(Stage::kAssembly);
+    candidate_.has_chords = !flip_chords(candidate_.triangulated.meshes, surface().vertex_count(), control_);
+    if (candidate_.has_chords) separate_chords();
+    assemble(candidate_, surface(), nullptr, control_);
+    // The triangles are proven to be the surface first.
+    watch_.enter(Stage::kVerify);
+    const InputIntersections known = intersections();
+    const Verdict verdict =
+        check(candidate_,
+              {read_input(), surface(), partition_.patches, known, report_.plane_tolerance, options_.weld_tolerance},
+              control_);
+    watch_.enter(Stage::kWeld);
+    const bool is_removed =
+        verdict.all_true() && details_.remove(candidate_, partition_.patches, verdict.deviation, limits_.keep_verbatim,
+                                              prepared_, input_.face_count(), control_);
+    candidate_.clear();
+    if (!is_removed) {
+      details_.stop();
+      return false;
+    }
+    control_.memory().set_input(std::max(counted_faces(input_), counted_faces(surface())));
+    report_.plane_tolerance = details_.plane_tolerance();
+    regions_ = {};
+    ladder_.emplace(surface(), prepared_.without_area);
+    if (options_.keep_boundary_vertices) ladder_->forced().assign(surface().vertex_count(), 1);
+    input_intersections_.reset();
+    return true;
+  }
+
+  /// Returns the mesh as read, or null if the surface has lost its details since.
+  const PolygonMesh* read_input() const { return details_.is_any_removed() ? nullptr : &input_; }
 
   void triangulate() {
     watch_.enter(Stage::kTriangulation);
@@ -307,14 +362,24 @@ class Run {
     Refinement& refinement = candidate_.refinement;
     if (goals() == nullptr && !candidate_.has_chords) return;
     watch_.enter(Stage::kRefinement);
-    if (goals() != nullptr)
-      refinement = refiner_->refine(patched(), *ladder_, intersections().patches, candidate_.triangulated);
-    else
-      split_chords(with_cuts(), candidate_.triangulated, refinement, {}, UnrefinedReason::kSizeFloor, control_);
-    count_output();
+    if (goals() == nullptr) return separate_chords();
+    refinement = refiner_->refine(patched(), *ladder_, intersections().patches, candidate_.triangulated);
+    lift();
     report_.refinement_rounds = refinement.rounds;
     report_.min_edge_length = refiner_->goals().min_edge_length;
     if (refiner_->smallest_gap()) report_.smallest_gap = refiner_->smallest_gap();
+  }
+
+  /// Puts points into edges that exist twice.
+  void separate_chords() {
+    split_chords(with_cuts(), candidate_.triangulated, candidate_.refinement, {}, UnrefinedReason::kSizeFloor,
+                 control_);
+    lift();
+  }
+
+  void lift() {
+    count_output();
+    Refinement& refinement = candidate_.refinement;
     lift_new_vertices(with_cuts(), partition_.patches, candidate_.triangulated, refinement.first_inner,
                       report_.plane_tolerance, refinement.new_positions, control_);
   }
@@ -361,7 +426,7 @@ class Run {
     prepared_.release_all_but_order();
     watch_.enter(Stage::kVerify);
     const InputIntersections known = intersections();
-    const CheckedAgainst against{input_,
+    const CheckedAgainst against{read_input(),
                                  surface(),
                                  partition_.patches,
                                  known,
@@ -473,16 +538,19 @@ class Run {
   /// Finds the faces that intersect before anything is done to them. They are looked for between patches.
   void find_input_intersections(const Triangulated& faces) {
     watch_.enter(Stage::kVerify);
+    // Intersections that are found after details were removed have been told before.
+    std::vector<Diagnostic> told_before;
+    std::vector<Diagnostic>& diagnostics = details_.is_any_removed() ? told_before : report_.diagnostics;
     input_intersections_ = find_intersections(surface(), faces, partition_.patches,
                                               find_simple_patches(partition_, candidate_.triangulated.meshes),
-                                              report_.plane_tolerance, report_.diagnostics, control_);
-    report_.input.intersecting_pairs = input_intersections_->pairs.size();
+                                              report_.plane_tolerance, diagnostics, control_);
+    if (!details_.is_any_removed()) report_.input.intersecting_pairs = input_intersections_->pairs.size();
   }
   InputIntersections intersections() const { return intersecting_patches(*input_intersections_, partition_.patches); }
 
   void examine_input() {
     const Triangulated faces(surface(), control_);
-    find_input_intersections(faces);
+    if (!input_intersections_) find_input_intersections(faces);
     // The first triangle of a polygon stands for the polygon.
     std::vector<std::pair<FaceId, FaceId>> pairs;
     for (const auto& [f, g] : input_intersections_->pairs)
@@ -510,8 +578,16 @@ class Run {
 
   void summarise() {
     report_.patches = std::move(partition_.summaries.patches);
+    if (details_.is_any_removed()) count_input_faces();
     report_.predicted_faces = goals() != nullptr ? refiner_->predicted_faces() : partition_.summaries.triangles;
     report_.volume_bound = partition_.summaries.volume_bound;
+  }
+
+  /// Counts the input's faces of each patch, where the surface has others.
+  void count_input_faces() {
+    for (PatchSummary& patch : report_.patches) patch.input_faces = 0;
+    for (const PatchId p : patches_of_input())
+      if (p.is_valid()) ++report_.patches[p.value].input_faces;
   }
 
   /// Completes the report after the result has passed verification.
@@ -519,7 +595,8 @@ class Run {
     candidate_.refinement.before.clear();
     summarise();
     report_.volume_bound = report_.verified.volume_bound;
-    take_bounds(report_);
+    take_bounds(report_, details_.bound());
+    details_.tell(candidate_, partition_.patches, surface(), report_.diagnostics, control_);
     report_.surfaces.join_bands();
     for (std::size_t p = 0; p < candidate_.triangulated.meshes.size(); ++p)
       report_.patches[p].output_faces = candidate_.triangulated.meshes[PatchId(p)].mesh.triangle_count();
@@ -554,10 +631,15 @@ class Run {
     result.mesh.labels = labels_from(input_.labels, source);
     if (settings.want_face_source) {
       result.face_source = source;
-      result.input_face_patch = patches_of_input(surface(), partition_.patches, input_.face_count());
+      result.input_face_patch = patches_of_input();
     }
     result.report.timing_ms = watch_.finish();
     return result;
+  }
+
+  IdVector<FaceId, PatchId> patches_of_input() const {
+    if (details_.is_any_removed()) return details_.patches_of_input(partition_.patches);
+    return remesh::patches_of_input(surface(), partition_.patches, input_.face_count());
   }
 
   OutputBasis output_basis(const IdVector<VertexId, Vec3>& positions) {
@@ -590,6 +672,7 @@ class Run {
   std::optional<GoalRefinement> refiner_;                  ///< belongs to the prepared surface
   std::optional<FoundIntersections> input_intersections_;  ///< belongs to the prepared surface; empty until known
   Regions regions_;
+  DetailStage details_;     ///< belongs to the prepared surface
   CurvedStage curves_;      ///< belongs to the prepared surface
   FaceMarks has_failed_;    ///< the faces of patches that have failed the check
   FaceMarks stays_frozen_;  ///< the faces of patches that stay frozen after a step of the ladder

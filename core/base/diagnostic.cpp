@@ -24,6 +24,8 @@ std::string_view diagnostic_name(DiagnosticCode code) {
     case DiagnosticCode::kSeam: return "seam";
     case DiagnosticCode::kRoundingCapped: return "rounding_capped";
     case DiagnosticCode::kIncompleteCheck: return "incomplete_check";
+    case DiagnosticCode::kRemovedDetail: return "removed_detail";
+    case DiagnosticCode::kSmallDetail: return "small_detail";
   }
   return "";
 }

@@ -31,6 +31,8 @@ enum class DiagnosticCode {
   kSeam,
   kRoundingCapped,
   kIncompleteCheck,
+  kRemovedDetail,
+  kSmallDetail,
 };
 
 /// Something that was found, dropped, merged or split. `elements` has the first 100, in the input's numbering from 0.

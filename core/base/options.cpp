@@ -15,7 +15,7 @@ namespace {
 constexpr NumberRange kAboveZero{.minimum = 0, .above_minimum = true};
 constexpr NumberRange kNotNegative{.minimum = 0};
 
-constexpr std::array<NumberOption, 16> kNumberOptions{{
+constexpr std::array<NumberOption, 17> kNumberOptions{{
     {"min_angle_deg", &Options::min_angle_deg, {.minimum = 0, .maximum = Options::kMaxMinAngleDeg}},
     // The minimum is 1 / (2 sin 33 degrees), cut after three decimals.
     {"max_radius_edge_ratio", &Options::max_radius_edge_ratio, {.minimum = 0.918}},
@@ -23,6 +23,7 @@ constexpr std::array<NumberOption, 16> kNumberOptions{{
     {"max_edge_fraction", &Options::max_edge_fraction, kAboveZero},
     {"max_area", &Options::max_area, kAboveZero},
     {"min_edge_length", &Options::min_edge_length, kNotNegative},
+    {"defeature_size", &Options::defeature_size, kNotNegative},
     {"proximity", &Options::proximity, kNotNegative},
     {"gradation", &Options::gradation, {.minimum = 1, .above_minimum = true}},
     {"max_output_faces", &Options::max_output_faces, {.minimum = 1}},

@@ -101,8 +101,7 @@ Verdict check(const Candidate& candidate, const CheckedAgainst& against, RunCont
   return verify(
       {against.surface, against.patches.of_face, frames, candidate.positions.items(), candidate.assembled.faces.items(),
        candidate.assembled.face_patch.items(), candidate.assembled.corner_uv, against.plane_tolerance, has_new_vertices,
-       refined ? &*refined : nullptr, &against.intersections, against.edge_order, &against.input,
-       against.weld_tolerance,
+       refined ? &*refined : nullptr, &against.intersections, against.edge_order, against.input, against.weld_tolerance,
        against.curved != nullptr ? std::span<const std::uint32_t>(against.curved->at.items())
                                  : std::span<const std::uint32_t>(),
        curved, moved},

@@ -65,16 +65,16 @@ void replace_reasons(Candidate& candidate, std::span<const std::uint8_t> is_move
 
 /// The information that the check needs besides the candidate.
 struct CheckedAgainst {
-  const PolygonMesh& input;
+  const PolygonMesh* input;  ///< null if the surface was not made of it by mending alone
   const Surface& surface;
   const PatchSet& patches;
   const InputIntersections& intersections;
   double plane_tolerance = 0;  ///< in model units
   double weld_tolerance = 0;   ///< in model units
   const Goals* goals = nullptr;
-  const CurvedPatches* curved = nullptr;      ///< null if no patch is curved
-  std::span<const std::uint8_t> frozen;       ///< patches that refinement left as they were; see RefinementClaim
-  std::span<const std::uint32_t> edge_order;  ///< see Claim::surface_edge_order
+  const CurvedPatches* curved = nullptr;           ///< null if no patch is curved
+  std::span<const std::uint8_t> frozen = {};       ///< patches that refinement left as they were; see RefinementClaim
+  std::span<const std::uint32_t> edge_order = {};  ///< see Claim::surface_edge_order
 };
 
 /// Checks the candidate against the surface from which it was made (see verify).

@@ -25,6 +25,8 @@ struct Report {
   Options options;             ///< the options that were used
   double plane_tolerance = 0;  ///< the tolerance that was used, in model units
   bool plane_tolerance_is_automatic = true;
+  /// The tolerance before details were removed, in model units. It is smaller if their removal has bent planes.
+  double first_plane_tolerance = 0;
   /// The length below which refinement made no edge, in model units; 0: there was no such floor.
   double min_edge_length = 0;
   /// The step to which coordinates are proven to be rounded; without proof, the last place of the largest coordinate.

@@ -32,15 +32,21 @@ Goals goals_of(const Options& options, double diagonal) {
 }
 
 void keep_in_proportion(Goals& goals, const Options& options, double diagonal, std::uint64_t triangles) {
-  // Small angles of the input need some faces each, and a part of a few faces may need hundreds.
-  constexpr std::uint64_t kPerTriangle = 20, kAlways = 1000;
+  // Small angles of the input need some faces each, and a part of a few faces may need hundreds. Without details, there
+  // are fewer such angles.
+  constexpr std::uint64_t kPerTriangle = 20, kPerTriangleWithoutDetails = 5, kAlways = 1000;
   // See experiments.md, Floor of a default answer.
   constexpr double kLowestFloor = 0x1p-20;
+  // No edge is shorter than this part of the size below which details are removed.
+  constexpr double kShareOfDetails = 1.0 / 3;
   const bool do_sizes_ask = std::isfinite(goals.max_edge_length) || std::isfinite(goals.max_area) ||
                             goals.proximity > 0 || goals.gradation > 0;
-  if (options.min_edge_length || do_sizes_ask || !options.refine) return;
-  goals.faces_without_floor = kPerTriangle * triangles + kAlways;
-  goals.lowest_floor = kLowestFloor * diagonal;
+  if (options.min_edge_length || !options.refine) return;
+  const double of_details = kShareOfDetails * options.defeature_size.value_or(0);
+  if (2 * of_details <= goals.max_edge_length) goals.min_edge_length = of_details;
+  if (do_sizes_ask) return;
+  goals.faces_without_floor = (of_details > 0 ? kPerTriangleWithoutDetails : kPerTriangle) * triangles + kAlways;
+  goals.lowest_floor = std::max(kLowestFloor * diagonal, of_details);
 }
 
 double equilateral_area(double edge) { return std::numbers::sqrt3 / 4 * edge * edge; }

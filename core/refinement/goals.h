@@ -45,7 +45,8 @@ struct Goals {
 /// Input: `diagonal` is the diagonal of the input's bounding box. It is needed for max_edge_fraction.
 Goals goals_of(const Options& options, double diagonal);
 
-/// Keeps the answer in proportion to the input, if min_edge_length is automatic and angles alone ask for faces.
+/// Keeps the answer in proportion to the input, if min_edge_length is automatic and angles alone ask for faces. Where
+/// details of a given size are removed, no edge is made shorter than a third of it, whatever asks for faces.
 /// Input: `triangles` is the number of the input's triangles, where a polygon counts as the triangles that fill it.
 void keep_in_proportion(Goals& goals, const Options& options, double diagonal, std::uint64_t triangles);
 

@@ -69,7 +69,7 @@ TEST(report_json, options_are_shown_as_they_were_used) {
   Report report;
   report.options.refine = true;
   report.options.proximity = 1;
-  report.plane_tolerance = 0.25;
+  report.plane_tolerance = report.first_plane_tolerance = 0.25;
   const json options = written(report)["options"];
   EXPECT_EQ(options["refine"], true);
   EXPECT_EQ(options["min_angle_deg"], 25);

@@ -55,14 +55,6 @@ class Section {
   }
 };
 
-Shape shape_of(const Result& result) {
-  Shape shape;
-  shape.positions = result.mesh.positions.items();
-  for (const auto& [a, b, c] : result.mesh.faces) shape.faces.push_back({a.value, b.value, c.value});
-  for (const PatchId p : result.face_patch) shape.patch.push_back(p.value);
-  return shape;
-}
-
 }  // namespace
 
 std::string elements_per_circle(RunControl& control) {

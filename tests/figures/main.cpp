@@ -25,6 +25,7 @@
 #include "core/triangulation/lexicographic_triangulation.h"
 #include "tests/figures/bracket.h"
 #include "tests/figures/curved_figures.h"
+#include "tests/figures/detail_figures.h"
 #include "tests/figures/part.h"
 #include "tests/figures/refined_patch.h"
 #include "tests/figures/render.h"
@@ -43,7 +44,7 @@ void write_file(const std::filesystem::path& path, const std::string& text) {
   std::cout << path.string() << ": " << text.size() / 1024 << " KiB\n";
 }
 
-Shape shape_of(const Part& part) {
+Shape shape_of_part(const Part& part) {
   Shape shape;
   const auto positions = part.surface.positions.items();
   shape.positions.assign(positions.begin(), positions.end());
@@ -55,14 +56,6 @@ Shape shape_of(const Part& part) {
   return shape;
 }
 
-Shape shape_of(const Result& result) {
-  Shape shape;
-  shape.positions = result.mesh.positions.items();
-  for (const auto& [a, b, c] : result.mesh.faces) shape.faces.push_back({a.value, b.value, c.value});
-  for (const PatchId p : result.face_patch) shape.patch.push_back(p.value);
-  return shape;
-}
-
 /// Draws the picture on the first screen of the README.
 std::string before_and_after(const PolygonMesh& mesh, const Part& part, RunControl& control) {
   constexpr int kElements = 16;
@@ -70,7 +63,7 @@ std::string before_and_after(const PolygonMesh& mesh, const Part& part, RunContr
   options.elements_per_circle = kElements;
   const Result result = remesh_surface(mesh, options, RunSettings{}, control);
   Panel before("Before", count(part.surface.face_count()) + " triangles, coordinates rounded to six decimals");
-  draw(shape_of(part), Paint::kLight, 0.35, before);
+  draw(shape_of_part(part), Paint::kLight, 0.35, before);
   const Quality& quality = result.report.output.quality;
   Panel after("After", count(result.mesh.faces.size()) + " triangles, smallest angle " +
                            number(std::floor(10 * quality.min_angle_deg) / 10) + "°, 16 edges per full turn");
@@ -81,7 +74,7 @@ std::string before_and_after(const PolygonMesh& mesh, const Part& part, RunContr
 std::string regions_and_result(const Part& part, const Result& result) {
   Panel input("coplanar_regions, patches",
               count(part.surface.face_count()) + " faces, " + count(part.patches.count()) + " patches");
-  draw(shape_of(part), Paint::kPatches, 0.3, input);
+  draw(shape_of_part(part), Paint::kPatches, 0.3, input);
   Panel output("assembly", count(result.mesh.faces.size()) + " faces, the same patches");
   draw(shape_of(result), Paint::kPatches, 0.5, output);
   return to_svg({input, output}, 420, 400);
@@ -270,6 +263,7 @@ void draw_all(const std::filesystem::path& folder, const std::filesystem::path& 
   write_file(folder / "triangulation.svg", patch.triangulation());
   write_file(folder / "refinement.svg", refinement_of_patch(part, upper_face_of_base(part), control));
   write_file(folder / "sharp_corner.svg", sharp_corner(control));
+  write_file(folder / "details.svg", details(control));
   write_file(folder / "surfaces.svg", recognised_surfaces(mesh, control));
   write_file(folder / "declined_surfaces.svg", declined_surfaces(control));
   write_file(folder / "elements_per_circle.svg", elements_per_circle(control));

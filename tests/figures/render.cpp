@@ -140,6 +140,14 @@ Colour colour_of_size(const Shape& shape, std::size_t face) {
 
 }  // namespace
 
+Shape shape_of(const Result& result) {
+  Shape shape;
+  shape.positions = result.mesh.positions.items();
+  for (const auto& [a, b, c] : result.mesh.faces) shape.faces.push_back({a.value, b.value, c.value});
+  for (const PatchId p : result.face_patch) shape.patch.push_back(p.value);
+  return shape;
+}
+
 Vec2 in_picture(const Vec3& p) { return {dot(p, kRight), dot(p, kUp)}; }
 
 bool looks_at_viewer(const Vec3& normal) { return dot(normal, kTowardsViewer) > 1e-3; }

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/base/vec.h"
+#include "core/output/result.h"
 #include "tests/figures/svg.h"
 
 namespace remesh::figures {
@@ -19,6 +20,9 @@ struct Shape {
   std::vector<std::uint32_t> surface;  ///< one per patch
   std::vector<Colour> colour;          ///< one per surface
 };
+
+/// Returns the faces and patches of a result.
+Shape shape_of(const Result& result);
 
 enum class Paint { kLight, kPatches, kSizes, kSurfaces };
 

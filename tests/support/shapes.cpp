@@ -272,6 +272,33 @@ PolygonMesh three_pages(int cuts) {
   return b.take();
 }
 
+PolygonMesh cube_with_needle(double height) {
+  return from_lists({{0, 0, 0},
+                     {1, 0, 0},
+                     {1, 1, 0},
+                     {0, 1, 0},
+                     {0, 0, 1},
+                     {1, 0, 1},
+                     {1, 1, 1},
+                     {0, 1, 1},
+                     {0.5, -height / 2, 1 - height}},
+                    {{0, 3, 2, 1},
+                     {4, 5, 6, 7},
+                     {1, 2, 6, 5},
+                     {2, 3, 7, 6},
+                     {3, 0, 4, 7},
+                     {0, 1, 8},
+                     {1, 5, 8},
+                     {4, 0, 8},
+                     {5, 4, 8}});
+}
+
+PolygonMesh sheet_with_flap(double height, bool is_closed) {
+  std::vector<std::vector<std::uint32_t>> faces{{0, 1, 4, 3}, {1, 2, 5, 4}, {1, 4, 6}};
+  if (is_closed) faces.push_back({4, 1, 6});
+  return from_lists({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}, {1, 1, 0}, {2, 1, 0}, {1, 0.5, height}}, faces);
+}
+
 PolygonMesh moved(PolygonMesh mesh, const Vec3& by) {
   for (Vec3& p : mesh.positions) p += by;
   return mesh;

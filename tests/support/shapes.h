@@ -72,6 +72,14 @@ PolygonMesh sphere(int levels);
 /// Makes three rectangles that share one edge, like a book with three pages.
 PolygonMesh three_pages(int cuts = 1);
 
+// These functions make surfaces with details.
+
+/// Makes a unit cube whose upper edge at the front is split by a facet of this height, over half of which it bulges.
+PolygonMesh cube_with_needle(double height);
+/// Makes a sheet of two unit squares, and a triangle of this height that stands on their common edge.
+/// Input: `is_closed` - the triangle is there twice, facing both ways.
+PolygonMesh sheet_with_flap(double height, bool is_closed);
+
 // These functions change surfaces.
 
 PolygonMesh moved(PolygonMesh mesh, const Vec3& by);

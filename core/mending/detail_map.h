@@ -1,0 +1,34 @@
+/// The map by which a surface becomes one without small details.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "core/base/ids.h"
+#include "core/mesh/mesh.h"
+
+namespace remesh {
+
+/// Maps each triangle of a surface onto a triangle, an edge or a vertex of another surface. First, some triangles are
+/// cut into pieces, by points on edges. Then each corner gets a place, and a piece goes linearly to where its corners
+/// go. So no point of a piece moves farther than one of its corners does. Where every triangle of the other surface is
+/// the image of a piece, the two surfaces are no farther apart than the corners move, in both directions.
+///
+/// Points are the vertices of the surface, followed by one point per cut.
+struct DetailMap {
+  /// A point on an edge between two earlier points: from + at * (to - from).
+  struct Cut {
+    VertexId from, to;
+    double at;  ///< above 0 and below 1
+  };
+  struct Piece {
+    Triangle corners;  ///< points
+    FaceId of;         ///< the triangle of which it is a piece
+  };
+
+  std::vector<Cut> cuts;
+  std::vector<Piece> pieces;           ///< of all triangles, ascending by `of`; one that is not cut is its own piece
+  IdVector<VertexId, VertexId> image;  ///< for each point, the vertex of the other surface to which it goes
+};
+
+}  // namespace remesh

@@ -1,0 +1,582 @@
+#include "core/mending/remove_details.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <queue>
+#include <tuple>
+#include <utility>
+
+#include "core/base/stoppable.h"
+#include "core/base/work_bound.h"
+#include "core/geometry/self_intersections.h"
+#include "core/mending/detail_complex.h"
+
+namespace remesh {
+namespace {
+
+/// A face that is a detail may not have been turned over, if it is not noise; others turn by no more than 60 degrees.
+constexpr double kTurnedCosine = 0.5;
+/// Two faces at one edge lie on each other if they enclose less than about 8 degrees.
+constexpr double kFoldedCosine = 0.99;
+/// If details that went have led to new intersections, they stay in another try. There are this many of them.
+constexpr int kMaxTries = 8;
+
+using Places = std::array<Vec3, 3>;
+
+/// Measures of a triangle.
+struct TriangleShape {
+  explicit TriangleShape(const Places& p) : twice_area(cross(p[1] - p[0], p[2] - p[0])) {
+    for (int k = 0; k < 3; ++k) {
+      length[k] = norm(p[(k + 1) % 3] - p[k]);
+      if (length[k] > length[longest]) longest = k;
+    }
+    height = length[longest] > 0 ? norm(twice_area) / length[longest] : 0;
+  }
+
+  bool has_edge_below(double size) const { return std::min({length[0], length[1], length[2]}) < size; }
+
+  Vec3 twice_area;
+  std::array<double, 3> length{};  ///< of the edge that begins at each corner
+  int longest = 0;
+  double height = 0;  ///< over the longest edge
+};
+
+/// The edge from a node to a neighbour, and what is known of it from the triangles there.
+struct Spoke {
+  std::uint32_t to;
+  std::uint32_t faces = 0;
+  int balance = 0;  ///< faces that have the edge in one direction minus those that have it in the other
+  bool is_crease = false;
+  bool is_border = false;
+};
+
+/// Removes the details of one surface.
+/// This class is larger than the bound because it looks at two kinds of details with the same tests of shapes, links and
+/// folds.
+class DetailRemover {
+ public:
+  DetailRemover(const DetailRules& rules, const std::vector<std::uint8_t>& is_fixed, RunControl& control)
+      : rules_(rules),
+        complex_(rules.positions, rules.faces, control),
+        is_fixed_(is_fixed),
+        control_(control),
+        work_(kWorkOfDetails.steps(rules.faces.size(), 0), &control) {}
+
+  WithoutDetails run() {
+    for (std::uint32_t t = 0; t < rules_.faces.size(); ++t) add_details_of(t);
+    while (!queue_.empty() && !work_.is_spent()) {
+      control_.check();
+      const Detail detail = queue_.top();
+      queue_.pop();
+      if (detail.is_edge)
+        remove_edge(detail);
+      else
+        remove_sliver(detail);
+    }
+    result_.is_effort_spent = work_.is_spent();
+    return finish();
+  }
+
+ private:
+  /// An edge between two nodes, or a triangle over a crease.
+  struct Detail {
+    double size;
+    bool is_edge;
+    std::uint32_t first, second;  ///< the edge's nodes; or the triangle, twice
+    std::array<Vec3, 2> places;   ///< the smaller place first; those of the edge, or of the triangle's longest edge
+
+    /// The smallest detail is the last in this order, since a priority queue serves the last one first.
+    friend bool operator<(const Detail& a, const Detail& b) {
+      return std::tie(b.size, b.is_edge, b.places, b.first, b.second) <
+             std::tie(a.size, a.is_edge, a.places, a.first, a.second);
+    }
+  };
+
+  /// A change that was looked at.
+  struct Change {
+    double lowest_before = std::numeric_limits<double>::infinity();
+    double lowest_after = std::numeric_limits<double>::infinity();
+    double bend = 0;  ///< how far planes and creases would be bent
+  };
+
+  Places places_of(const PresentTriangle& t) const {
+    return {complex_.place(t.corners[0]), complex_.place(t.corners[1]), complex_.place(t.corners[2])};
+  }
+
+  void add_details_of(std::uint32_t triangle) {
+    PresentTriangle t{};
+    if (!complex_.find_present(triangle, t)) return;
+    const Places places = places_of(t);
+    const TriangleShape shape(places);
+    for (int k = 0; k < 3; ++k)
+      if (shape.length[k] < rules_.size)
+        queue_.push({shape.length[k], true, std::min(t.corners[k], t.corners[(k + 1) % 3]),
+                     std::max(t.corners[k], t.corners[(k + 1) % 3]), in_order(places[k], places[(k + 1) % 3])});
+    if (!shape.has_edge_below(rules_.size) && shape.height < rules_.size)
+      queue_.push(
+          {shape.height, false, triangle, triangle, in_order(places[shape.longest], places[(shape.longest + 1) % 3])});
+  }
+  static std::array<Vec3, 2> in_order(const Vec3& a, const Vec3& b) {
+    return a < b ? std::array{a, b} : std::array{b, a};
+  }
+  void add_details_at(std::uint32_t node) {
+    complex_.collect(node, triangles_, work_);
+    for (const PresentTriangle& t : triangles_) add_details_of(t.index);
+  }
+
+  std::vector<Spoke> spokes_of(std::uint32_t node, const std::vector<PresentTriangle>& triangles) const {
+    struct Use {
+      std::uint32_t to;
+      int direction;
+      FaceId face;
+    };
+    std::vector<Use> uses;
+    for (const PresentTriangle& t : triangles) {
+      const int at = t.at(node);
+      uses.push_back({t.corners[(at + 1) % 3], 1, complex_.face_of(t.index)});
+      uses.push_back({t.corners[(at + 2) % 3], -1, complex_.face_of(t.index)});
+    }
+    std::sort(uses.begin(), uses.end(), [](const Use& a, const Use& b) {
+      return std::tie(a.to, a.direction, a.face) < std::tie(b.to, b.direction, b.face);
+    });
+    std::vector<Spoke> spokes;
+    for (std::size_t begin = 0, end = 0; begin < uses.size(); begin = end) {
+      Spoke spoke{uses[begin].to};
+      for (end = begin; end < uses.size() && uses[end].to == spoke.to; ++end) {
+        ++spoke.faces;
+        spoke.balance += uses[end].direction;
+        const FaceId f = uses[begin].face, g = uses[end].face;
+        if (rules_.patch[f.value] != rules_.patch[g.value]) spoke.is_crease = true;
+        if (!rules_.label.empty() && rules_.label[f.value] != rules_.label[g.value]) spoke.is_border = true;
+      }
+      spoke.is_border = spoke.is_border || spoke.faces != 2 || spoke.balance != 0;
+      spoke.is_crease = spoke.is_crease || spoke.is_border;
+      spokes.push_back(spoke);
+    }
+    return spokes;
+  }
+  static const Spoke* find_spoke(const std::vector<Spoke>& spokes, std::uint32_t to) {
+    const auto at = std::lower_bound(spokes.begin(), spokes.end(), to,
+                                     [](const Spoke& s, std::uint32_t node) { return s.to < node; });
+    return at != spokes.end() && at->to == to ? &*at : nullptr;
+  }
+  static std::size_t count_borders(const std::vector<Spoke>& spokes) {
+    return static_cast<std::size_t>(
+        std::count_if(spokes.begin(), spokes.end(), [](const Spoke& s) { return s.is_border; }));
+  }
+  bool is_fixed(std::uint32_t node) const { return node < is_fixed_.size() && is_fixed_[node] != 0; }
+
+  void remove_edge(const Detail& detail) {
+    const std::uint32_t u = detail.first, v = detail.second;
+    if (complex_.node_of(u) != u || complex_.node_of(v) != v || is_fixed(u) || is_fixed(v)) return;
+    std::vector<PresentTriangle> at_u, at_v;
+    complex_.collect(u, at_u, work_);
+    if (std::none_of(at_u.begin(), at_u.end(), [&](const PresentTriangle& t) { return t.has(v); })) return;
+    complex_.collect(v, at_v, work_);
+    const std::vector<Spoke> spokes_u = spokes_of(u, at_u), spokes_v = spokes_of(v, at_v);
+    const auto to_v = look_at_join(u, v, at_u, at_v, spokes_u, spokes_v);
+    const auto to_u = look_at_join(v, u, at_v, at_u, spokes_v, spokes_u);
+    if (!to_v && !to_u) return;
+    const bool is_u_kept =
+        !to_v ||
+        (to_u && (to_u->bend < to_v->bend || (to_u->bend == to_v->bend && complex_.place(u) < complex_.place(v))));
+    ++result_.joined_edges;
+    complex_.join(is_u_kept ? v : u, is_u_kept ? u : v);
+    add_details_at(is_u_kept ? u : v);
+  }
+
+  /// Looks at joining a node to its neighbour. Output: nothing if it may not be done.
+  std::optional<Change> look_at_join(std::uint32_t from, std::uint32_t to, const std::vector<PresentTriangle>& at_from,
+                                     const std::vector<PresentTriangle>& at_to, const std::vector<Spoke>& spokes_from,
+                                     const std::vector<Spoke>& spokes_to) {
+    const Vec3& target = complex_.place(to);
+    if (!(complex_.reach(from, target) <= rules_.allowed)) return {};
+    const bool is_flap = hangs_on_edges_of(from, to, at_from, at_to);
+    if (!keeps_links(from, to, at_from, at_to, spokes_from, spokes_to)) return {};
+    if (!is_flap && !keeps_borders(to, spokes_from, spokes_to)) return {};
+    Change change;
+    if (!look_at_move(
+            from, target, at_from, spokes_from, [&](const PresentTriangle& t) { return t.has(to); }, change))
+      return {};
+    for (const PresentTriangle& gone : at_from) {
+      if (!gone.has(to)) continue;
+      const std::uint32_t apex = third(gone, from, to);
+      if (would_fold(from, apex, target, at_from, to, to, at_to, from)) return {};
+    }
+    if (std::min(change.lowest_after, rules_.size) < change.lowest_before) return {};
+    if (leaves_folded_strip(from, to, at_from, at_to)) return {};
+    return change;
+  }
+
+  /// Returns whether a narrow face at a node, to which another one has been joined, would separate two faces that must
+  /// not become neighbours. Its other end could not be joined then.
+  bool leaves_folded_strip(std::uint32_t from, std::uint32_t to, const std::vector<PresentTriangle>& at_from,
+                           const std::vector<PresentTriangle>& at_to) const {
+    const Vec3& target = complex_.place(to);
+    struct Face {
+      std::array<std::uint32_t, 2> others;
+      bool is_narrow;
+    };
+    std::vector<Face> faces;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> by_other;
+    const auto add = [&](const PresentTriangle& t, std::uint32_t node) {
+      const int at = t.at(node);
+      const Face face{{t.corners[(at + 1) % 3], t.corners[(at + 2) % 3]}, false};
+      const double height =
+          TriangleShape({target, complex_.place(face.others[0]), complex_.place(face.others[1])}).height;
+      for (const std::uint32_t other : face.others)
+        by_other.push_back({other, static_cast<std::uint32_t>(faces.size())});
+      faces.push_back({face.others, height < rules_.size});
+    };
+    for (const PresentTriangle& t : at_from)
+      if (!t.has(to)) add(t, from);
+    for (const PresentTriangle& t : at_to)
+      if (!t.has(from)) add(t, to);
+    std::sort(by_other.begin(), by_other.end());
+    // The directions in which the wide faces beyond an edge of a narrow face leave it.
+    const auto sides_beyond = [&](std::uint32_t narrow, std::uint32_t end) {
+      std::vector<Vec3> sides;
+      const Vec3 along = normalized(complex_.place(end) - target);
+      auto at = std::lower_bound(by_other.begin(), by_other.end(), std::pair(end, 0U));
+      for (; at != by_other.end() && at->first == end; ++at) {
+        const Face& face = faces[at->second];
+        if (at->second == narrow || face.is_narrow) continue;
+        const Vec3 out = complex_.place(face.others[0] == end ? face.others[1] : face.others[0]) - target;
+        sides.push_back(normalized(out - dot(out, along) * along));
+      }
+      return sides;
+    };
+    for (std::uint32_t f = 0; f < faces.size(); ++f) {
+      if (!faces[f].is_narrow) continue;
+      const std::vector<Vec3> beyond_one = sides_beyond(f, faces[f].others[0]);
+      const std::vector<Vec3> beyond_other = sides_beyond(f, faces[f].others[1]);
+      for (const Vec3& a : beyond_one)
+        for (const Vec3& b : beyond_other)
+          if (dot(a, b) > kFoldedCosine) return true;
+    }
+    return false;
+  }
+
+  /// Looks at the faces at a node that moves to another place. `goes` tells which of them go.
+  /// Output: false if a face would turn too far.
+  template <class Goes>
+  bool look_at_move(std::uint32_t node, const Vec3& target, const std::vector<PresentTriangle>& at_node,
+                    const std::vector<Spoke>& spokes, const Goes& goes, Change& change) const {
+    const Vec3 move = target - complex_.place(node);
+    for (const PresentTriangle& t : at_node) {
+      Places places = places_of(t);
+      const TriangleShape before(places);
+      change.lowest_before = std::min(change.lowest_before, before.height);
+      if (before.height >= rules_.size)
+        change.bend = std::max(change.bend, std::fabs(dot(before.twice_area, move)) / norm(before.twice_area));
+      if (goes(t)) continue;
+      places[static_cast<std::size_t>(t.at(node))] = target;
+      if (!take_face(before, TriangleShape(places), change)) return false;
+    }
+    for (const Spoke& spoke : spokes) {
+      if (!spoke.is_crease) continue;
+      const Vec3 along = complex_.place(spoke.to) - complex_.place(node);
+      const double length = norm(along);
+      // The crease to a face that goes is a detail itself.
+      if (length < rules_.size || is_of_gone(spoke.to, at_node, goes)) continue;
+      change.bend = std::max(change.bend, norm(cross(along, move)) / length);
+    }
+    return true;
+  }
+  template <class Goes>
+  static bool is_of_gone(std::uint32_t node, const std::vector<PresentTriangle>& triangles, const Goes& goes) {
+    return std::any_of(triangles.begin(), triangles.end(),
+                       [&](const PresentTriangle& t) { return t.has(node) && goes(t); });
+  }
+
+  bool take_face(const TriangleShape& before, const TriangleShape& after, Change& change) const {
+    change.lowest_after = std::min(change.lowest_after, after.height);
+    if (!(after.height > 0)) return false;
+    if (before.height <= rules_.noise) return true;
+    const double cosine = dot(before.twice_area, after.twice_area) / (norm(before.twice_area) * norm(after.twice_area));
+    return before.height >= rules_.size ? cosine > kTurnedCosine : cosine > 0;
+  }
+
+  static std::uint32_t third(const PresentTriangle& t, std::uint32_t a, std::uint32_t b) {
+    for (const std::uint32_t c : t.corners)
+      if (c != a && c != b) return c;
+    return kNone;
+  }
+
+  /// Returns whether a node has faces only at its edge to another, and each of these hangs on a face that stays.
+  static bool hangs_on_edges_of(std::uint32_t from, std::uint32_t to, const std::vector<PresentTriangle>& at_from,
+                                const std::vector<PresentTriangle>& at_to) {
+    return std::all_of(at_from.begin(), at_from.end(), [&](const PresentTriangle& t) {
+      if (!t.has(to)) return false;
+      const std::uint32_t apex = third(t, from, to);
+      return std::any_of(at_to.begin(), at_to.end(),
+                         [&](const PresentTriangle& other) { return other.has(apex) && !other.has(from); });
+    });
+  }
+
+  /// The link condition in a surface: nodes and edges that are seen from both ends belong to faces at the edge.
+  static bool keeps_links(std::uint32_t from, std::uint32_t to, const std::vector<PresentTriangle>& at_from,
+                          const std::vector<PresentTriangle>& at_to, const std::vector<Spoke>& spokes_from,
+                          const std::vector<Spoke>& spokes_to) {
+    std::vector<std::uint32_t> apexes;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> opposite_from, opposite_to;
+    for (const PresentTriangle& t : at_from) {
+      if (t.has(to)) {
+        apexes.push_back(third(t, from, to));
+        continue;
+      }
+      const int at = t.at(from);
+      opposite_from.push_back(std::minmax(t.corners[(at + 1) % 3], t.corners[(at + 2) % 3]));
+    }
+    std::sort(apexes.begin(), apexes.end());
+    apexes.erase(std::unique(apexes.begin(), apexes.end()), apexes.end());
+    const auto common = std::count_if(spokes_from.begin(), spokes_from.end(), [&](const Spoke& s) {
+      return s.to != to && find_spoke(spokes_to, s.to) != nullptr;
+    });
+    if (static_cast<std::size_t>(common) != apexes.size()) return false;
+    std::sort(opposite_from.begin(), opposite_from.end());
+    return std::none_of(at_to.begin(), at_to.end(), [&](const PresentTriangle& t) {
+      if (t.has(from)) return false;
+      const int at = t.at(to);
+      const std::pair<std::uint32_t, std::uint32_t> edge =
+          std::minmax(t.corners[(at + 1) % 3], t.corners[(at + 2) % 3]);
+      return std::binary_search(opposite_from.begin(), opposite_from.end(), edge);
+    });
+  }
+
+  /// The link condition in the graph of borders.
+  static bool keeps_borders(std::uint32_t to, const std::vector<Spoke>& spokes_from,
+                            const std::vector<Spoke>& spokes_to) {
+    const std::size_t of_from = count_borders(spokes_from), of_to = count_borders(spokes_to);
+    if (of_from == 0 || of_to == 0) return true;
+    if (!find_spoke(spokes_from, to)->is_border) return false;
+    if (of_from != 2 && of_to != 2) return false;
+    return std::none_of(spokes_from.begin(), spokes_from.end(), [&](const Spoke& s) {
+      if (s.to == to || !s.is_border) return false;
+      const Spoke* other = find_spoke(spokes_to, s.to);
+      return other != nullptr && other->is_border;
+    });
+  }
+
+  /// Returns whether two faces would lie on each other at the edge from `target` to `apex`: one of those at the edge
+  /// between `moved` and `apex`, and one of those at the edge between `kept` and `apex`. Faces with the node in
+  /// `without` do not count.
+  bool would_fold(std::uint32_t moved, std::uint32_t apex, const Vec3& target,
+                  const std::vector<PresentTriangle>& at_moved, std::uint32_t without_kept, std::uint32_t kept,
+                  const std::vector<PresentTriangle>& at_kept, std::uint32_t without_moved) const {
+    const Vec3 along = normalized(complex_.place(apex) - target);
+    const auto side = [&](const PresentTriangle& t, std::uint32_t end) {
+      const Vec3 out = complex_.place(third(t, end, apex)) - target;
+      return out - dot(out, along) * along;
+    };
+    for (const PresentTriangle& f : at_moved) {
+      if (!f.has(apex) || f.has(without_kept) || TriangleShape(places_of(f)).height < rules_.size) continue;
+      const Vec3 of_f = side(f, moved);
+      for (const PresentTriangle& g : at_kept) {
+        if (!g.has(apex) || g.has(without_moved) || TriangleShape(places_of(g)).height < rules_.size) continue;
+        const Vec3 of_g = side(g, kept);
+        if (dot(of_f, of_g) > kFoldedCosine * norm(of_f) * norm(of_g)) return true;
+      }
+    }
+    return false;
+  }
+
+  /// A narrow face over a crease: its long side from a to b, its corner c, and the place of c on the side.
+  struct Sliver {
+    std::uint32_t a, b, c;
+    double at;
+    double height;
+  };
+
+  void remove_sliver(const Detail& detail) {
+    PresentTriangle t{};
+    if (!complex_.find_present(detail.first, t)) return;
+    const Places p = places_of(t);
+    const TriangleShape shape(p);
+    if (shape.height != detail.size || shape.has_edge_below(rules_.size)) return;
+    const auto k = static_cast<std::size_t>(shape.longest);
+    Sliver s{t.corners[k], t.corners[(k + 1) % 3], t.corners[(k + 2) % 3], 0, shape.height};
+    // From the smaller end, so that both faces at the edge would find the same.
+    if (complex_.place(s.b) < complex_.place(s.a)) std::swap(s.a, s.b);
+    const Vec3 side = complex_.place(s.b) - complex_.place(s.a);
+    s.at = dot(complex_.place(s.c) - complex_.place(s.a), side) / norm_squared(side);
+    if (!(s.at > 0 && s.at < 1) || is_fixed(s.c) || (is_fixed(s.a) && is_fixed(s.b))) return;
+
+    std::vector<PresentTriangle> at_a, at_c, beside;
+    complex_.collect(s.a, at_a, work_);
+    complex_.collect(s.c, at_c, work_);
+    for (const PresentTriangle& other : at_a)
+      if (other.has(s.b) && !other.has(s.c)) beside.push_back(other);
+    const std::vector<Spoke> spokes_a = spokes_of(s.a, at_a), spokes_c = spokes_of(s.c, at_c);
+    const Spoke& edge = *find_spoke(spokes_a, s.b);
+    if (!edge.is_crease) return;
+    for (const PresentTriangle& other : beside)
+      if (find_spoke(spokes_c, third(other, s.a, s.b)) != nullptr) return;
+    const bool is_flap = !beside.empty() && std::all_of(at_c.begin(), at_c.end(), [&](const PresentTriangle& other) {
+      return other.has(s.a) && other.has(s.b);
+    });
+    if (!is_flap && edge.is_border && count_borders(spokes_c) > 0) return;
+
+    const auto to_corner = is_flap ? std::nullopt : look_at_bent_side(s, beside, at_c);
+    const auto to_side = look_at_lowered_corner(s, beside, at_c, spokes_c);
+    if (!to_corner && !to_side) return;
+    ++result_.closed_slivers;
+    const std::uint32_t node = complex_.cut(s.a, s.b, s.at, work_);
+    const bool is_corner_kept = !to_side || (to_corner && to_corner->bend <= to_side->bend);
+    complex_.join(is_corner_kept ? node : s.c, is_corner_kept ? s.c : node);
+    add_details_at(is_corner_kept ? s.c : node);
+  }
+
+  bool is_gone(const Sliver& s, const PresentTriangle& t) const { return t.has(s.a) && t.has(s.b); }
+
+  /// Looks at cutting the long side and moving the cut to the corner.
+  std::optional<Change> look_at_bent_side(const Sliver& s, const std::vector<PresentTriangle>& beside,
+                                          const std::vector<PresentTriangle>& at_c) const {
+    const Vec3& target = complex_.place(s.c);
+    if (!(complex_.reach_on_edge(s.a, s.b, s.at, target) <= rules_.allowed)) return {};
+    Change change;
+    change.lowest_before = s.height;
+    change.bend = s.height;
+    for (const PresentTriangle& t : beside) {
+      const TriangleShape before(places_of(t));
+      change.lowest_before = std::min(change.lowest_before, before.height);
+      for (const std::uint32_t end : {s.a, s.b}) {
+        Places places = places_of(t);
+        places[static_cast<std::size_t>(t.at(end))] = target;
+        if (!take_face(before, TriangleShape(places), change)) return {};
+      }
+    }
+    return accept(s, change, target, beside, at_c);
+  }
+
+  /// Looks at moving the corner to the long side.
+  std::optional<Change> look_at_lowered_corner(const Sliver& s, const std::vector<PresentTriangle>& beside,
+                                               const std::vector<PresentTriangle>& at_c,
+                                               const std::vector<Spoke>& spokes_c) const {
+    const Vec3 target = complex_.place_on_edge(s.a, s.b, s.at);
+    if (target == complex_.place(s.a) || target == complex_.place(s.b)) return {};
+    if (!(complex_.reach(s.c, target) <= rules_.allowed)) return {};
+    if (!(complex_.reach_on_edge(s.a, s.b, s.at, target) <= rules_.allowed)) return {};
+    Change change;
+    const auto goes = [&](const PresentTriangle& t) { return is_gone(s, t); };
+    if (!look_at_move(s.c, target, at_c, spokes_c, goes, change)) return {};
+    for (const PresentTriangle& t : beside) {
+      const TriangleShape before(places_of(t));
+      change.lowest_before = std::min(change.lowest_before, before.height);
+      for (const std::uint32_t end : {s.a, s.b}) {
+        Places places = places_of(t);
+        places[static_cast<std::size_t>(t.at(end))] = target;
+        change.lowest_after = std::min(change.lowest_after, TriangleShape(places).height);
+      }
+    }
+    return accept(s, change, target, beside, at_c);
+  }
+
+  /// Output: the change, if no face is narrower than before and none lies on another.
+  std::optional<Change> accept(const Sliver& s, const Change& change, const Vec3& target,
+                               const std::vector<PresentTriangle>& beside,
+                               const std::vector<PresentTriangle>& at_c) const {
+    if (!(std::min(change.lowest_after, rules_.size) > change.lowest_before)) return {};
+    for (const std::uint32_t end : {s.a, s.b}) {
+      const std::uint32_t other = end == s.a ? s.b : s.a;
+      if (would_fold(s.c, end, target, at_c, other, other, beside, kNone)) return {};
+    }
+    return change;
+  }
+
+  WithoutDetails finish() {
+    std::vector<std::uint32_t> number(complex_.point_count(), kNone);
+    std::vector<PresentTriangle> faces;
+    PresentTriangle t{};
+    StopCheck check(control_);
+    for (std::uint32_t i = 0; i < complex_.triangle_count(); ++i) {
+      check();
+      if (complex_.find_present(i, t)) faces.push_back(t);
+    }
+    std::stable_sort(faces.begin(), faces.end(), [&](const PresentTriangle& a, const PresentTriangle& b) {
+      return complex_.face_of(a.index) < complex_.face_of(b.index);
+    });
+    for (const PresentTriangle& face : faces)
+      for (const std::uint32_t node : face.corners) number[node] = 0;
+    for (std::uint32_t point = 0; point < number.size(); ++point) {
+      if (number[point] == kNone) continue;
+      number[point] = static_cast<std::uint32_t>(result_.positions.size());
+      result_.positions.push_back(complex_.place(point));
+      result_.vertex.push_back(point < rules_.positions.size() ? VertexId(point) : VertexId());
+    }
+    std::vector<std::uint8_t> has_image(rules_.faces.size(), 0);
+    for (const PresentTriangle& face : faces) {
+      const FaceId of = complex_.face_of(face.index);
+      result_.faces.push_back(
+          {VertexId(number[face.corners[0]]), VertexId(number[face.corners[1]]), VertexId(number[face.corners[2]])});
+      result_.source.push_back(of);
+      has_image[of.value] = 1;
+    }
+    for (std::uint32_t f = 0; f < has_image.size(); ++f)
+      if (has_image[f] == 0) result_.removed.push_back(FaceId(f));
+    result_.map = complex_.take_map();
+    for (VertexId& image : result_.map.image) image = VertexId(number[image.value]);
+    return std::move(result_);
+  }
+
+  const DetailRules& rules_;
+  DetailComplex complex_;
+  const std::vector<std::uint8_t>& is_fixed_;
+  RunControl& control_;
+  WorkBound work_;
+  std::priority_queue<Detail> queue_;
+  std::vector<PresentTriangle> triangles_;  ///< scratch
+  WithoutDetails result_;
+};
+
+/// Fixes the vertices of faces that intersect since details went.
+/// Output: whether there were any.
+bool fix_new_intersections(const DetailRules& rules, const WithoutDetails& result, const SelfIntersections& before,
+                           const SelfIntersections& after, std::vector<std::uint8_t>& is_fixed) {
+  bool is_any = !after.is_complete;
+  std::vector<std::uint8_t> is_node_at_fault(result.positions.size(), 0);
+  for (const auto& [f, g] : after.pairs) {
+    const FaceId of_f = result.source[f.value], of_g = result.source[g.value];
+    if (std::binary_search(before.pairs.begin(), before.pairs.end(),
+                           std::pair(std::min(of_f, of_g), std::max(of_f, of_g))))
+      continue;
+    is_any = true;
+    for (const FaceId face : {f, g})
+      for (const VertexId node : result.faces[face.value]) is_node_at_fault[node.value] = 1;
+    for (const FaceId face : {of_f, of_g})
+      for (const VertexId v : rules.faces[face.value]) is_fixed[v.value] = 1;
+  }
+  for (std::size_t v = 0; v < is_fixed.size(); ++v) {
+    const VertexId image = result.map.image[VertexId(v)];
+    if (image.is_valid() && is_node_at_fault[image.value] != 0) is_fixed[v] = 1;
+  }
+  return is_any;
+}
+
+}  // namespace
+
+WithoutDetails remove_details(const DetailRules& rules, RunControl& control) {
+  std::vector<std::uint8_t> is_fixed(rules.is_fixed.begin(), rules.is_fixed.end());
+  is_fixed.resize(rules.positions.size(), 0);
+  std::optional<SelfIntersections> before;
+  const auto find_intersections = [&](std::span<const Vec3> positions, std::span<const Triangle> faces) {
+    constexpr std::size_t kMaxPairs = 100'000;
+    return self_intersections(positions, faces, {}, {kMaxPairs, SearchLimits::steps_for(faces.size())}, control);
+  };
+  for (int i = 0; i < kMaxTries; ++i) {
+    WithoutDetails result = DetailRemover(rules, is_fixed, control).run();
+    if (!result.is_changed()) return result;
+    if (!before) before = find_intersections(rules.positions, rules.faces);
+    if (!before->is_complete) break;
+    const SelfIntersections after = find_intersections(result.positions, result.faces);
+    if (!fix_new_intersections(rules, result, *before, after, is_fixed)) return result;
+  }
+  // Nothing goes.
+  is_fixed.assign(is_fixed.size(), 1);
+  return DetailRemover(rules, is_fixed, control).run();
+}
+
+}  // namespace remesh

@@ -1,0 +1,232 @@
+#include "core/verify/detail_check.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "core/base/largest_coordinate.h"
+#include "core/base/stoppable.h"
+
+namespace remesh {
+namespace {
+
+using Edge = std::pair<VertexId, VertexId>;
+
+class DetailProof {
+ public:
+  DetailProof(const DetailClaim& claim, RunControl& control) : claim_(claim), control_(control) {}
+
+  std::optional<double> run() {
+    if (!is_well_formed()) return {};
+    place_points();
+    if (!do_pieces_cover() || !do_images_fit() ||
+        euler(claim_.positions_before, claim_.faces_before) != euler(claim_.positions_after, claim_.faces_after))
+      return {};
+    double moved = 0;
+    StopCheck check(control_);
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      check();
+      moved = std::max(moved, norm(points_[i] - scale_ * claim_.positions_after[image(VertexId(i)).value]));
+    }
+    // Each cut is rounded a few times, and so is each measure. Coordinates are at most 1 here.
+    return (moved + 0x1p-48) / scale_;
+  }
+
+ private:
+  /// The edge of the surface before on which a point lies, and how far along it; the ends are invalid for a point
+  /// inside a face.
+  struct OnEdge {
+    VertexId from, to;
+    double at = 0;
+  };
+
+  VertexId image(VertexId point) const { return claim_.map.image[point]; }
+  std::size_t vertex_count() const { return claim_.positions_before.size(); }
+
+  bool is_well_formed() const {
+    const std::size_t points = vertex_count() + claim_.map.cuts.size();
+    if (claim_.map.image.size() != points) return false;
+    StopCheck check(control_);
+    for (std::size_t i = 0; i < claim_.map.cuts.size(); ++i) {
+      check();
+      const DetailMap::Cut& cut = claim_.map.cuts[i];
+      const std::size_t earlier = vertex_count() + i;
+      if (cut.from.value >= earlier || cut.to.value >= earlier || !(cut.at > 0 && cut.at < 1)) return false;
+    }
+    for (const VertexId v : claim_.map.image)
+      if (v.value >= claim_.positions_after.size()) return false;
+    const auto are_below = [&](const Triangle& t, std::size_t end) {
+      return std::all_of(t.begin(), t.end(), [&](VertexId v) { return v.value < end; });
+    };
+    for (const DetailMap::Piece& piece : claim_.map.pieces) {
+      check();
+      if (!are_below(piece.corners, points) || piece.of.value >= claim_.faces_before.size()) return false;
+    }
+    const auto are_valid = [&](std::span<const Triangle> faces, std::size_t end) {
+      return std::all_of(faces.begin(), faces.end(), [&](const Triangle& t) { return are_below(t, end); });
+    };
+    const auto are_finite = [](std::span<const Vec3> places) {
+      return std::all_of(places.begin(), places.end(), [](const Vec3& p) { return is_finite(p); });
+    };
+    return are_valid(claim_.faces_before, vertex_count()) &&
+           are_valid(claim_.faces_after, claim_.positions_after.size()) && are_finite(claim_.positions_before) &&
+           are_finite(claim_.positions_after);
+  }
+
+  void place_points() {
+    double largest = 0;
+    for (const std::span<const Vec3> places : {claim_.positions_before, claim_.positions_after})
+      largest = std::max(largest, largest_coordinate(places, control_));
+    if (largest > 0) scale_ = std::ldexp(1.0, -1 - std::ilogb(largest));
+    StopCheck check(control_);
+    for (const Vec3& p : claim_.positions_before) {
+      check();
+      points_.push_back(scale_ * p);
+    }
+    on_edge_.resize(points_.size());
+    for (std::size_t i = 0; i < points_.size(); ++i) on_edge_[i].from = on_edge_[i].to = VertexId(i);
+    for (const DetailMap::Cut& cut : claim_.map.cuts) {
+      check();
+      points_.push_back(points_[cut.from.value] + cut.at * (points_[cut.to.value] - points_[cut.from.value]));
+      on_edge_.push_back(between(cut));
+    }
+  }
+
+  /// Finds the edge on which both ends of a cut lie.
+  OnEdge between(const DetailMap::Cut& cut) const {
+    const OnEdge a = on_edge_[cut.from.value], b = on_edge_[cut.to.value];
+    // A vertex lies on all of its edges, here on the one that the other end names.
+    std::array<VertexId, 4> ends{a.from, a.to, b.from, b.to};
+    std::sort(ends.begin(), ends.end());
+    const auto last = std::unique(ends.begin(), ends.end());
+    if (last - ends.begin() != 2 || !ends[1].is_valid()) return {};
+    const auto along = [&](const OnEdge& p) {
+      if (p.from == p.to) return p.from == ends[0] ? 0.0 : 1.0;
+      return p.from == ends[0] ? p.at : 1 - p.at;
+    };
+    const double begin = along(a), end = along(b);
+    return {ends[0], ends[1], begin + cut.at * (end - begin)};
+  }
+
+  bool do_pieces_cover() const {
+    const std::vector<DetailMap::Piece>& pieces = claim_.map.pieces;
+    std::size_t at = 0;
+    StopCheck check(control_);
+    std::vector<Edge> edges;
+    for (std::size_t f = 0; f < claim_.faces_before.size(); ++f) {
+      check();
+      edges.clear();
+      for (; at < pieces.size() && pieces[at].of == FaceId(f); ++at)
+        for (std::size_t k = 0; k < 3; ++k) edges.push_back({pieces[at].corners[k], pieces[at].corners[(k + 1) % 3]});
+      if (!is_outline(claim_.faces_before[f], edges)) return false;
+    }
+    return at == pieces.size();
+  }
+
+  /// Returns whether edges, of which those in opposite directions cancel, run around a face once.
+  bool is_outline(const Triangle& face, std::vector<Edge>& edges) const {
+    std::sort(edges.begin(), edges.end());
+    std::vector<Edge> left;
+    for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
+      while (end < edges.size() && edges[end] == edges[begin]) ++end;
+      const auto opposite = std::equal_range(edges.begin(), edges.end(), Edge(edges[begin].second, edges[begin].first));
+      const auto same = static_cast<std::ptrdiff_t>(end - begin), against = opposite.second - opposite.first;
+      if (same - against > 1) return false;
+      if (same - against == 1) left.push_back(edges[begin]);
+    }
+    std::size_t walked = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const VertexId from = face[k], to = face[(k + 1) % 3];
+      VertexId at = from;
+      double along = 0;
+      do {
+        const auto next = std::lower_bound(left.begin(), left.end(), Edge(at, VertexId(0)));
+        if (next == left.end() || next->first != at || walked == left.size()) return false;
+        ++walked;
+        at = next->second;
+        if (at == to) break;
+        const OnEdge& place = on_edge_[at.value];
+        const bool is_forward = place.from == from && place.to == to;
+        if (!is_forward && !(place.from == to && place.to == from)) return false;
+        const double reached = is_forward ? place.at : 1 - place.at;
+        if (!(reached > along)) return false;
+        along = reached;
+      } while (true);
+    }
+    return walked == left.size();
+  }
+
+  bool do_images_fit() const {
+    // Corners rotated so that the smallest one comes first: equal triangles in the same order are equal.
+    const auto rotated = [](Triangle t) {
+      std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+      return t;
+    };
+    std::vector<Triangle> images, faces;
+    std::vector<Edge> sides, edges;
+    std::vector<std::uint8_t> is_used(claim_.positions_after.size(), 0);
+    StopCheck check(control_);
+    for (const Triangle& face : claim_.faces_after) {
+      check();
+      faces.push_back(rotated(face));
+      for (std::size_t k = 0; k < 3; ++k) {
+        is_used[face[k].value] = 1;
+        edges.push_back(std::minmax(face[k], face[(k + 1) % 3]));
+      }
+    }
+    for (const DetailMap::Piece& piece : claim_.map.pieces) {
+      check();
+      const Triangle t{image(piece.corners[0]), image(piece.corners[1]), image(piece.corners[2])};
+      if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) {
+        images.push_back(rotated(t));
+        continue;
+      }
+      const auto [least, largest] = std::minmax_element(t.begin(), t.end());
+      if (*least != *largest)
+        sides.push_back({*least, *largest});
+      else if (is_used[least->value] == 0)
+        return false;
+    }
+    sort_stoppable(images.begin(), images.end(), control_);
+    sort_stoppable(faces.begin(), faces.end(), control_);
+    if (images != faces) return false;
+    sort_stoppable(edges.begin(), edges.end(), control_);
+    return std::all_of(sides.begin(), sides.end(),
+                       [&](const Edge& side) { return std::binary_search(edges.begin(), edges.end(), side); });
+  }
+
+  std::int64_t euler(std::span<const Vec3> positions, std::span<const Triangle> faces) const {
+    std::vector<Edge> edges;
+    std::vector<std::uint8_t> is_used(positions.size(), 0);
+    StopCheck check(control_);
+    for (const Triangle& t : faces) {
+      check();
+      for (std::size_t k = 0; k < 3; ++k) {
+        is_used[t[k].value] = 1;
+        edges.push_back(std::minmax(t[k], t[(k + 1) % 3]));
+      }
+    }
+    sort_stoppable(edges.begin(), edges.end(), control_);
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    return std::count(is_used.begin(), is_used.end(), 1) - static_cast<std::int64_t>(edges.size()) +
+           static_cast<std::int64_t>(faces.size());
+  }
+
+  const DetailClaim& claim_;
+  RunControl& control_;
+  double scale_ = 1;
+  std::vector<Vec3> points_;
+  std::vector<OnEdge> on_edge_;
+};
+
+}  // namespace
+
+std::optional<double> prove_details(const DetailClaim& claim, RunControl& control) {
+  return DetailProof(claim, control).run();
+}
+
+}  // namespace remesh

@@ -1,0 +1,197 @@
+// Tests that details smaller than defeature_size go, within that distance, and that nothing else changes.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "core/geometry/distances.h"
+#include "core/geometry/self_intersections.h"
+#include "core/mesh/adjacency.h"
+#include "core/remesh.h"
+#include "tests/support/hausdorff.h"
+#include "tests/support/random.h"
+#include "tests/support/refined_checks.h"
+#include "tests/support/shapes.h"
+
+namespace remesh {
+namespace {
+
+Options without_details(double size, bool refine = true) {
+  Options options;
+  options.defeature_size = size;
+  options.refine = refine;
+  return options;
+}
+
+std::vector<Corners3> corners_of(const TriangleMesh& mesh) {
+  std::vector<Corners3> corners;
+  for (const Triangle& t : mesh.faces)
+    corners.push_back({mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]});
+  return corners;
+}
+std::vector<Corners3> corners_of(const PolygonMesh& mesh) {
+  return corners_of(shapes::triangles(shapes::fan_triangulated(mesh)));
+}
+
+std::uint64_t removed_count(const Report& report) {
+  for (const Diagnostic& d : report.diagnostics)
+    if (d.code == DiagnosticCode::kRemovedDetail) return d.count;
+  return 0;
+}
+
+std::size_t intersection_count(const TriangleMesh& mesh) {
+  RunControl control;
+  return self_intersections(mesh.positions.items(), mesh.faces.items(), {}, SearchLimits(1000), control).pairs.size();
+}
+
+/// Tests what holds for every answer. The distance is measured by brute force.
+/// Input: a mesh whose faces are convex.
+void expect_sound(const PolygonMesh& mesh, double size, const Result& result, const std::string& what) {
+  const Report& report = result.report;
+  EXPECT_TRUE(report.verified.all_true()) << what;
+  EXPECT_EQ(report.output.closed, report.input.closed) << what;
+  ASSERT_TRUE(report.distance_bound) << what;
+  const double bound = std::max(report.distance_bound->output_to_input, report.distance_bound->input_to_output);
+  EXPECT_LE(bound, std::max(size, 2 * report.plane_tolerance) * (1 + 1e-9)) << what;
+  // For shorter distances, the search takes minutes.
+  if (size >= 1e-3) {
+    EXPECT_LE(test::hausdorff(corners_of(mesh), corners_of(result.mesh), size / 20), bound * (1 + 1e-9)) << what;
+  }
+  EXPECT_EQ(intersection_count(result.mesh), 0u) << what;
+}
+
+/// A solid whose outline in the plane of x and z has these corners, one unit deep.
+PolygonMesh extruded(const std::vector<Vec2>& outline) { return shapes::prism(outline, 1); }
+
+TEST(defeature, low_steps_go) {
+  for (const double step : {1e-3, 1e-4, 1e-6}) {
+    const PolygonMesh mesh =
+        shapes::fan_triangulated(extruded({{0, 0}, {1, 0}, {1, 1 - step}, {0.5, 1 - step}, {0.5, 1}, {0, 1}}));
+    const double size = 2 * step;
+    const Result kept = refined(mesh, without_details(0)), gone = refined(mesh, without_details(size));
+    EXPECT_EQ(removed_count(kept.report), 0u);
+    EXPECT_GT(removed_count(gone.report), 0u) << step;
+    expect_sound(mesh, size, gone, "step of " + std::to_string(step));
+    EXPECT_GT(shortest_edge(gone.mesh), size / 3) << step;
+    EXPECT_LT(gone.mesh.faces.size(), 200u) << step;
+    EXPECT_LT(gone.mesh.faces.size(), kept.mesh.faces.size()) << step;
+  }
+}
+
+TEST(defeature, narrow_facets_go) {
+  for (const double width : {1e-3, 1e-5}) {
+    const PolygonMesh mesh =
+        shapes::fan_triangulated(extruded({{0, 0}, {1, 0}, {1, 1 - width}, {1 - width, 1}, {0, 1}}));
+    const double size = 2 * width;
+    const Result gone = refined(mesh, without_details(size));
+    expect_sound(mesh, size, gone, "chamfer");
+    EXPECT_EQ(gone.report.patches.size(), 6u) << width;
+    EXPECT_GT(smallest_angle_deg(gone.mesh), 24.9) << width;
+    EXPECT_GT(shortest_edge(gone.mesh), size / 3) << width;
+  }
+}
+
+TEST(defeature, needles_at_creases_go) {
+  for (const double height : {1e-3, 1e-4, 1e-6, 1e-8}) {
+    const PolygonMesh mesh = shapes::cube_with_needle(height);
+    const double size = 2 * height;
+    const Result gone = refined(mesh, without_details(size));
+    // Lower ones are no more than rounding explains, so their corners are not essential.
+    if (height > 1e-5) {
+      EXPECT_GT(removed_count(gone.report), 0u) << height;
+    }
+    expect_sound(mesh, size, gone, "needle");
+    EXPECT_LT(gone.mesh.faces.size(), 300u) << height;
+    EXPECT_GT(shortest_edge(gone.mesh), 0.05) << height;
+  }
+}
+
+TEST(defeature, flaps_go) {
+  for (const bool is_closed : {false, true})
+    for (const double height : {1e-3, 1e-5}) {
+      const PolygonMesh mesh = shapes::sheet_with_flap(height, is_closed);
+      Options options = without_details(2 * height);
+      options.repair.duplicates = false;
+      const Result gone = refined(mesh, options);
+      EXPECT_TRUE(gone.report.verified.all_true());
+      EXPECT_GT(removed_count(gone.report), 0u) << height << is_closed;
+      EXPECT_EQ(gone.report.output.non_manifold_edges, 0u) << height << is_closed;
+      if (height >= 1e-3) {
+        EXPECT_LE(test::hausdorff(corners_of(mesh), corners_of(gone.mesh), height / 10), 2 * height);
+      }
+      EXPECT_LT(gone.mesh.faces.size(), 20u) << height << is_closed;
+    }
+}
+
+TEST(defeature, deep_slots_and_thin_walls_stay_sound) {
+  for (const double width : {1e-3, 1e-4}) {
+    const PolygonMesh slot =
+        extruded({{0, 0}, {1, 0}, {1, 1}, {0.5 + width, 1}, {0.5 + width, 0.25}, {0.5, 0.25}, {0.5, 1}, {0, 1}});
+    // The faces of a prism over this outline are not convex, so they are compared triangle by triangle.
+    const Result gone = refined(slot, without_details(2 * width));
+    EXPECT_TRUE(gone.report.verified.all_true());
+    EXPECT_TRUE(gone.report.output.closed);
+    EXPECT_EQ(intersection_count(gone.mesh), 0u);
+    const PolygonMesh plate = shapes::box({1, 1, width}, 4);
+    const Result thin = refined(plate, without_details(2 * width));
+    expect_sound(plate, 2 * width, thin, "plate");
+  }
+}
+
+TEST(defeature, nothing_changes_without_details) {
+  for (const PolygonMesh& mesh : {shapes::box({1, 2, 3}, 3), shapes::plate_with_round_hole(32), shapes::l_bracket(2),
+                                  shapes::cylinder(24, 1, 2)}) {
+    const Result kept = refined(mesh, without_details(0)), same = refined(mesh);
+    EXPECT_EQ(kept.mesh.faces, same.mesh.faces);
+    EXPECT_EQ(kept.mesh.positions, same.mesh.positions);
+    EXPECT_EQ(removed_count(same.report), 0u);
+  }
+}
+
+TEST(defeature, what_rounding_explains_goes_by_default) {
+  // Coordinates of floats are known to some 1e-7.
+  const PolygonMesh mesh = shapes::rounded(shapes::cube_with_needle(0x1p-33), 0x1p-40);
+  const Result result = refined(mesh);
+  EXPECT_TRUE(result.report.verified.all_true());
+  EXPECT_LT(result.mesh.faces.size(), 100u);
+}
+
+TEST(defeature, sources_and_patches_are_in_the_numbering_of_the_input) {
+  const PolygonMesh mesh = shapes::cube_with_needle(1e-4);
+  RunControl control;
+  RunSettings settings;
+  settings.want_face_source = true;
+  const Result result = remesh_surface(mesh, without_details(1e-3), settings, control);
+  ASSERT_EQ(result.face_source.size(), result.mesh.faces.size());
+  ASSERT_EQ(result.input_face_patch.size(), mesh.face_count());
+  std::uint64_t of_patches = 0;
+  for (const PatchSummary& patch : result.report.patches) of_patches += patch.input_faces;
+  EXPECT_LE(of_patches, mesh.face_count());
+  EXPECT_GE(of_patches, mesh.face_count() - 1);
+  for (FaceId f(0); f.value < result.face_source.size(); ++f.value)
+    EXPECT_LT(result.face_source[f].value, mesh.face_count());
+  for (const Diagnostic& d : result.report.diagnostics) {
+    if (d.code != DiagnosticCode::kRemovedDetail) continue;
+    ASSERT_EQ(d.elements.size(), 1u);
+    EXPECT_EQ(d.elements[0], 8u);
+  }
+}
+
+/// A box of many squares whose vertices are moved at random, the middle ones by more.
+TEST(defeature, rough_boxes_stay_sound) {
+  Random random(4101);
+  for (int i = 0; i < 12; ++i) {
+    PolygonMesh mesh = shapes::box({1, 1, 1}, 3);
+    const double size = std::pow(10, -1 - random.unit() * 4);
+    for (Vec3& p : mesh.positions)
+      for (int axis = 0; axis < 3; ++axis) p[axis] += size * (random.unit() - 0.5);
+    const Result result = refined(mesh, without_details(size));
+    expect_sound(mesh, size, result, "rough box " + std::to_string(i));
+  }
+}
+
+}  // namespace
+}  // namespace remesh

@@ -1,0 +1,118 @@
+// Tests that the proof of a removal of details accepts maps that are right, with the distance that they have, and no
+// others.
+
+#include "core/verify/detail_check.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace remesh {
+namespace {
+
+Triangle triangle(int a, int b, int c) { return {VertexId(a), VertexId(b), VertexId(c)}; }
+
+/// A claim with its own arrays.
+struct OwnClaim {
+  std::vector<Vec3> positions_before, positions_after;
+  std::vector<Triangle> faces_before, faces_after;
+  DetailMap map;
+
+  std::optional<double> proven() const {
+    RunControl control;
+    return prove_details({positions_before, faces_before, positions_after, faces_after, map}, control);
+  }
+};
+
+/// A square of two triangles, 0 1 2 and 0 2 3, with a flat corner 4 near the middle of its side from 0 to 1. The side
+/// is cut in its middle, and the cut, which is point 5, goes to 4.
+OwnClaim closed_sliver() {
+  OwnClaim claim;
+  claim.positions_before = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5, -0.125, 0}};
+  claim.faces_before = {triangle(0, 1, 2), triangle(0, 2, 3), triangle(0, 4, 1)};
+  claim.positions_after = claim.positions_before;
+  claim.faces_after = {triangle(0, 4, 2), triangle(4, 1, 2), triangle(0, 2, 3)};
+  claim.map.cuts = {{VertexId(0), VertexId(1), 0.5}};
+  claim.map.pieces = {{triangle(0, 5, 2), FaceId(0)},
+                      {triangle(5, 1, 2), FaceId(0)},
+                      {triangle(0, 2, 3), FaceId(1)},
+                      {triangle(0, 4, 5), FaceId(2)},
+                      {triangle(5, 4, 1), FaceId(2)}};
+  for (int i = 0; i < 5; ++i) claim.map.image.push_back(VertexId(i));
+  claim.map.image.push_back(VertexId(4));
+  return claim;
+}
+
+TEST(detail_check, proves_the_distance_that_the_corners_move) {
+  const OwnClaim claim = closed_sliver();
+  ASSERT_TRUE(claim.proven());
+  EXPECT_NEAR(*claim.proven(), 0.125, 1e-13);
+  EXPECT_GE(*claim.proven(), 0.125);
+}
+
+TEST(detail_check, proves_the_same_at_any_scale) {
+  for (const int exponent : {-900, -300, 300, 1000}) {
+    OwnClaim claim = closed_sliver();
+    for (auto* places : {&claim.positions_before, &claim.positions_after})
+      for (Vec3& p : *places) p = std::ldexp(1.0, exponent) * p;
+    ASSERT_TRUE(claim.proven()) << exponent;
+    EXPECT_NEAR(std::ldexp(*claim.proven(), -exponent), 0.125, 1e-13) << exponent;
+  }
+}
+
+TEST(detail_check, refuses_maps_that_prove_nothing) {
+  const std::vector<std::pair<std::string, std::function<void(OwnClaim&)>>> faults{
+      {"a piece is missing", [](OwnClaim& c) { c.map.pieces.erase(c.map.pieces.begin()); }},
+      {"the pieces of a face are missing", [](OwnClaim& c) { c.map.pieces.resize(3); }},
+      {"a piece is there twice", [](OwnClaim& c) { c.map.pieces.insert(c.map.pieces.begin(), c.map.pieces.front()); }},
+      {"a piece is turned over",
+       [](OwnClaim& c) { std::swap(c.map.pieces[2].corners[0], c.map.pieces[2].corners[1]); }},
+      {"a piece belongs to another face", [](OwnClaim& c) { c.map.pieces[1].of = FaceId(1); }},
+      {"a piece belongs to no face", [](OwnClaim& c) { c.map.pieces.back().of = FaceId(7); }},
+      {"the cut lies on another edge", [](OwnClaim& c) { c.map.cuts[0].to = VertexId(2); }},
+      {"the cut lies beyond the edge", [](OwnClaim& c) { c.map.cuts[0].at = 1.5; }},
+      {"the cut is made from itself", [](OwnClaim& c) { c.map.cuts[0].to = VertexId(5); }},
+      {"the cut goes elsewhere", [](OwnClaim& c) { c.map.image[VertexId(5)] = VertexId(3); }},
+      {"a vertex goes nowhere", [](OwnClaim& c) { c.map.image[VertexId(3)] = VertexId(); }},
+      {"a face comes from nothing", [](OwnClaim& c) { c.faces_after.push_back(triangle(0, 1, 3)); }},
+      {"a face is missing", [](OwnClaim& c) { c.faces_after.pop_back(); }},
+      {"a face is turned over", [](OwnClaim& c) { std::swap(c.faces_after[1][0], c.faces_after[1][1]); }},
+      {"a place is infinite", [](OwnClaim& c) { c.positions_after[0].x = HUGE_VAL; }},
+      {"there are no places", [](OwnClaim& c) { c.map.image.clear(); }},
+  };
+  for (const auto& [what, spoil] : faults) {
+    OwnClaim claim = closed_sliver();
+    spoil(claim);
+    EXPECT_FALSE(claim.proven()) << what;
+  }
+}
+
+TEST(detail_check, refuses_a_component_that_is_gone) {
+  OwnClaim claim = closed_sliver();
+  // A speck becomes one point, which no face has.
+  for (const Vec3& p : {Vec3{5, 5, 5}, Vec3{5, 5.01, 5}, Vec3{5, 5, 5.01}}) claim.positions_before.push_back(p);
+  claim.positions_after.push_back({5, 5, 5});
+  claim.faces_before.push_back(triangle(5, 6, 7));
+  claim.map.cuts[0] = {VertexId(0), VertexId(1), 0.5};
+  claim.map.pieces.clear();
+  claim.map.pieces = {{triangle(0, 8, 2), FaceId(0)}, {triangle(8, 1, 2), FaceId(0)}, {triangle(0, 2, 3), FaceId(1)},
+                      {triangle(0, 4, 8), FaceId(2)}, {triangle(8, 4, 1), FaceId(2)}, {triangle(5, 6, 7), FaceId(3)}};
+  claim.map.image.clear();
+  for (const int image : {0, 1, 2, 3, 4, 5, 5, 5, 4}) claim.map.image.push_back(VertexId(image));
+  EXPECT_FALSE(claim.proven());
+  // With the speck's face, all is well.
+  claim.positions_after.push_back({5, 5.01, 5});
+  claim.positions_after.push_back({5, 5, 5.01});
+  claim.faces_after.push_back(triangle(5, 6, 7));
+  claim.map.image[VertexId(6)] = VertexId(6);
+  claim.map.image[VertexId(7)] = VertexId(7);
+  EXPECT_TRUE(claim.proven());
+}
+
+}  // namespace
+}  // namespace remesh
