@@ -326,7 +326,11 @@ class Run {
       candidate_.has_chords = !flip_chords(candidate_.triangulated.meshes, with_cuts().vertex_count(), control_);
     // All patches together: improve angles and sizes, and resolve the remaining conflicts between patches.
     refine();
-    if (!keep_volumes()) return Outcome::kOffsetsChanged;
+    if (!keep_volumes()) {
+      // The patches may be others after this. What is known of these must not be taken for theirs.
+      refiner_->forget_patches();
+      return Outcome::kOffsetsChanged;
+    }
     watch_.enter(Stage::kAssembly);
     assemble(candidate_, with_cuts(), asked_goals(), control_);
     if (refiner_->is_over_budget(candidate_.assembled.faces.size())) return Outcome::kTooManyFaces;
@@ -426,16 +430,21 @@ class Run {
     prepared_.release_all_but_order();
     watch_.enter(Stage::kVerify);
     const InputIntersections known = intersections();
-    const CheckedAgainst against{read_input(),
-                                 surface(),
-                                 partition_.patches,
-                                 known,
-                                 report_.plane_tolerance,
-                                 options_.weld_tolerance,
-                                 asked_goals(),
-                                 curves_.curved(),
-                                 refiner_->frozen().items(),
-                                 prepared_.order()};
+    CheckedAgainst against{read_input(),
+                           surface(),
+                           partition_.patches,
+                           known,
+                           report_.plane_tolerance,
+                           options_.weld_tolerance,
+                           asked_goals(),
+                           curves_.curved(),
+                           refiner_->frozen().items(),
+                           prepared_.order()};
+    if (refiner_->are_sizes_unmeasured())
+      against.measure_sizes = [&](Candidate& candidate) {
+        refiner_->measure_sizes(patched(), known.patches, candidate.triangulated, candidate.refinement);
+        prepared_.release_adjacency();
+      };
     report_.verified = check(candidate_, against, control_);
     if (report_.verified.all_true() ||
         !separate_new_vertices(with_cuts(), candidate_.triangulated, candidate_.refinement, control_))

@@ -5,6 +5,7 @@
 
 #include "core/base/blocks.h"
 #include "core/base/largest_coordinate.h"
+#include "core/base/loop_progress.h"
 #include "core/geometry/plane_fit.h"
 
 namespace remesh {
@@ -79,12 +80,13 @@ OrientedBoxes::OrientedBoxes(const TriangleTree& tree, std::span<const Vec3> pos
   // The nodes of one level are computed in parallel. Many small nodes share a task, and each large node has one of its
   // own.
   constexpr std::size_t kBlock = 4096;
+  LoopProgress progress(control, boxes_.size());
   for (std::size_t begin = 0, nodes = 1; begin < boxes_.size(); begin += nodes, nodes *= 2)
     for_blocks(nodes, std::max<std::size_t>(1, nodes * kBlock / (tree.size() + 1)), control,
                [&](std::size_t j, std::size_t end) {
-                 for (; j < end; ++j) {
-                   boxes_[begin + j] = box_of(tree, begin + j, faces, control);
-                 }
+                 const std::size_t first = j;
+                 for (; j < end; ++j) boxes_[begin + j] = box_of(tree, begin + j, faces, control);
+                 progress.add(end - first);
                });
 }
 

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <mutex>
 #include <optional>
 #include <span>
 #include <utility>
@@ -29,11 +30,7 @@ inline constexpr std::uint64_t kStepsPerOrientedBox = 4;
 class PairSearch {
  public:
   PairSearch(const SearchLimits& limits, RunControl& control, SelfIntersections found = {})
-      : limits_(limits),
-        control_(control),
-        result_(std::move(found)),
-        progress_before_(control.fraction()),
-        steps_before_(result_.steps) {
+      : limits_(limits), control_(control), result_(std::move(found)), progress_before_(control.fraction()) {
     if (!result_.are_all_listed && result_.is_complete) unexpected_ = result_.pairs.size() - move_expected_to_end();
   }
 
@@ -64,12 +61,19 @@ class PairSearch {
       if (!result_.is_complete) return;
     }
   }
-  /// Sets the progress within the stage. Nobody knows how many steps there will be, so progress takes ever smaller
-  /// steps towards 1, but never stops.
-  void tell_progress() {
+  /// Adds steps to the progress within the stage. Nobody knows how many steps there will be, so progress takes ever
+  /// smaller steps towards 1, but never stops. Several threads may tell at once.
+  void tell_progress(std::uint64_t steps) {
     constexpr double kHalfTheWay = 1 << 26;
-    const auto steps = static_cast<double>(result_.steps - steps_before_);
-    control_.progress(progress_before_ + (1 - progress_before_) * steps / (steps + kHalfTheWay));
+    const std::lock_guard lock(told_mutex_);
+    // A loop in between, such as one that builds a tree, has told progress of its own. What follows it begins there.
+    if (const double now = control_.fraction(); now > told_fraction_) {
+      progress_before_ = now;
+      told_ = 0;
+    }
+    told_ += static_cast<double>(steps);
+    control_.progress(progress_before_ + (1 - progress_before_) * told_ / (told_ + kHalfTheWay));
+    told_fraction_ = control_.fraction();
   }
   /// Ends the search if it has taken more steps than it may.
   void end_if_long() {
@@ -98,8 +102,10 @@ class PairSearch {
   const SearchLimits limits_;
   RunControl& control_;
   SelfIntersections result_;
-  const double progress_before_;
-  const std::uint64_t steps_before_;
+  std::mutex told_mutex_;
+  double progress_before_;
+  double told_ = 0;             ///< the steps since then of which progress was told
+  double told_fraction_ = -1;   ///< the progress that was told last
   std::size_t unexpected_ = 0;  ///< the number of pairs that are not expected; 0 as long as all pairs are listed
 };
 
@@ -124,7 +130,7 @@ std::size_t gather_pairs(std::size_t n, std::size_t block, PairSearch& search, c
   // take quadratic time until it is noticed. For the same reason the first rounds have fewer blocks.
   constexpr std::size_t kMaxBlocks = 64;
   // The steps after which a block waits for its next turn. A round takes less than a second.
-  constexpr std::uint64_t kStepsInTurn = 1 << 19;
+  constexpr std::uint64_t kStepsInTurn = 1 << 19, kStepsBetweenTold = 1 << 15;
   struct Range {
     std::size_t begin, end;
   };
@@ -139,9 +145,14 @@ std::size_t gather_pairs(std::size_t n, std::size_t block, PairSearch& search, c
     const std::size_t room = search.room();
     const auto found = map_blocks<FoundInTurn>(round.size(), 1, search.control(), [&](std::size_t r, std::size_t) {
       FoundInTurn in_turn;
+      std::uint64_t told = 0;
       for (std::size_t i = round[r].begin; i < round[r].end && in_turn.steps <= kStepsInTurn; in_turn.next = ++i) {
         in_turn.next = i;
         item(i, in_turn, room);
+        if (in_turn.steps >= told + kStepsBetweenTold) {
+          search.tell_progress(in_turn.steps - told);
+          told = in_turn.steps;
+        }
         if (in_turn.pairs.size() > room) return in_turn;  // not all pairs of the item were found
       }
       return in_turn;
@@ -153,7 +164,6 @@ std::size_t gather_pairs(std::size_t n, std::size_t block, PairSearch& search, c
       if (in_turn.next < round[r].end) left.push_back({in_turn.next, round[r].end});
     }
     if (!left.empty() || begin < n) search.end_if_long();
-    search.tell_progress();
   }
   return done;
 }
@@ -252,7 +262,7 @@ std::size_t find_pairs(const SearchedTriangles& triangles, const Reported& repor
       steps += more;
       if (steps < next_check) return;
       next_check = steps + kStepsBetweenChecks;
-      control.check();
+      pair_search.tell_progress(kStepsBetweenChecks);
     };
     tree.visit_meeting(
         box, first, [&](std::size_t node) { return is_node_skipped(node, step); },

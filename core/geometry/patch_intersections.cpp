@@ -492,6 +492,7 @@ class Meetings {
       boxes.push_back(parts_[i].box);
     }
     const TriangleTree tree = cull_.tree_of(boxes);
+    if (do_many_boxes_meet(few, tree)) return search_by_shape(few, many, found);
     gather_pairs(few.size(), kPartsPerTask, found, [&](std::size_t i, FoundInTurn& in_turn, std::size_t room) {
       std::uint32_t looks = 0;
       const auto look = [&] {
@@ -513,6 +514,64 @@ class Meetings {
             return in_turn.pairs.size() <= room;
           });
     });
+  }
+
+  /// Returns whether the boxes of parts meet so many boxes of the tree that they tell little. It looks at some parts
+  /// that are evenly spread.
+  bool do_many_boxes_meet(std::span<const std::uint32_t> parts, const TriangleTree& tree) const {
+    constexpr std::size_t kSamples = 64, kMany = 64;
+    const std::size_t step = std::max<std::size_t>(1, parts.size() / kSamples);
+    std::size_t samples = 0, meeting = 0;
+    StopCheck check(control_);
+    for (std::size_t i = 0; i < parts.size(); i += step, ++samples)
+      tree.visit_meeting(parts_[parts[i]].box, 0, [&](std::size_t) {
+        check();
+        ++meeting;
+        return true;
+      });
+    return meeting > kMany * samples;
+  }
+
+  /// Knows the nodes of a tree over the faces of two patches.
+  class View {
+   public:
+    View(std::span<const std::uint32_t> side, const TriangleTree& tree, RunControl& control)
+        : side_(side),
+          of_node_(tree.joined<std::uint32_t>([&](std::size_t slot) { return side[tree.face(slot).value]; },
+                                              [](std::uint32_t a, std::uint32_t b) { return a == b ? a : kNone; },
+                                              control)) {}
+    bool is_of_no_interest(FaceId f, std::size_t, std::size_t node) const { return of_node_[node] == side_[f.value]; }
+    static bool lose_interest(std::span<const std::uint32_t>) { return false; }
+
+   private:
+    std::span<const std::uint32_t> side_;
+    std::vector<std::uint32_t> of_node_;  ///< the side of all faces of a node, or kNone
+  };
+
+  /// Finds the pairs where boxes tell too little. For example, a fan of needles may end at a row of faces that stand on
+  /// it, and the box of each needle contains half of the row.
+  void search_by_shape(std::span<const std::uint32_t> few, std::span<const std::uint32_t> many,
+                       PairSearch& found) const {
+    std::vector<std::uint32_t> part, side;
+    std::vector<Triangle> faces;
+    StopCheck check(control_);
+    for (const auto& parts : {few, many})
+      for (const std::uint32_t i : parts) {
+        check();
+        side.push_back(part.size() < few.size() ? 0 : 1);
+        part.push_back(i);
+        faces.push_back(excerpt_.face(parts_[i].face));
+      }
+    remesh::find_pairs(
+        {.positions = positions_, .faces = faces, .groups = side},
+        [&](FaceId f) { return FaceId(parts_[part[f.value]].face); },
+        [&](const TriangleTree& tree) { return View(side, tree, control_); },
+        [&](FaceId f, FaceId g) {
+          const std::uint32_t a = part[f.value], b = part[g.value];
+          return side[f.value] != side[g.value] && do_meet(parts_[a].box, parts_[b].box) &&
+                 do_faces_intersect(a, b, found);
+        },
+        found);
   }
 
   const Cull& cull_;

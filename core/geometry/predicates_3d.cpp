@@ -1,5 +1,7 @@
 #include "core/geometry/predicates_3d.h"
 
+#include <algorithm>
+
 #include "core/base/blocks.h"
 #include "core/base/largest_coordinate.h"
 #include "core/geometry/expansion.h"
@@ -8,6 +10,9 @@ namespace remesh {
 namespace {
 
 constexpr std::size_t kBlock = 1 << 14;
+
+/// An axis along which coordinates are smaller by more than this power of two is stretched until they are not.
+constexpr int kMaxNarrower = 10;
 
 }  // namespace
 
@@ -29,15 +34,24 @@ int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 }  // namespace exact
 
 std::vector<Vec3> scaled_for_predicates(std::span<const Vec3> positions, RunControl& control) {
-  const double largest = largest_coordinate(positions, control);
+  const Vec3 largest = largest_of_each_axis(positions, control);
+  const double largest_of_all = largest_coordinate(largest);
   std::vector<Vec3> scaled(positions.begin(), positions.end());
-  if (largest == 0) return scaled;
-  const int shift = 249 - std::ilogb(largest);
+  if (largest_of_all == 0) return scaled;
   // The factor itself may be out of range, so the positions are multiplied in two steps. For a large coordinate, the
   // first step is exact.
-  const double first = std::ldexp(1, shift / 2), second = std::ldexp(1, shift - shift / 2);
+  Vec3 first{1, 1, 1}, second{1, 1, 1};
+  const int shift_of_all = 249 - std::ilogb(largest_of_all);
+  for (int axis = 0; axis < 3; ++axis) {
+    if (largest[axis] == 0) continue;
+    const int narrower = std::ilogb(largest_of_all) - std::ilogb(largest[axis]);
+    const int shift = shift_of_all + std::max(0, narrower - kMaxNarrower);
+    first[axis] = std::ldexp(1, shift / 2);
+    second[axis] = std::ldexp(1, shift - shift / 2);
+  }
   for_blocks(scaled.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) scaled[v] = second * (first * scaled[v]);
+    for (std::size_t v = begin; v < end; ++v)
+      for (int axis = 0; axis < 3; ++axis) scaled[v][axis] = second[axis] * (first[axis] * scaled[v][axis]);
   });
   return scaled;
 }

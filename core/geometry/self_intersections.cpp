@@ -231,10 +231,10 @@ class Search {
   }
 
   /// Estimates the number of all pairs by those of a few slots that are spread over the tree.
-  double estimate(const TriangleTree& tree) const {
+  double estimate(const TriangleTree& tree) {
     constexpr std::uint64_t kMaxSteps = 1 << 23;
     constexpr std::size_t kMaxSlots = 1024;
-    std::uint64_t steps = 0, pairs = 0;
+    std::uint64_t steps = 0, told = 0, pairs = 0;
     std::size_t slots = 0;
     StopCheck check(control_);
     // The multiples of the golden ratio, without their whole parts, are spread evenly however many are taken.
@@ -249,6 +249,8 @@ class Search {
         pairs += slot != other && do_count(tree.face(slot), tree.face(other));
         return true;
       });
+      search_.tell_progress(steps - told);
+      told = steps;
     }
     const auto n = static_cast<double>(tree.size());
     return slots == 0 ? 0 : n * static_cast<double>(pairs) / (2 * static_cast<double>(slots));

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <utility>
 
+#include "core/base/largest_coordinate.h"
 #include "core/geometry/symmetric_eigen.h"
 
 namespace remesh {
@@ -55,6 +56,17 @@ struct Direction {
   Vec3 along;
 };
 
+/// Returns the power of two that brings the largest coordinate of the items to about 1. Without it, squares of squares
+/// of lengths may overflow.
+double scale_of(std::span<const ShapedItem> items) {
+  double largest = 0;
+  for (const ShapedItem& item : items)
+    largest = std::max({largest, largest_coordinate(item.centre), largest_coordinate(item.reach)});
+  int exponent = 0;
+  std::frexp(largest, &exponent);
+  return std::ldexp(1.0, -std::clamp(exponent, -1000, 1000));
+}
+
 /// Finds the direction in which the vectors with this covariance vary most, in a frame in which triangles are equally
 /// long in all directions. The rows of `whitened` are the axes of that frame.
 Direction widest_direction(const Matrix<3>& whitened, const Matrix<3>& covariance) {
@@ -81,7 +93,7 @@ Vec3 reach_of(const Triangle& face, std::span<const Vec3> positions) {
   double most = 0;
   for (int i = 0; i < 3; ++i) {
     const Vec3 side = positions[face[(i + 1) % 3].value] - positions[face[i].value];
-    const double length = norm_squared(side);
+    const double length = norm(side);
     if (!(length > most)) continue;
     most = length;
     longest = side;
@@ -95,12 +107,14 @@ Vec3 reach_of(const Triangle& face, std::span<const Vec3> positions) {
 void split_by_shape(std::span<ShapedItem> items, std::size_t middle, RunControl& control) {
   control.check();
   const std::size_t step = std::max<std::size_t>(1, items.size() / kSamples);
-  Covariance places(items[0].centre), reaches(items[0].reach);
+  const double scale = scale_of(items);
+  Covariance places(scale * items[0].centre), reaches(scale * items[0].reach);
   Matrix<3> lengths{};
   for (std::size_t i = 0; i < items.size(); i += step) {
-    places.add(items[i].centre);
-    reaches.add(items[i].reach);
-    add_product(lengths, items[i].reach);
+    const Vec3 reach = scale * items[i].reach;
+    places.add(scale * items[i].centre);
+    reaches.add(reach);
+    add_product(lengths, reach);
   }
   // Twice the centre is on one scale with the whole length. A direction in which all triangles are narrow counts as if
   // they were a millionth as wide there as they are long, so that rounding is not taken for distance.
@@ -121,7 +135,7 @@ void split_by_shape(std::span<ShapedItem> items, std::size_t middle, RunControl&
   const Vec3 along = is_by_place ? by_place.along : by_reach.along;
   for (std::size_t i = 0; i < items.size(); ++i) {
     if (i % kItemsBetweenChecks == 0) control.check();
-    items[i].key = dot(along, is_by_place ? items[i].centre : items[i].reach);
+    items[i].key = dot(along, scale * (is_by_place ? items[i].centre : items[i].reach));
   }
   std::uint32_t comparisons = 0;
   std::nth_element(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(middle), items.end(),

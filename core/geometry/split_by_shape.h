@@ -30,7 +30,8 @@ Vec3 reach_of(const Triangle& face, std::span<const Vec3> positions);
 /// side by side are split between needles, whatever their lengths. If the longest sides differ more than the places,
 /// triangles are split by these sides: needles that cross each other at one place are split by direction, and large
 /// triangles are split from small ones.
-/// Holds:   the order depends on the items alone.
+/// Holds:   the order depends on the items and the order in which they come, and not on threads. It stays the same if
+///          all lengths are multiplied by a power of two.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:    O(n), and some microseconds.
 /// Source:  R. A. Fisher, The use of multiple measurements in taxonomic problems, 1936: the direction in which the

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/base/blocks.h"
+#include "core/base/loop_progress.h"
 #include "core/geometry/split_by_shape.h"
 
 namespace remesh {
@@ -89,12 +90,17 @@ TriangleTree::TriangleTree(std::span<const Vec3> positions, std::span<const Tria
               control);
         });
   } else {
+    // All nodes of a level have all faces together.
+    LoopProgress progress(control, faces.size() * static_cast<std::size_t>(slots_.leaf_level()));
     sort<ShapedItem>(
         [&](std::size_t f) {
           return ShapedItem{place_of(faces[f], positions), reach_of(faces[f], positions), 0, FaceId(f)};
         },
         groups, control,
-        [&](std::span<ShapedItem> node, std::size_t middle) { split_by_shape(node, middle, control); });
+        [&](std::span<ShapedItem> node, std::size_t middle) {
+          split_by_shape(node, middle, control);
+          progress.add(node.size());
+        });
   }
   for_blocks(size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t slot = begin; slot < end; ++slot) {

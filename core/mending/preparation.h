@@ -44,6 +44,7 @@ class Prepared {
     release_geometry();
   }
   void release_geometry() { geometry_ = {}; }
+  void release_adjacency() { adjacency_.reset(); }
   /// Frees the data except the order of the half-edges, which the check would have to compute again.
   void release_all_but_order() {
     auto order = adjacency_ ? std::move(*adjacency_).take_order() : std::move(order_);

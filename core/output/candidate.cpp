@@ -1,6 +1,7 @@
 #include "core/output/candidate.h"
 
 #include <algorithm>
+#include <functional>
 #include <optional>
 #include <utility>
 
@@ -65,10 +66,12 @@ void assemble(Candidate& candidate, const Surface& surface, const Goals* goals, 
       candidate.positions.push_back(v.value < surface.vertex_count() ? surface.positions[v]
                                                                      : made[v.value - surface.vertex_count()]);
   }
-  if (goals != nullptr)
-    candidate.unrefined =
-        find_unrefined(candidate.positions.items(), candidate.assembled.faces.items(), candidate.refinement.reason,
-                       candidate.refinement.misses_sizes, *goals, control);
+  if (goals != nullptr) list_unrefined(candidate, *goals, control);
+}
+
+void list_unrefined(Candidate& candidate, const Goals& goals, RunControl& control) {
+  candidate.unrefined = find_unrefined(candidate.positions.items(), candidate.assembled.faces.items(),
+                                       candidate.refinement.reason, candidate.refinement.misses_sizes, goals, control);
 }
 
 void replace_reasons(Candidate& candidate, std::span<const std::uint8_t> is_moved, UnrefinedReason reason) {
@@ -87,7 +90,7 @@ void replace_reasons(Candidate& candidate, std::span<const std::uint8_t> is_move
   }
 }
 
-Verdict check(const Candidate& candidate, const CheckedAgainst& against, RunControl& control) {
+Verdict check(Candidate& candidate, const CheckedAgainst& against, RunControl& control) {
   const auto frames = candidate.triangulated.charts.planes(control);
   std::optional<RefinementClaim> refined;
   if (against.goals != nullptr)
@@ -98,13 +101,21 @@ Verdict check(const Candidate& candidate, const CheckedAgainst& against, RunCont
       curved.push_back({against.curved->surfaces.surfaces[patch.surface].shape, patch.limits.tolerance});
   const std::vector<MovedVertex> moved = find_moved(candidate, against.surface);
   const bool has_new_vertices = !candidate.refinement.new_positions.empty() || against.curved != nullptr;
+  std::function<void()> complete;
+  if (against.goals != nullptr && against.measure_sizes)
+    complete = [&] {
+      against.measure_sizes(candidate);
+      list_unrefined(candidate, *against.goals, control);
+      refined->unrefined = candidate.unrefined.faces;
+      refined->reasons = candidate.unrefined.reasons;
+    };
   return verify(
       {against.surface, against.patches.of_face, frames, candidate.positions.items(), candidate.assembled.faces.items(),
        candidate.assembled.face_patch.items(), candidate.assembled.corner_uv, against.plane_tolerance, has_new_vertices,
        refined ? &*refined : nullptr, &against.intersections, against.edge_order, against.input, against.weld_tolerance,
        against.curved != nullptr ? std::span<const std::uint32_t>(against.curved->at.items())
                                  : std::span<const std::uint32_t>(),
-       curved, moved},
+       curved, moved, complete},
       control);
 }
 

@@ -1,6 +1,7 @@
 /// A remeshed surface that has yet to be verified.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -55,6 +56,10 @@ struct Candidate {
 /// Cost:    O(vertices + triangles).
 void assemble(Candidate& candidate, const Surface& surface, const Goals* goals, RunControl& control);
 
+/// Finds the triangles of a candidate that miss the goals anew, after it is known which of them miss sizes.
+/// Cost: O(triangles).
+void list_unrefined(Candidate& candidate, const Goals& goals, RunControl& control);
+
 /// Gives triangles other reasons for missing the goals, before some vertices are moved by a little: all those that meet
 /// the goals, and those with a moved vertex that lie across an angle of the input, which asks for equal distances.
 /// These reasons count if the triangles miss a goal afterwards.
@@ -75,10 +80,15 @@ struct CheckedAgainst {
   const CurvedPatches* curved = nullptr;           ///< null if no patch is curved
   std::span<const std::uint8_t> frozen = {};       ///< patches that refinement left as they were; see RefinementClaim
   std::span<const std::uint32_t> edge_order = {};  ///< see Claim::surface_edge_order
+  /// If this is set, it finds out which triangles of the candidate miss sizes that vary. It is called only if all else
+  /// is right.
+  std::function<void(Candidate&)> measure_sizes = {};
 };
 
 /// Checks the candidate against the surface from which it was made (see verify).
-Verdict check(const Candidate& candidate, const CheckedAgainst& against, RunControl& control);
+/// Input: the candidate lists the triangles that miss the goals, except those that `measure_sizes` finds. These are
+///        added to its list.
+Verdict check(Candidate& candidate, const CheckedAgainst& against, RunControl& control);
 
 /// The pairs of patches that intersect in the input.
 InputIntersections intersecting_patches(const FoundIntersections& found, const PatchSet& patches);

@@ -47,7 +47,8 @@ struct Report {
   /// The number of faces that is predicted for other values of elements_per_circle. It is empty if no surface is
   /// curved, and for a remeshing.
   std::map<int, std::uint64_t> predicted_faces_by_elements_per_circle;
-  /// The smallest distance of a facet from another one that is not its neighbour, in model units; see gap_search.h.
+  /// The smallest distance of a facet from another one that is not its neighbour, in model units; see gap_search.h. It
+  /// is empty where there is no gap, and where the search for it was cut short.
   std::optional<double> smallest_gap;
   std::vector<Unrefined> unrefined;  ///< one per reason that occurs, in the order of the enumeration
   std::uint32_t refinement_rounds = 0;

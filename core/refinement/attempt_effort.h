@@ -21,6 +21,14 @@ class AttemptEffort {
     work_.take(taken);
   }
 
+  /// Changes the limit on the faces of the result.
+  void set_max_faces(std::uint64_t max_faces) {
+    const std::uint64_t taken = work_.taken();
+    max_faces_ = max_faces;
+    work_ = bound();
+    work_.take(taken);
+  }
+
   std::uint64_t taken() const { return work_.taken(); }
   std::uint64_t left() const { return work_.left(); }
   /// Takes the triangles of the attempt that has ended.
@@ -36,6 +44,7 @@ class AttemptEffort {
   }
   /// Notes that a result has failed the check.
   void note_wrong() { is_any_wrong_ = true; }
+  bool is_any_wrong() const { return is_any_wrong_; }
   /// Notes that the patches are others.
   void note_other_patches() {
     if (order_ != Order::kAll) order_ = Order::kNothingYet;

@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <numeric>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -259,9 +260,13 @@ class GapSearch::Index {
   void find_boxes(RunControl& control);
   Layer layer_of(std::span<const std::uint32_t> triangles) const;
   void look_at_corners(SharedLeast& least, RunControl& control) const;
-  void look_between_triangles(SharedLeast& least, std::uint64_t max_output_faces, RunControl& control) const;
-  std::uint64_t look_from(std::size_t begin, std::size_t end, double known, std::uint64_t max_steps, SharedLeast& least,
-                          RunControl& control) const;
+  bool look_between_triangles(SharedLeast& least, std::uint64_t max_output_faces, RunControl& control) const;
+  struct Looked {
+    std::uint64_t steps = 0;
+    std::vector<std::uint32_t> cut_short;  ///< slots from which not all was seen
+  };
+  Looked look_from(std::span<const std::uint32_t> slots, double known, std::uint64_t max_steps, SharedLeast& least,
+                   RunControl& control) const;
   double squared_gap(const Vec3& p, PatchId patch, double below, What what, const Uncounted& uncounted,
                      WorkBound* work) const;
   double squared_beside(std::span<const Corners3> pieces, PatchId patch, double below, WorkBound* work) const;
@@ -518,7 +523,7 @@ std::optional<double> GapSearch::Index::smallest(std::uint64_t max_output_faces,
   SharedLeast least;
   // Corners are looked at first, because that is cheap and the result makes the other search short.
   look_at_corners(least, control);
-  look_between_triangles(least, max_output_faces, control);
+  if (!look_between_triangles(least, max_output_faces, control)) return std::nullopt;
   return least.get() < HUGE_VAL ? std::optional(std::sqrt(least.get()) * surface_.unit) : std::nullopt;
 }
 
@@ -537,32 +542,44 @@ void GapSearch::Index::look_at_corners(SharedLeast& least, RunControl& control) 
 
 /// Looks from one triangle after the other. What is found makes the later searches short. The triangles are looked at
 /// in batches that grow, and those of a batch know what was found in the batches before, and in their own block. So the
-/// steps that a batch takes do not depend on threads.
-void GapSearch::Index::look_between_triangles(SharedLeast& least, std::uint64_t max_output_faces,
+/// steps that a batch takes do not depend on threads. A triangle that needs more than its share of the steps comes once
+/// more at the end, when others have left some.
+/// Output: false if the bound on the work was spent before all was seen.
+bool GapSearch::Index::look_between_triangles(SharedLeast& least, std::uint64_t max_output_faces,
                                               RunControl& control) const {
   constexpr std::size_t kFirstBatch = 1024, kBlock = 256, kUneven = 4;
   constexpr std::uint64_t kMinSteps = 256;
   WorkBound work(kWorkOfSmallestGap.steps(tree_.size(), max_output_faces), &control);
-  std::size_t size = kFirstBatch;
-  for (std::size_t begin = 0; begin < tree_.size() && !work.is_spent(); begin += std::exchange(size, 2 * size)) {
-    const std::size_t end = std::min(begin + size, tree_.size());
-    const std::uint64_t max_steps = std::max(kMinSteps, work.left() / (tree_.size() - begin) * kUneven);
-    const double known = least.get();
-    const auto taken = map_blocks<std::uint64_t>(end - begin, kBlock, control, [&](std::size_t from, std::size_t to) {
-      return look_from(begin + from, begin + to, known, max_steps, least, control);
-    });
-    for (const std::uint64_t steps : taken) work.take(steps);
+  std::vector<std::uint32_t> slots(tree_.size()), later;
+  std::iota(slots.begin(), slots.end(), 0u);
+  for (int pass = 0; pass < 2; ++pass) {
+    std::size_t size = kFirstBatch;
+    for (std::size_t begin = 0; begin < slots.size(); begin += std::exchange(size, 2 * size)) {
+      if (work.is_spent()) return false;
+      const std::size_t count = std::min(size, slots.size() - begin);
+      const std::uint64_t max_steps = std::max(kMinSteps, work.left() / (slots.size() - begin) * kUneven);
+      const double known = least.get();
+      const auto looked = map_blocks<Looked>(count, kBlock, control, [&](std::size_t from, std::size_t to) {
+        return look_from(std::span(slots).subspan(begin + from, to - from), known, max_steps, least, control);
+      });
+      for (const Looked& block : looked) {
+        work.take(block.steps);
+        later.insert(later.end(), block.cut_short.begin(), block.cut_short.end());
+      }
+    }
+    slots = std::exchange(later, {});
   }
+  return slots.empty();
 }
 
 /// Looks from the triangles in some slots, and lowers `least`. Only what is below `known` counts.
-/// Output: the number of steps that it took.
-std::uint64_t GapSearch::Index::look_from(std::size_t begin, std::size_t end, double known, std::uint64_t max_steps,
-                                          SharedLeast& least, RunControl& control) const {
+GapSearch::Index::Looked GapSearch::Index::look_from(std::span<const std::uint32_t> slots, double known,
+                                                     std::uint64_t max_steps, SharedLeast& least,
+                                                     RunControl& control) const {
   JoinedMemory are_joined(contacts_);
   double best = known;
-  std::uint64_t taken = 0;
-  for (std::size_t slot = begin; slot < end; ++slot) {
+  Looked looked;
+  for (const std::uint32_t slot : slots) {
     control.check();
     WorkBound work(max_steps, &control);
     StepCounter steps(&work);
@@ -593,10 +610,11 @@ std::uint64_t GapSearch::Index::look_from(std::size_t begin, std::size_t end, do
           if (!slab.is_steep(way)) return;  // if it is steep for the other patch, it is found from there
           if (!do_intersect(triangle(slot), triangle(other), surface_.local.items())) best = d;
         });
-    taken += steps.taken();
+    looked.steps += steps.taken();
+    if (steps.taken() > max_steps) looked.cut_short.push_back(slot);
   }
   least.lower(best);
-  return taken;
+  return looked;
 }
 
 GapSearch::GapSearch(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches,

@@ -85,7 +85,7 @@ class GapSearch {
   /// looked for at the corners where three to sixteen patches meet, at no more than some 64 of each patch. (A wedge has
   /// no smallest gap, but it has ends.)
   /// The search has a bound on its work (kWorkOfSmallestGap), which only surfaces pass that are near themselves nearly
-  /// everywhere. Then the result is the smallest gap among those that were looked at.
+  /// everywhere. Then the smallest gap is not known, and nothing is returned either.
   /// Input: The bound grows with the number of faces that the output may have.
   /// Holds: The result is the same for any number of threads. Between curved patches, the planes of their facets decide
   ///        what is steep.

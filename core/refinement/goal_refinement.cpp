@@ -67,6 +67,7 @@ std::uint64_t GoalRefinement::predict_faces(const PatchedSurface& on, const Tria
 Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder,
                                   std::span<const std::pair<PatchId, PatchId>> crossing,
                                   TriangulatedPatches& triangulated) {
+  unmeasured_.reset();
   frozen_.resize(on.patches.count(), 0);
   for (std::size_t p = 0; p < on.patches.count(); ++p)
     if (ladder.is_kept(on.patches.faces_of(PatchId(p))[0])) frozen_[PatchId(p)] = 1;
@@ -102,14 +103,17 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
   // The first attempt may make all faces that are allowed, and later ones what the bound on the work leaves.
   const bool is_cut_short = effort_.taken() > 0 && effort_.left() < budget_;
   const auto measured = [&](Refinement refined) {
-    if (gaps || graded)
-      note_size_misses(on.surface, triangulated.meshes, frozen_,
-                       {goals_, on.plane_tolerance, sizes, gaps.get(), graded ? &*graded : nullptr, crossing}, refined,
-                       control_);
-    if (is_budget_too_small()) std::fill(refined.reason.begin(), refined.reason.end(), UnrefinedReason::kBudget);
-    if (effort_.is_used_up()) std::fill(refined.reason.begin(), refined.reason.end(), UnrefinedReason::kEffort);
-    if (is_cut_short)
-      std::replace(refined.reason.begin(), refined.reason.end(), UnrefinedReason::kBudget, UnrefinedReason::kEffort);
+    const Overridden overridden{is_budget_too_small(), effort_.is_used_up(), is_cut_short};
+    if (gaps || graded) {
+      // If vertices are moved to keep a volume, the misses are needed before that.
+      if (effort_.is_any_wrong() && angle_margin_ == 0)
+        unmeasured_ = overridden;
+      else
+        note_size_misses(on.surface, triangulated.meshes, frozen_,
+                         {goals_, on.plane_tolerance, sizes, gaps.get(), graded ? &*graded : nullptr, crossing},
+                         refined, control_);
+    }
+    overridden.write_to(refined.reason);
     effort_.take(refined.reason.size());
     return refined;
   };
@@ -127,6 +131,25 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
   }
   // Half of what is left remains for yet another attempt, so that one of them is small enough to be worth its result.
   return measured(attempt(is_cut_short ? effort_.left() / 2 : budget_, Goals::kNoLimit).value());
+}
+
+void GoalRefinement::Overridden::write_to(std::vector<UnrefinedReason>& reasons) const {
+  if (by_budget) std::fill(reasons.begin(), reasons.end(), UnrefinedReason::kBudget);
+  if (by_effort) std::fill(reasons.begin(), reasons.end(), UnrefinedReason::kEffort);
+  if (is_cut_short) std::replace(reasons.begin(), reasons.end(), UnrefinedReason::kBudget, UnrefinedReason::kEffort);
+}
+
+void GoalRefinement::measure_sizes(const PatchedSurface& on, std::span<const std::pair<PatchId, PatchId>> crossing,
+                                   TriangulatedPatches& triangulated, Refinement& refined) const {
+  // Gaps are measured between the patches as they were before refinement.
+  refined.before.exchange_with(triangulated.meshes);
+  const auto gaps = gap_search(on, triangulated);
+  const std::optional<SizeField> graded = sizes_without_floor(on, triangulated);
+  refined.before.exchange_with(triangulated.meshes);
+  note_size_misses(on.surface, triangulated.meshes, frozen_,
+                   {goals_, on.plane_tolerance, *sizes_.field, gaps.get(), graded ? &*graded : nullptr, crossing},
+                   refined, control_);
+  unmeasured_->write_to(refined.reason);
 }
 
 bool GoalRefinement::is_worth_trying_without_budget() const {

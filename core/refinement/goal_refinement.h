@@ -31,13 +31,14 @@ struct PatchedSurface {
 };
 
 /// Refines one surface in one or more attempts, and remembers what the attempts so far have shown.
+/// This class is larger than the bound because each decision about attempts has a constant here, with its reason.
 class GoalRefinement {
  public:
   /// If `goals` sets no goal, nothing is refined.
   /// Input: `taken` is the work that attempts at the surface took before its faces were mended anew, and `floor` is the
   ///        goals' min_edge_length that they have found.
   GoalRefinement(const Goals& goals, RunControl& control, std::uint64_t taken = 0, double floor = 0)
-      : goals_(goals), budget_(goals.max_faces), control_(control), effort_(goals.max_faces, taken) {
+      : goals_(goals), budget_(goals.max_faces), control_(control), effort_(expected_limit(), taken) {
     if (budget_ != Goals::kNoLimit) budget_ -= budget_ / kReserve;
     goals_.min_edge_length = std::max(goals_.min_edge_length, floor);
   }
@@ -47,13 +48,16 @@ class GoalRefinement {
   /// Returns the number of triangles that all attempts so far have refined.
   std::uint64_t work_taken() const { return effort_.taken(); }
   /// Tells whether some patches are curved. These have to be refined even if there is no other goal.
-  void set_curved(bool are_any_curved) { are_any_curved_ = are_any_curved; }
+  void set_curved(bool are_any_curved) {
+    are_any_curved_ = are_any_curved;
+    effort_.set_max_faces(expected_limit());
+  }
   /// Makes refinement aim at larger angles than are asked for, by some degrees. Vertices are to be moved after it.
   void set_angle_margin(double degrees) { angle_margin_ = degrees; }
   /// Returns the number of faces that the last attempt predicted.
   std::uint64_t predicted_faces() const { return predicted_faces_; }
   /// Returns the smallest distance from a facet to another that is not its neighbour, in model units. It is known only
-  /// with goals.proximity.
+  /// with goals.proximity, and not if the search for it was cut short.
   std::optional<double> smallest_gap() const { return sizes_.smallest_gap; }
 
   /// Returns the number of samples of sizes that are held.
@@ -72,6 +76,14 @@ class GoalRefinement {
   /// Errors: kOutputTooLarge - no result with these sizes can have as few faces as are allowed.
   Refinement refine(const PatchedSurface& on, const Ladder& ladder,
                     std::span<const std::pair<PatchId, PatchId>> crossing, TriangulatedPatches& triangulated);
+  /// Returns whether the last refinement has left it open which triangles miss sizes that vary. If a result has failed
+  /// the check before, this one may fail as well, and to measure sizes takes as long as all the rest.
+  bool are_sizes_unmeasured() const { return unmeasured_.has_value(); }
+  /// Finds the triangles of the last refinement that miss sizes, and why.
+  /// Input: the arguments of that refinement, and its result. New vertices may have been moved since, by less than the
+  ///        plane tolerance.
+  void measure_sizes(const PatchedSurface& on, std::span<const std::pair<PatchId, PatchId>> crossing,
+                     TriangulatedPatches& triangulated, Refinement& refined) const;
   /// Has one entry per patch, which is not 0 if the last refinement had to leave the patch and its boundary as they
   /// were.
   const IdVector<PatchId, std::uint8_t>& frozen() const { return frozen_; }
@@ -99,6 +111,10 @@ class GoalRefinement {
   /// Forgets what is known of the patches. After a step of the ladder the patches are others.
   void thaw() {
     effort_.note_other_patches();
+    forget_patches();
+  }
+  /// Forgets what is known of the patches because others are made. The last attempt was not wrong.
+  void forget_patches() {
     sizes_.is_smallest_gap_known = false;
     frozen_.clear();
     sizes_.field.reset();
@@ -132,6 +148,8 @@ class GoalRefinement {
   /// as the first.
   static constexpr std::uint64_t kReserve = 1024;
   bool is_budget_too_small() const { return retries_ > kMaxRetries; }
+  /// Returns how many faces the result has at most, for the bound on the work of attempts.
+  std::uint64_t expected_limit() const { return is_floor_automatic() ? goals_.faces_without_floor : goals_.max_faces; }
   /// Returns the size field. It is the same for all attempts at the same patches.
   /// Input: `gaps` is there with proximity, and null otherwise.
   const SizeField& size_field(const PatchedSurface& on, const TriangulatedPatches& triangulated, const GapSearch* gaps);
@@ -154,13 +172,20 @@ class GoalRefinement {
     bool is_smallest_gap_known = false;
   };
 
+  /// Holds why triangles of an attempt were left as they are, whatever they miss.
+  struct Overridden {
+    bool by_budget, by_effort, is_cut_short;
+    void write_to(std::vector<UnrefinedReason>& reasons) const;
+  };
+
   Goals goals_;
   std::uint64_t budget_;  ///< the number of faces that an attempt with a budget may make
   RunControl& control_;
-  AttemptEffort effort_;
   bool are_any_curved_ = false;
-  double angle_margin_ = 0;    ///< in degrees
-  bool needs_budget_ = false;  ///< an attempt without a budget made too many faces, or would
+  AttemptEffort effort_;
+  std::optional<Overridden> unmeasured_;  ///< set if sizes of the last attempt have yet to be measured
+  double angle_margin_ = 0;               ///< in degrees
+  bool needs_budget_ = false;             ///< an attempt without a budget made too many faces, or would
   /// Far more faces than allowed were predicted or made. Or more were made where many are allowed.
   bool is_hopeless_ = false;
   int retries_ = 0;

@@ -217,6 +217,7 @@ Verdict verify(const Claim& claim, RunControl& control) {
   const bool are_goals_checked = goals != nullptr && !(do_sizes_vary && faults.is_any());
   if (are_goals_checked) {
     std::optional<VaryingSizes> sizes;
+    if (do_sizes_vary && claim.complete_refinement) claim.complete_refinement();
     if (do_sizes_vary) sizes.emplace(claim, model, seams.input, seams.output, control);
     check_goals(*claim.refinement, model, output_edges, seams.output, sizes ? &*sizes : nullptr, faults, control);
   }

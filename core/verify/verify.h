@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -85,6 +86,9 @@ struct Claim {
   std::span<const CurvedClaim> curved = {};
   /// The vertices on boundaries of curved patches that are elsewhere in the output, ascending in both numbers.
   std::span<const MovedVertex> moved = {};
+  /// If this is set, it is called after all other tests have passed, and before sizes that vary are tested. Until then,
+  /// `refinement` need not list faces that only miss such sizes.
+  std::function<void()> complete_refinement = {};
 };
 
 /// Tests the promises 1 to 3 of README.md.

@@ -1,12 +1,16 @@
 #include "tests/bench/hostile.h"
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
 #include <ctime>
 #include <fstream>
 #include <string>
+#include <thread>
+#include <utility>
 
 #include "core/remesh.h"
 #include "tests/support/hostile_families.h"
@@ -29,6 +33,46 @@ double peak_bytes() {
 }
 void forget_peak() { std::ofstream("/proc/self/clear_refs") << 5; }
 
+/// Looks at the progress of a run from a thread of its own, and finds where it stands longest. Time is that of the
+/// processor, so other programs do not lengthen it.
+class ProgressWatch {
+ public:
+  explicit ProgressWatch(const RunControl& control) : control_(control), thread_([this] { look(); }) {}
+  ~ProgressWatch() {
+    is_over_ = true;
+    thread_.join();
+  }
+  ProgressWatch(const ProgressWatch&) = delete;
+  ProgressWatch& operator=(const ProgressWatch&) = delete;
+
+  /// Ends the watch. Returns for how many milliseconds progress stood, and in which stage.
+  std::pair<double, Stage> longest() {
+    is_over_ = true;
+    while (!has_ended_) std::this_thread::yield();
+    return longest_;
+  }
+
+ private:
+  void look() {
+    auto last = std::pair(control_.stage(), control_.fraction());
+    double since = processor_milliseconds();
+    while (!is_over_) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+      const auto now = std::pair(control_.stage(), control_.fraction());
+      const double ms = processor_milliseconds();
+      if (ms - since > longest_.first) longest_ = {ms - since, last.first};
+      if (now != last) since = ms;
+      last = now;
+    }
+    has_ended_ = true;
+  }
+
+  const RunControl& control_;
+  std::atomic<bool> is_over_{false}, has_ended_{false};
+  std::pair<double, Stage> longest_{0, Stage::kQueued};
+  std::thread thread_;
+};
+
 bool is_cut_short(const Report& report) {
   return std::any_of(report.diagnostics.begin(), report.diagnostics.end(),
                      [](const Diagnostic& d) { return d.code == DiagnosticCode::kIncompleteCheck; });
@@ -44,6 +88,7 @@ void measure_hostile(const std::vector<int>& sizes, int workers, Rows& rows) {
   for (const hostile::Family& family : hostile::families()) {
     std::printf("  %-22s", std::string(family.name).c_str());
     double before = 0, bytes_a_face = 0;
+    std::pair<double, Stage> longest{0, Stage::kQueued};  // for which progress stood, in any size
     int size_before = 0;
     for (const int size : sizes) {
       if (before > kLongRun) break;
@@ -52,8 +97,10 @@ void measure_hostile(const std::vector<int>& sizes, int workers, Rows& rows) {
       Report report;
       forget_peak();
       const double begin = processor_milliseconds();
+      ProgressWatch watch(control);
       report = remesh_surface(mesh, Options{}, {.workers = workers}, control).report;
       const double ms = processor_milliseconds() - begin;
+      if (const auto stood = watch.longest(); stood.first > longest.first) longest = stood;
       bytes_a_face = peak_bytes() / (size + static_cast<double>(report.output.faces));
       is_any_cut_short = is_any_cut_short || is_cut_short(report);
       std::printf("%11.3f%s", ms / 1000, is_cut_short(report) ? "*" : " ");
@@ -67,7 +114,8 @@ void measure_hostile(const std::vector<int>& sizes, int workers, Rows& rows) {
       before = ms;
       size_before = size;
     }
-    std::printf("%8.0f bytes a face%s\n", bytes_a_face,
+    std::printf("%8.0f bytes a face; progress stood for %.1f s in %s%s\n", bytes_a_face, longest.first / 1000,
+                std::string(stage_name(longest.second)).c_str(),
                 family.answer == hostile::Answer::kQuadratic ? "  a large share of all pairs meet" : "");
   }
   if (is_any_cut_short) std::printf("  * the search for intersections was cut short\n");

@@ -182,6 +182,54 @@ TEST(patch_intersections, a_fan_of_needles_may_cross_a_large_patch_or_a_few_face
   }
 }
 
+/// A fan of n needles in the plane y = 0, and a row of n triangles that stand on them near their short sides. Fan and
+/// row are a patch each. The box of a needle contains about half of the row. Along x, everything is `stretch` times as
+/// large.
+Patched fan_below_a_row(std::uint32_t n, double stretch) {
+  PolygonMesh mesh;
+  const auto add = [&](Vec3 p) {
+    p.x *= stretch;
+    mesh.positions.push_back(p);
+    return VertexId(mesh.positions.size() - 1);
+  };
+  const auto add_face = [&](VertexId a, VertexId b, VertexId c) {
+    mesh.corners.insert(mesh.corners.end(), {a, b, c});
+    mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corners.size()));
+  };
+  const auto end_of = [&](double i) { return Vec3{0.25 + i / n / 8, 0, 0.75 - i / n / 16}; };
+  const Vec3 apex{0.875, 0, 0.125};
+  const VertexId hub = add(apex);
+  for (std::uint32_t i = 0; i < n; ++i) add_face(add(end_of(i)), add(end_of(i + 0.9)), hub);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const Vec3 foot = end_of(i + 0.4) + (0.02 / n) * (apex - end_of(i + 0.4));
+    add_face(add(foot), add(foot + Vec3{0.25 / n, 0.5, 0.125}), add(foot + Vec3{-0.25 / n, 0.5, 0.125}));
+  }
+  Patched patched(mesh);
+  patched.normals = {{0, 1, 0}, normalized(Vec3{0, 0.25, -1})};
+  patched.simple = {1, 1};
+  for (std::uint32_t i = 0; i < 2 * n; ++i) patched.patch[i] = PatchId(i < n ? 0u : 1u);
+  return patched;
+}
+
+TEST(patch_intersections, a_fan_below_a_row_of_faces_gives_the_pairs_of_all_faces) {
+  constexpr std::uint32_t kNeedles = 300;
+  for (const double stretch : {1.0, 0x1p27}) {
+    const Patched patched = fan_below_a_row(kNeedles, stretch);
+    std::vector<std::pair<FaceId, FaceId>> expected;
+    for (const auto& [f, g] : patched.find_all().pairs)
+      if (f.value < kNeedles && g.value >= kNeedles) expected.push_back({f, g});
+    EXPECT_EQ(expected.size(), kNeedles) << stretch;
+    EXPECT_EQ(patched.find().pairs, expected) << stretch;
+  }
+}
+
+TEST(patch_intersections, a_fan_below_a_row_of_faces_does_not_take_quadratic_time) {
+  for (const double stretch : {1.0, 0x1p27}) {
+    const auto steps = [&](std::uint32_t n) { return static_cast<double>(fan_below_a_row(n, stretch).find().steps); };
+    EXPECT_LT(steps(8000), 8 * steps(2000)) << stretch;
+  }
+}
+
 TEST(patch_intersections, more_than_are_wanted_are_not_all_told) {
   for (const auto& [count, cells] : {std::pair(2, 90), std::pair(12, 7)}) {
     const Patched patched(crossing_sheets(count, cells));

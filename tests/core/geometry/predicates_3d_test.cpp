@@ -111,5 +111,15 @@ TEST(predicates_3d, scaling_brings_any_magnitude_into_the_range_by_a_power_of_tw
   EXPECT_EQ(scaled_for_predicates(std::vector<Vec3>{{0, 0, 0}}, control), (std::vector<Vec3>{{0, 0, 0}}));
 }
 
+TEST(predicates_3d, an_axis_along_which_all_is_small_is_stretched) {
+  RunControl control;
+  const std::vector<Vec3> points = {{1, 0x1p-9, 0x1p-30}, {0.5, 0x1p-11, -0x1p-31}, {0.25, 0, 0}};
+  const std::vector<Vec3> scaled = scaled_for_predicates(points, control);
+  const double all = 0x1p249;
+  EXPECT_EQ(scaled[0], (Vec3{all, 0x1p-9 * all, 0x1p-10 * all}));
+  EXPECT_EQ(scaled[1], (Vec3{0.5 * all, 0x1p-11 * all, -0x1p-11 * all}));
+  EXPECT_EQ(scaled[2], (Vec3{0.25 * all, 0, 0}));
+}
+
 }  // namespace
 }  // namespace remesh

@@ -87,6 +87,18 @@ TEST(split_by_shape, triangles_without_extent_are_split_all_the_same) {
   EXPECT_EQ(std::count(is_first.begin(), is_first.end(), true), 5);
 }
 
+TEST(split_by_shape, needles_of_any_size_are_split_alike) {
+  std::vector<Vec3> corners;
+  for (int i = 0; i < 64; ++i) add_needle(corners, {0, 0.1 * i, 0}, {1, 0.1 * i + 0.5, 0.01 * i});
+  const std::vector<bool> expected = halves(corners);
+  ASSERT_EQ(changes(expected), 1);
+  for (const int exponent : {-1000, -600, 500, 1000}) {
+    std::vector<Vec3> scaled = corners;
+    for (Vec3& p : scaled) p = std::ldexp(1.0, exponent) * p;
+    EXPECT_EQ(halves(scaled), expected) << exponent;
+  }
+}
+
 TEST(split_by_shape, a_stop_is_obeyed) {
   RunControl control;
   control.cancel();
