@@ -29,6 +29,7 @@
 #include "core/output/detail_stage.h"
 #include "core/output/face_labels.h"
 #include "core/output/face_source.h"
+#include "core/output/many_faces.h"
 #include "core/output/output_form.h"
 #include "core/output/report.h"
 #include "core/output/volume_ready.h"
@@ -181,10 +182,8 @@ class Run {
                                              : static_cast<double>(partition_.summaries.patches[p.value].output_faces);
                  },
                  RefinedFaces::Are::kPredicted});
-    report_.predicted_faces_by_elements_per_circle = predict_by_circles(
-        {surface(), adjacency(), curves_.facets(partition_), curves_.recognised(), report_.plane_tolerance,
-         report_.input.bounding_box.diagonal()},
-        partition_, curves_.cuts(), candidate_.triangulated.meshes, refiner_->predicted_of_patch(), options_, control_);
+    report_.predicted_faces_by_elements_per_circle = predict_for_circles(refiner_->predicted_of_patch());
+    tell_many_faces(RefinedFaces::Are::kPredicted, refiner_->predicted_of_patch());
     // Facets count, not the patches that were joined from them, so proximity does not change the answer.
     if (curves_.curved() == nullptr) report_.smallest_gap = refiner_->smallest_gap();
     if (!report_.smallest_gap)
@@ -228,7 +227,7 @@ class Run {
     check_options(options_, diagonal);
     details_.reset(options_, report_.plane_tolerance);
     Goals goals = goals_of(options_, diagonal);
-    keep_in_proportion(goals, options_, diagonal, input_.corners.size() - 2 * input_.face_count());
+    keep_in_proportion(goals, options_, diagonal, triangles_of_input());
     refiner_.emplace(goals, control_, taken, floor);
     regions_ = {};
     ladder_.emplace(surface(), prepared_.without_area);
@@ -585,6 +584,42 @@ class Run {
       warn_of_curves(surface(), partition_.patches, report_.diagnostics);
   }
 
+  /// Input: the faces that there are, or that are predicted, of each patch; empty if nothing is refined.
+  std::map<int, std::uint64_t> predict_for_circles(const std::vector<float>& faces) {
+    return predict_by_circles({surface(), adjacency(), curves_.facets(partition_), curves_.recognised(),
+                               report_.plane_tolerance, report_.input.bounding_box.diagonal()},
+                              partition_, curves_.cuts(), candidate_.triangulated.meshes, faces, options_, control_);
+  }
+
+  /// Tells why there are far more faces than in the input, if so.
+  /// Input: the patches' triangles as they were before refinement; surfaces before bands were joined.
+  void tell_many_faces(RefinedFaces::Are are, const std::vector<float>& faces) {
+    if (asked_goals() == nullptr) return;
+    const std::vector<UnrefinedReason>& reasons = candidate_.unrefined.reasons;
+    const auto is_left_by_floor = [](UnrefinedReason r) {
+      return r == UnrefinedReason::kSizeFloor || r == UnrefinedReason::kMinEdgeLength;
+    };
+    const CurvedPatches* const curved = curves_.curved();
+    warn_of_many_faces(
+        {surface(),
+         partition_.patches,
+         {[&](PatchId p) { return faces[p.value]; }, are},
+         triangles_of_input(),
+         report_.input.bounding_box.diagonal(),
+         options_,
+         refiner_->goals(),
+         static_cast<std::uint64_t>(std::count_if(reasons.begin(), reasons.end(), is_left_by_floor)),
+         [&](PatchId p) {
+           const SurfaceKind kind = report_.surfaces.surfaces[report_.surfaces.of_patch[p]].shape.kind;
+           const bool is_joined = curved != nullptr && curved->of(p) != nullptr;
+           return !is_joined && kind != SurfaceKind::kPlane && kind != SurfaceKind::kFree;
+         },
+         [&](const Goals& goals) { return refiner_->predict_with(goals, patched(), candidate_.triangulated); },
+         [&] { return predict_for_circles(faces); }},
+        report_.diagnostics);
+  }
+  std::uint64_t triangles_of_input() const { return input_.corners.size() - 2 * input_.face_count(); }
+
   void summarise() {
     report_.patches = std::move(partition_.summaries.patches);
     if (details_.is_any_removed()) count_input_faces();
@@ -601,6 +636,13 @@ class Run {
 
   /// Completes the report after the result has passed verification.
   void complete_report() {
+    std::vector<float> faces;
+    for (const PatchMesh& patch : candidate_.triangulated.meshes)
+      faces.push_back(static_cast<float>(patch.mesh.triangle_count()));
+    // Other options are predicted for the triangles as they were before refinement.
+    candidate_.refinement.before.exchange_with(candidate_.triangulated.meshes);
+    tell_many_faces(RefinedFaces::Are::kCounted, faces);
+    candidate_.refinement.before.exchange_with(candidate_.triangulated.meshes);
     candidate_.refinement.before.clear();
     summarise();
     report_.volume_bound = report_.verified.volume_bound;

@@ -23,6 +23,7 @@ std::string_view diagnostic_name(DiagnosticCode code) {
     case DiagnosticCode::kSmallDihedral: return "small_dihedral";
     case DiagnosticCode::kSeam: return "seam";
     case DiagnosticCode::kRoundingCapped: return "rounding_capped";
+    case DiagnosticCode::kManyFaces: return "many_faces";
     case DiagnosticCode::kIncompleteCheck: return "incomplete_check";
     case DiagnosticCode::kRemovedDetail: return "removed_detail";
     case DiagnosticCode::kSmallDetail: return "small_detail";

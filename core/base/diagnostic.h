@@ -30,6 +30,7 @@ enum class DiagnosticCode {
   kSmallDihedral,
   kSeam,
   kRoundingCapped,
+  kManyFaces,
   kIncompleteCheck,
   kRemovedDetail,
   kSmallDetail,

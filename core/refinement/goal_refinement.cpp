@@ -32,6 +32,17 @@ double area_of(const Surface& surface, const PatchMeshes& meshes, RunControl& co
   return area * surface.unit * surface.unit;
 }
 
+/// Makes the field of sizes that the goals ask for.
+SizeField sizes_for(const Goals& goals, const GapSearch* gaps, double coarsest, const PatchedSurface& on,
+                    const TriangulatedPatches& triangulated, RunControl& control) {
+  // With proximity, gradation is about the sizes that gaps ask for; around short segments, the bound on angles makes
+  // edges grow gradually. Gradation without proximity is about short segments.
+  std::vector<std::array<VertexId, 2>> segments;
+  if (gaps == nullptr && goals.gradation > 0) segments = segment_ends(triangulated.meshes, control);
+  if (gaps == nullptr && !(goals.gradation > 0)) return SizeField(goals.max_edge_length);
+  return SizeField(on.surface, gaps, segments, goals, on.plane_tolerance, control, coarsest);
+}
+
 std::string count_text(double count) {
   return count < 1e15 ? std::to_string(static_cast<std::uint64_t>(count)) : "10^15";
 }
@@ -221,15 +232,18 @@ const SizeField& GoalRefinement::size_field(const PatchedSurface& on, const Tria
   if (sizes_.field) return *sizes_.field;
   if (gaps != nullptr && !std::exchange(sizes_.is_smallest_gap_known, true))
     sizes_.smallest_gap = gaps->smallest(control_, goals_.max_faces);
-  // With proximity, gradation is about the sizes that gaps ask for; around short segments, the bound on angles makes
-  // edges grow gradually. Gradation without proximity is about short segments.
-  std::vector<std::array<VertexId, 2>> segments;
-  if (gaps == nullptr && goals_.gradation > 0) segments = segment_ends(triangulated.meshes, control_);
-  if (gaps != nullptr || goals_.gradation > 0)
-    sizes_.field.emplace(on.surface, gaps, segments, goals_, on.plane_tolerance, control_, sizes_.coarsest);
-  else
-    sizes_.field.emplace(goals_.max_edge_length);
+  sizes_.field.emplace(sizes_for(goals_, gaps, sizes_.coarsest, on, triangulated, control_));
   return *sizes_.field;
+}
+
+double GoalRefinement::predict_with(const Goals& goals, const PatchedSurface& on,
+                                    const TriangulatedPatches& triangulated) const {
+  const bool have_same_sizes = goals.max_edge_length == goals_.max_edge_length && goals.proximity == goals_.proximity &&
+                               goals.gradation == goals_.gradation;
+  if (sizes_.field && have_same_sizes) return predict(triangulated, goals, *sizes_.field, control_).expected;
+  const auto gaps = goals.proximity > 0 ? gap_search(on, triangulated) : nullptr;
+  const SizeField sizes = sizes_for(goals, gaps.get(), 0, on, triangulated, control_);
+  return predict(triangulated, goals, sizes, control_).expected;
 }
 
 bool GoalRefinement::is_over_budget(std::uint64_t faces) {

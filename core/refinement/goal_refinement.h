@@ -70,6 +70,11 @@ class GoalRefinement {
   /// Empty without goals.
   const std::vector<float>& predicted_of_patch() const { return predicted_of_patch_; }
 
+  /// Predicts how many faces refinement would make with other goals.
+  /// Input: the triangles as they are before refinement.
+  /// Cost:  that of a prediction. With other sizes that vary, the size field is computed for them.
+  double predict_with(const Goals& goals, const PatchedSurface& on, const TriangulatedPatches& triangulated) const;
+
   /// Refines the triangles of all patches, except patches that the ladder takes verbatim and frozen patches.
   /// Input:  `crossing` lists the pairs of patches that cross or touch each other in the input. The smaller id of a
   ///         pair comes first, and the pairs are sorted.

@@ -36,7 +36,8 @@ bool is_mending(DiagnosticCode code) {
     case DiagnosticCode::kTrailingBytes:
     case DiagnosticCode::kCurvedSurface:
     case DiagnosticCode::kSmallDihedral:
-    case DiagnosticCode::kRoundingCapped: return false;
+    case DiagnosticCode::kRoundingCapped:
+    case DiagnosticCode::kManyFaces: return false;
     default: return true;
   }
 }
