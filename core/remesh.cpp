@@ -284,8 +284,8 @@ class Run {
               control_);
     watch_.enter(Stage::kWeld);
     const bool is_removed =
-        verdict.all_true() && details_.remove(candidate_, partition_.patches, verdict.deviation, limits_.keep_verbatim,
-                                              prepared_, input_.face_count(), control_);
+        verdict.all_true() && details_.remove(candidate_, partition_.patches, verdict, limits_.keep_verbatim, prepared_,
+                                              input_.face_count(), control_);
     candidate_.clear();
     if (!is_removed) {
       details_.stop();
@@ -645,7 +645,7 @@ class Run {
     candidate_.refinement.before.exchange_with(candidate_.triangulated.meshes);
     candidate_.refinement.before.clear();
     summarise();
-    report_.volume_bound = report_.verified.volume_bound;
+    report_.volume_bound = report_.verified.volume_bound + details_.volume_bound();
     take_bounds(report_, details_.bound());
     details_.tell(candidate_, partition_.patches, surface(), report_.diagnostics, control_);
     report_.surfaces.join_bands();

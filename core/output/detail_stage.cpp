@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cfloat>
 #include <charconv>
 #include <cmath>
 #include <numeric>
@@ -92,6 +93,26 @@ double find_bend(const DetailRules& rules, const WithoutDetails& without, RunCon
   return bend;
 }
 
+/// A volume that faces enclose with the origin, and the sum of the absolute volumes from which it was computed.
+struct EnclosedVolume {
+  EnclosedVolume(std::span<const Vec3> positions, std::span<const Triangle> faces) {
+    for (const Triangle& t : faces) {
+      const double six_times = dot(positions[t[0].value], cross(positions[t[1].value], positions[t[2].value]));
+      volume += six_times / 6;
+      magnitude += std::fabs(six_times) / 6;
+    }
+  }
+  double volume = 0, magnitude = 0;
+};
+
+/// Returns by how much the volume changes at most, in the cubed unit of the rules.
+double volume_change(const DetailRules& rules, const WithoutDetails& without) {
+  const EnclosedVolume before(rules.positions, rules.faces), after(without.positions, without.faces);
+  // Each sum is rounded as often as there are faces, though errors hardly ever add up like that.
+  const double rounding = 0x1p-50 * static_cast<double>(rules.faces.size() + 16);
+  return std::fabs(after.volume - before.volume) + rounding * (before.magnitude + after.magnitude);
+}
+
 /// Makes the surface of the faces that are left.
 Surface make_surface(const WithoutDetails& without, std::vector<Vec3>&& places, const Candidate& candidate,
                      const PatchSet& patches, const Surface& before, const IdVector<FaceId, FaceId>& source,
@@ -160,15 +181,15 @@ bool DetailStage::are_there(const TriangulatedPatches& triangulated, const Surfa
   return false;
 }
 
-bool DetailStage::remove(const Candidate& candidate, const PatchSet& patches, double distance,
+bool DetailStage::remove(const Candidate& candidate, const PatchSet& patches, const Verdict& verdict,
                          const std::vector<std::uint8_t>& kept, Prepared& prepared, std::size_t input_faces,
                          RunControl& control) {
   const Surface& before = prepared.surface;
   const IdVector<FaceId, FaceId> source = face_source(before, patches, candidate.triangulated, control);
   const Triangles triangles(candidate, patches, before, kept, source, control);
   // A size that was given includes the distances before and after.
-  const double allowed =
-      limits_.is_size_given ? limits_.size - bound_ - distance - limits_.plane_tolerance : limits_.size - bound_;
+  const double allowed = limits_.is_size_given ? limits_.size - bound_ - verdict.deviation - limits_.plane_tolerance
+                                               : limits_.size - bound_;
   if (!(allowed > 0)) return false;
   const DetailRules rules{triangles.local,
                           candidate.assembled.faces.items(),
@@ -186,7 +207,9 @@ bool DetailStage::remove(const Candidate& candidate, const PatchSet& patches, do
       {candidate.positions.items(), candidate.assembled.faces.items(), places, without.faces, without.map}, control);
   if (!proven || !(*proven <= allowed) || !are_different(places, control)) return false;
 
-  bound_ += *proven + distance;
+  bound_ += *proven + verdict.deviation;
+  volume_bound_ += verdict.volume_bound +
+                   std::min(volume_change(rules, without) * before.unit * before.unit * before.unit, DBL_MAX / 4);
   if (limits_.is_size_given) {
     // A corner may be off its plane by half of the tolerance.
     const double bend = 2 * before.unit * find_bend(rules, without, control);

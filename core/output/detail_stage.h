@@ -15,6 +15,7 @@
 #include "core/mesh/surface.h"
 #include "core/output/candidate.h"
 #include "core/patches/triangulated_patches.h"
+#include "core/verify/verdict.h"
 
 namespace remesh {
 
@@ -42,13 +43,13 @@ class DetailStage {
   void stop() { is_done_ = true; }
 
   /// Removes details from a candidate.
-  /// Input:   a candidate without refinement that has passed verification against the prepared surface, and how far it
-  ///          is from that. `kept` has one entry per input face, or is empty; the corners of faces marked there stay.
+  /// Input:   a candidate without refinement that has passed verification against the prepared surface, and the
+  ///          verdict. `kept` has one entry per input face, or is empty; the corners of faces marked there stay.
   /// Output:  whether anything was removed and proven. Then the prepared surface is the candidate's triangles, without
   ///          the details. Its faces have the sources of the faces under them.
   /// Errors:  kCancelled, kTimeout - through `control`.
   /// Cost:    that of remove_details and of a search for intersections.
-  bool remove(const Candidate& candidate, const PatchSet& patches, double distance,
+  bool remove(const Candidate& candidate, const PatchSet& patches, const Verdict& verdict,
               const std::vector<std::uint8_t>& kept, Prepared& prepared, std::size_t input_faces, RunControl& control);
 
   bool is_any_removed() const { return passes_ > 0; }
@@ -56,6 +57,8 @@ class DetailStage {
   double size() const { return limits_.size; }
   /// Returns how far the surface is from the one before, in both directions, in model units.
   double bound() const { return bound_; }
+  /// Returns by how much the volume has changed at most, in cubed model units.
+  double volume_bound() const { return volume_bound_; }
   /// Returns the tolerance with which planes that have been bent a little are still planes. It is at least the plane
   /// tolerance, and all bounds together are within the size.
   double plane_tolerance() const { return limits_.plane_tolerance; }
@@ -77,7 +80,7 @@ class DetailStage {
   Limits limits_;
   bool is_done_ = false;
   int passes_ = 0;
-  double bound_ = 0;
+  double bound_ = 0, volume_bound_ = 0;
   std::uint64_t joined_edges_ = 0, closed_slivers_ = 0;
   Diagnostic removed_;  ///< the input faces under what was removed
   bool is_effort_spent_ = false;

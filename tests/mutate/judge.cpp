@@ -37,7 +37,9 @@ bool is_mending(DiagnosticCode code) {
     case DiagnosticCode::kCurvedSurface:
     case DiagnosticCode::kSmallDihedral:
     case DiagnosticCode::kRoundingCapped:
-    case DiagnosticCode::kManyFaces: return false;
+    case DiagnosticCode::kManyFaces:
+    case DiagnosticCode::kRemovedDetail:
+    case DiagnosticCode::kSmallDetail: return false;
     default: return true;
   }
 }
@@ -81,7 +83,7 @@ class Judge {
     for (const Vec3& p : input_.originals())
       for (int axis = 0; axis < 3; ++axis) largest = std::max(largest, std::fabs(p[axis]));
     slack_ = (written.has_floats ? 1e-6 : 1e-9) * diagonal + scale_.length(8 * 0x1p-52 * largest);
-    reach_ = scale_.length(report_.verified.deviation + report_.output_rounding) + slack_;
+    reach_ = scale_.length(proven_distance() + report_.output_rounding) + slack_;
     if (!is_clean_) reach_ += scale_.length(4 * report_.plane_tolerance + 2 * options_.weld_tolerance);
   }
 
@@ -102,6 +104,12 @@ class Judge {
     if (report.output_origin)
       for (Vec3& p : mesh.positions) p += *report.output_origin;
     return mesh;
+  }
+
+  /// Returns how far input and output are apart, as the report says. Details may have been removed.
+  double proven_distance() const {
+    if (!has(report_, DiagnosticCode::kRemovedDetail)) return report_.verified.deviation;
+    return std::max(report_.distance_bound->output_to_input, report_.distance_bound->input_to_output);
   }
 
   template <class... Words>
@@ -192,8 +200,8 @@ class Judge {
   void tell_distance(const char* direction, double furthest) {
     if (!(furthest <= reach_))
       object("distance", direction, ": a point is ", std::ldexp(furthest, scale_.exponent),
-             " away; the report's deviation is ", report_.verified.deviation, ", and ",
-             std::ldexp(reach_, scale_.exponent), " is allowed");
+             " away; the report's distance is ", proven_distance(), ", and ", std::ldexp(reach_, scale_.exponent),
+             " is allowed");
   }
 
   /// Counts the faces that are beyond the bounds, which are made wider by a share. Lengths are measured from corner
