@@ -30,7 +30,8 @@ constexpr std::array<Word<Repair>, 6> kRepairWords{{{"duplicates", &Repair::dupl
 constexpr std::array<Word<Barriers>, 3> kBarrierWords{
     {{"object", &Barriers::object}, {"group", &Barriers::group}, {"material", &Barriers::material}}};
 
-constexpr std::array<std::pair<std::string_view, Preset>, 1> kPresetWords{{{"exact", Preset::kExact}}};
+constexpr std::array<std::pair<std::string_view, Preset>, 2> kPresetWords{
+    {{"volume", Preset::kVolume}, {"exact", Preset::kExact}}};
 
 /// The value that a preset has for an option, as text.
 struct PresetValue {
@@ -38,7 +39,10 @@ struct PresetValue {
   std::string_view option;
   std::string_view text;
 };
-constexpr std::array<PresetValue, 3> kPresetValues{{
+// See core/experiments.md, Preset for volume meshing. The bound on angles is the default, 25 degrees.
+constexpr std::array<PresetValue, 5> kPresetValues{{
+    {Preset::kVolume, "proximity", "0.25"},
+    {Preset::kVolume, "elements_per_circle", "16"},
     {Preset::kExact, "feature_angle_deg", "0"},
     {Preset::kExact, "split_boundaries", "false"},
     {Preset::kExact, "defeature_size", "0"},
@@ -216,7 +220,8 @@ const std::array<OptionSpec, 27> kTable{{
     {.name = "preset",
      .type = OptionType::kChoice,
      .field = PresetField{},
-     .help = "a name for values of several options; exact: facets and boundaries stay as they are "
+     .help = "a name for values of several options; volume: what suits volume meshing best (proximity=0.25, "
+             "elements_per_circle=16); exact: facets and boundaries stay as they are "
              "(feature_angle_deg=0, split_boundaries=false); options that are given themselves go before it",
      .unset = "none",
      .example = "exact"},

@@ -18,7 +18,8 @@ namespace remesh::api {
 
 /// A name for values of several options.
 enum class Preset {
-  kExact  ///< facets and boundaries stay as they are: feature_angle_deg=0, split_boundaries=false
+  kVolume,  ///< what suits volume meshing: small edges at narrow gaps, and 16 edges per circle
+  kExact,   ///< facets and boundaries stay as they are: feature_angle_deg=0, split_boundaries=false
 };
 
 /// Everything that a caller may ask for: the options of the pipeline, which have the values of the preset already, and

@@ -55,7 +55,7 @@ TEST(capabilities, an_option_tells_its_type_default_bounds_and_words_and_nothing
   EXPECT_EQ(option_told("barriers"), json::parse(R"({"name": "barriers", "type": "string",
       "default": "object,group,material", "values": ["object", "group", "material"]})"));
   EXPECT_EQ(option_told("preset"), json::parse(R"({"name": "preset", "type": "string", "default": null,
-      "unset": "none", "values": ["exact"]})"));
+      "unset": "none", "values": ["volume", "exact"]})"));
   EXPECT_EQ(option_told("surface_tolerance"), json::parse(R"({"name": "surface_tolerance", "type": "number",
       "default": null, "unset": "auto", "minimum": 0, "excludes": "surface_tolerance_fraction"})"));
   EXPECT_EQ(option_told("elements_per_circle"), json::parse(R"({"name": "elements_per_circle", "type": "number",

@@ -134,6 +134,16 @@ TEST(options, the_exact_preset_leaves_facets_and_boundaries_as_they_are) {
   EXPECT_TRUE(changed(read("preset", "null", ValueKind::kNull)).empty());
 }
 
+TEST(options, the_preset_for_volume_meshing_sets_gaps_and_circles_and_leaves_the_bound_on_angles) {
+  const std::map<std::string_view, std::string> expected{
+      {"preset", "volume"}, {"proximity", "0.25"}, {"elements_per_circle", "16"}};
+  EXPECT_EQ(changed(read("preset", "volume")), expected);
+  const RequestOptions given = read_all({{"proximity", "0"}, {"preset", "volume"}, {"max_radius_edge_ratio", "1"}});
+  EXPECT_EQ(given.core.proximity, 0);
+  EXPECT_EQ(given.core.elements_per_circle, 16);
+  EXPECT_EQ(given.core.max_radius_edge_ratio, 1);
+}
+
 TEST(options, what_is_given_goes_before_a_preset_in_either_order) {
   const Given orders[] = {{{"preset", "exact"}, {"feature_angle_deg", "45"}},
                           {{"feature_angle_deg", "45"}, {"preset", "exact"}}};
@@ -149,11 +159,12 @@ TEST(options, what_is_given_goes_before_a_preset_in_either_order) {
 }
 
 TEST(options, a_preset_is_one_of_its_words) {
-  for (const std::string_view text : {"", "volume", "Exact", "exact,exact", "true"}) expect_invalid("preset", text);
+  for (const std::string_view text : {"", "volumes", "Exact", "exact,exact", "true"}) expect_invalid("preset", text);
   expect_invalid("preset", "exact", ValueKind::kList);
   expect_invalid("preset", "1", ValueKind::kNumber);
-  EXPECT_THAT(error_of([] { read("preset", "volume"); }).what(), HasSubstr("must be exact, or none, not \"volume\""));
-  EXPECT_THAT(option_words(*find_option("preset")), testing::ElementsAre("exact"));
+  EXPECT_THAT(error_of([] { read("preset", "volumes"); }).what(),
+              HasSubstr("must be volume, exact, or none, not \"volumes\""));
+  EXPECT_THAT(option_words(*find_option("preset")), testing::ElementsAre("volume", "exact"));
 }
 
 TEST(options, the_options_in_force_ask_for_the_same_again) {

@@ -68,6 +68,8 @@ test("a million triangles load, are remeshed into a million, turn, and are picke
     await type("#option-max_edge_length", "1.1");
     start = performance.now();
     await page.click("#run");
+    await page.waitForSelector("#large-dialog[open]", { timeout: kPatience });
+    await page.click("#large-run");
     await waitForText("#status", /^Remeshed in/, kPatience);
     console.log(
       `${await page.$eval("#status", (element) => element.textContent)}; on the screen after ${since(start)}`,

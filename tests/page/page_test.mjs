@@ -177,12 +177,38 @@ onPage(
   },
 );
 
+onPage("a run that would be large says how many faces are expected, and asks", async (on) => {
+  const { page, open, type, text, waitForText } = on;
+  await open(bracket, /^4,800 faces$/);
+  await type("#option-max_edge_length", "0.12");
+  await page.click("#run");
+  await page.waitForSelector("#large-dialog[open]", { timeout: 30_000 });
+  const options = { max_edge_length: "0.12" };
+  const analysis = await fetch(`${set.daemon.origin}/v1/analyze?${new URLSearchParams(options)}`, {
+    method: "POST",
+    body: readFileSync(bracket),
+  });
+  const { predicted_faces } = (await analysis.json()).report;
+  const told = Number((await text("#large-text")).replace(/^.*about ([\d,]+) faces.*$/, "$1").replaceAll(",", ""));
+  assert.equal(told, predicted_faces);
+  await page.click("#large-back");
+  await page.waitForSelector("#large-dialog:not([open])");
+  assert.equal(await page.$eval("#progress", (element) => element.hidden), true);
+  assert.equal(await text("#after-count"), "");
+  // A run that is not large is not asked about.
+  await type("#option-max_edge_length", "50");
+  await page.click("#run");
+  await waitForText("#status", /^Remeshed in/, 30_000);
+});
+
 onPage(
   "a long run shows its stages and is cancelled",
   async ({ page, open, type, text, waitForText }) => {
     await open(bracket, /^4,800 faces$/);
     await type("#option-max_edge_length", "0.12");
     await page.click("#run");
+    await page.waitForSelector("#large-dialog[open]", { timeout: 30_000 });
+    await page.click("#large-run");
     await waitForText("#stages .current", /^Refinement$/, 30_000);
     const passed = await page.$$eval("#stages .done", (stages) => stages.map((stage) => stage.textContent));
     assert.deepEqual(passed.slice(0, 4), ["Send", "Queued", "Read", "Weld"]);

@@ -5,6 +5,7 @@ import { kSamples } from "./samples.ts";
 import { type Post, type Running, ServiceClient, ServiceProblem } from "./service/client.ts";
 import type { Capabilities, Problem, Report } from "./service/types.ts";
 import { askForKey } from "./ui/key_dialog.ts";
+import { askAboutLarge, kLargeResult } from "./ui/large_dialog.ts";
 import { byId, h } from "./ui/dom.ts";
 import { SurfaceChoice } from "./surface_choice.ts";
 import { DownloadPanel } from "./ui/download_panel.ts";
@@ -19,6 +20,18 @@ import { count, degrees, real, seconds, sentence, whole } from "./ui/words.ts";
 import { listen } from "./view/gestures.ts";
 import { Viewer, kSides } from "./view/viewer.ts";
 import { WorkerClient } from "./worker_client.ts";
+
+/** Options that may ask for far more faces than the input has. By default, results are in proportion to the input. */
+const kSizes = [
+  "preset",
+  "max_edge_length",
+  "max_edge_fraction",
+  "max_area",
+  "min_edge_length",
+  "proximity",
+  "gradation",
+  "elements_per_circle",
+];
 
 /** A remeshing or an analysis that is on the screen. */
 interface Shown extends Told {
@@ -70,7 +83,7 @@ class Page {
     }
     byId("setup").addEventListener("submit", (event) => {
       event.preventDefault();
-      void this.run("/v1/remesh");
+      void this.remesh();
     });
     byId("analyze").addEventListener("click", () => void this.run("/v1/analyze"));
     byId("reset").addEventListener("click", () => this.options?.reset());
@@ -174,6 +187,53 @@ class Page {
   }
 
   // ---- a run
+
+  private async remesh(): Promise<void> {
+    if (await this.isWanted()) await this.run("/v1/remesh");
+  }
+
+  /** Whether a remeshing would not be large, or is wanted all the same. */
+  private async isWanted(): Promise<boolean> {
+    if (!this.file || !this.options || this.running) return false;
+    // What is wrong with these is told by the run.
+    if (this.file.size > this.mostBytes || !this.options.check()) return true;
+    const query = this.options.values();
+    if (!query.some(([name]) => kSizes.includes(name))) return true;
+    const predicted = await this.predict(this.file, query);
+    if (predicted === null) return false;
+    return predicted <= kLargeResult || (await askAboutLarge(predicted));
+  }
+
+  /** The number of faces to expect; 0 if the service cannot tell, and null if nothing is to be done any more. */
+  private async predict(file: File, query: [string, string][]): Promise<number | null> {
+    const { shown } = this;
+    if (shown && !shown.report.output && JSON.stringify(shown.query) === JSON.stringify(query))
+      return shown.report.predicted_faces;
+    byId("problem").hidden = true;
+    this.progress.start();
+    this.running = this.service.post(
+      { path: "/v1/analyze", query, body: file },
+      {
+        onSent: (part) => this.progress.enter(part < 1 ? "send" : "queued", part < 1 ? part : null),
+        onState: (state) => this.progress.show(state),
+        onReceived: () => this.progress.enter("receive", null),
+      },
+    );
+    this.enableActions();
+    try {
+      const { report } = JSON.parse(await (await this.running.answer).text()) as { report: Report };
+      return this.file === file ? report.predicted_faces : null;
+    } catch (error) {
+      if (this.file !== file) return null;
+      if (!(error instanceof ServiceProblem && error.isCancelled)) return 0;
+      this.complain(error);
+      return null;
+    } finally {
+      this.running = null;
+      this.progress.end();
+      this.enableActions();
+    }
+  }
 
   private async run(path: Post["path"]): Promise<void> {
     if (!this.file || !this.options || this.running) return;

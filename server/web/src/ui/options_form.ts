@@ -4,11 +4,13 @@ import { type Child, h } from "./dom.ts";
 import { label, real, sentence } from "./words.ts";
 
 /** Those that most runs need; the others fold away. */
-const kFirst = ["refine", "min_angle_deg", "max_edge_length", "proximity"];
+const kFirst = ["preset", "refine", "min_angle_deg", "max_edge_length", "proximity"];
 /** The page asks for what it needs, see the downloads. */
 const kNotAsked = ["format"];
 /** Numbers to pick from, beside any other. */
 const kUsual: Record<string, number[]> = { elements_per_circle: [8, 12, 16, 24, 36] };
+/** Choices that say more than their word. */
+const kChoices: Record<string, string> = { volume: "for volume meshing" };
 const kControls = "input, select";
 
 interface Field {
@@ -122,7 +124,7 @@ export class OptionsForm {
     const select = h(
       "select",
       { id, "aria-describedby": note.id, change: () => this.changed() },
-      ...words.map((word) => h("option", { value: word }, label(word).toLowerCase())),
+      ...words.map((word) => h("option", { value: word }, kChoices[word] ?? label(word).toLowerCase())),
     );
     const row = h(
       "div",
