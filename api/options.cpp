@@ -222,7 +222,8 @@ const std::array<OptionSpec, 27> kTable{{
      .field = PresetField{},
      .help = "a name for values of several options; volume: what suits volume meshing best (proximity=0.25, "
              "elements_per_circle=16); exact: facets and boundaries stay as they are "
-             "(feature_angle_deg=0, split_boundaries=false); options that are given themselves go before it",
+             "(feature_angle_deg=0, split_boundaries=false, defeature_size=0); options that are given themselves go "
+             "before it",
      .unset = "none",
      .example = "exact"},
     {.name = "format",
