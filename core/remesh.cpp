@@ -129,6 +129,7 @@ bool may_cut_curves(const Options& options) {
 void take_bounds(Report& report, double of_details) {
   report.distance_bound = {report.verified.distance_bound.output_to_input + of_details,
                            report.verified.distance_bound.input_to_output + of_details};
+  report.verified.deviation += of_details;
   for (std::size_t p = 0; p < report.patches.size(); ++p) {
     report.patches[p].bound = report.verified.patch_bounds[p] + of_details;
     double& of_surface = report.surfaces.surfaces[report.surfaces.of_patch[PatchId(p)]].bound;

@@ -36,7 +36,8 @@ struct FacesToExplain {
   std::function<std::map<int, std::uint64_t>()> predict_by_circles;
 };
 
-/// A result is explained if it has more faces than kTimesOfInput times the input's triangles, and more than kFewFacesAlways.
+/// A result is explained if it has more faces than kTimesOfInput times the input's triangles, and more than
+/// kFewFacesAlways.
 inline constexpr double kTimesOfInput = 10, kFewFacesAlways = 1000;
 
 /// Explains a result that has many faces, or for which a value of min_edge_length was found that keeps it in proportion
@@ -44,8 +45,8 @@ inline constexpr double kTimesOfInput = 10, kFewFacesAlways = 1000;
 /// - The cause is the goal without which the fewest faces are predicted: sizes, gaps, or angles. For angles it is told
 ///   whether most faces are in facets of curved surfaces.
 /// - For each option that helps, the message has the first value, in steps, with which no more than kTimesOfInput times
-///   the input's triangles, or kFewFacesAlways, are predicted. If there is none, it has the one with the fewest faces, if
-///   they are at least a fifth fewer. Predictions are scaled by the ratio of the result to what is predicted for it.
+///   the input's triangles, or kFewFacesAlways, are predicted. If there is none, it has the one with the fewest faces,
+///   if they are at least a fifth fewer. Predictions are scaled by the ratio of the result to what is predicted for it.
 /// - If a value of min_edge_length was found, the message has this value, the number of triangles that it left, and the
 ///   number of faces that are predicted without it.
 /// Output:  nothing, or one diagnostic. Its elements are the input's faces of the patches with the largest shares,

@@ -14,8 +14,8 @@ namespace remesh {
 
 struct Prediction {
   /// This is the number of faces to expect. It is mostly right within a factor of 1.5, and nearly always within 3; see
-  /// experiments.md, Prediction, for the shares. (For fans of needles, and for facets whose neighbours are cut again and
-  /// again at a bound of 30 degrees, there is no cheap tight estimate.)
+  /// experiments.md, Prediction, for the shares. (For fans of needles, and for facets whose neighbours are cut again
+  /// and again at a bound of 30 degrees, there is no cheap tight estimate.)
   double expected = 0;
   /// This is each patch's share in that, which is at least 1. It leaves out what the patch makes of cuts that other
   /// patches need.

@@ -163,7 +163,7 @@ TEST(options, a_preset_is_one_of_its_words) {
   expect_invalid("preset", "exact", ValueKind::kList);
   expect_invalid("preset", "1", ValueKind::kNumber);
   EXPECT_THAT(error_of([] { read("preset", "volumes"); }).what(),
-              HasSubstr("must be volume, exact, or none, not \"volumes\""));
+              HasSubstr("must be one of volume, exact, or none, not \"volumes\""));
   EXPECT_THAT(option_words(*find_option("preset")), testing::ElementsAre("volume", "exact"));
 }
 

@@ -144,8 +144,8 @@ TEST(many_faces, of_a_plate_with_a_size_are_as_many_with_the_option_that_is_name
 }
 
 TEST(many_faces, of_narrow_facets_are_as_many_with_the_options_that_are_named) {
-  // A rod with narrow facets: each needs as many pieces as its length is longer than its width, or so.
-  const PolygonMesh rod = shapes::cylinder(96, 1, 5);
+  // A rod with narrow facets: each needs length / width pieces or so.
+  const PolygonMesh rod = shapes::cylinder(96, 1, 6);
   const Result result = remeshed(rod, {});
   const Diagnostic* const many = find_many_faces(result.report.diagnostics);
   ASSERT_NE(many, nullptr);
