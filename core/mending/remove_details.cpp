@@ -54,8 +54,8 @@ struct Spoke {
 };
 
 /// Removes the details of one surface.
-/// This class is larger than the bound because it looks at two kinds of details with the same tests of shapes, links and
-/// folds.
+/// This class is larger than the bound because it looks at two kinds of details with the same tests of shapes, links
+/// and folds.
 class DetailRemover {
  public:
   DetailRemover(const DetailRules& rules, const std::vector<std::uint8_t>& is_fixed, RunControl& control)
@@ -306,14 +306,15 @@ class DetailRemover {
     return kNone;
   }
 
-  /// Returns whether a node has faces only at its edge to another, and each of these hangs on a face that stays.
+  /// Returns whether a node has faces only at its edge to another, and each of these hangs on an edge at which two faces
+  /// stay.
   static bool hangs_on_edges_of(std::uint32_t from, std::uint32_t to, const std::vector<PresentTriangle>& at_from,
                                 const std::vector<PresentTriangle>& at_to) {
     return std::all_of(at_from.begin(), at_from.end(), [&](const PresentTriangle& t) {
       if (!t.has(to)) return false;
       const std::uint32_t apex = third(t, from, to);
-      return std::any_of(at_to.begin(), at_to.end(),
-                         [&](const PresentTriangle& other) { return other.has(apex) && !other.has(from); });
+      return std::count_if(at_to.begin(), at_to.end(),
+                           [&](const PresentTriangle& other) { return other.has(apex) && !other.has(from); }) >= 2;
     });
   }
 
@@ -415,9 +416,9 @@ class DetailRemover {
     if (!edge.is_crease) return;
     for (const PresentTriangle& other : beside)
       if (find_spoke(spokes_c, third(other, s.a, s.b)) != nullptr) return;
-    const bool is_flap = !beside.empty() && std::all_of(at_c.begin(), at_c.end(), [&](const PresentTriangle& other) {
-      return other.has(s.a) && other.has(s.b);
-    });
+    const bool is_flap = beside.size() >= 2 && std::all_of(at_c.begin(), at_c.end(), [&](const PresentTriangle& other) {
+                           return other.has(s.a) && other.has(s.b);
+                         });
     if (!is_flap && edge.is_border && count_borders(spokes_c) > 0) return;
 
     const auto to_corner = is_flap ? std::nullopt : look_at_bent_side(s, beside, at_c);

@@ -41,6 +41,7 @@ TEST(options, the_table_has_every_option_of_the_contract_with_its_default) {
                                                          {"max_edge_fraction", "none"},
                                                          {"max_area", "none"},
                                                          {"min_edge_length", "auto"},
+                                                         {"defeature_size", "auto"},
                                                          {"proximity", "0"},
                                                          {"gradation", "auto"},
                                                          {"max_output_faces", "none"},
@@ -127,7 +128,7 @@ std::map<std::string_view, std::string> changed(const RequestOptions& options) {
 
 TEST(options, the_exact_preset_leaves_facets_and_boundaries_as_they_are) {
   const std::map<std::string_view, std::string> expected{
-      {"preset", "exact"}, {"feature_angle_deg", "0"}, {"split_boundaries", "false"}};
+      {"preset", "exact"}, {"feature_angle_deg", "0"}, {"split_boundaries", "false"}, {"defeature_size", "0"}};
   EXPECT_EQ(changed(read("preset", "exact")), expected);
   EXPECT_EQ(changed(read("preset", "exact", ValueKind::kString)), expected);
   EXPECT_TRUE(changed(read("preset", "none")).empty());

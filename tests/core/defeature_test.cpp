@@ -15,6 +15,7 @@
 #include "tests/support/random.h"
 #include "tests/support/refined_checks.h"
 #include "tests/support/shapes.h"
+#include "tests/support/solids.h"
 
 namespace remesh {
 namespace {
@@ -125,6 +126,14 @@ TEST(defeature, flaps_go) {
       }
       EXPECT_LT(gone.mesh.faces.size(), 20u) << height << is_closed;
     }
+}
+
+TEST(defeature, a_narrow_sheet_is_no_flap) {
+  // A ring that is a thousandth wide has nothing on which its corners would hang.
+  const PolygonMesh ring = solids::nested_squares(1, 1e-3);
+  const Result result = refined(ring, without_details(2e-3));
+  EXPECT_TRUE(result.report.verified.all_true());
+  EXPECT_NEAR(result.report.output.area, result.report.input.area, 1e-9 * result.report.input.area);
 }
 
 TEST(defeature, deep_slots_and_thin_walls_stay_sound) {
