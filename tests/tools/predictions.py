@@ -118,7 +118,8 @@ def share(rows, factor):
 
 
 def print_settings(rows):
-    table = [["setting", "angle", "runs", f"within {NEAR:g}", f"within {FAR:g}", "too low", "too high", "share of time"]]
+    within = [f"within {NEAR:g}", f"within {FAR:g}"]
+    table = [["setting", "angle", "runs", *within, "too low", "too high", "share of time"]]
     groups = [(setting, angle) for setting in SETTINGS for angle in sorted({row.angle_deg for row in rows})]
     for setting, angle in [*groups, ("all", 0)]:
         here = [row for row in rows if setting == "all" or (row.setting, row.angle_deg) == (setting, angle)]
