@@ -56,9 +56,12 @@ int slow(std::size_t connections) {
     readers.back()->send(large);
   }
   const std::string connected = "remeshd_http_connections";
+  // A connection that waits to be accepted has no request that is queued or runs.
   for (int i = 0; i < 600; ++i) {
     const std::string metrics = fetch(daemon.ops_port(), "/metrics");
-    if (metric(metrics, "remeshd_requests_queued") == 0 && metric(metrics, "remeshd_requests_running") == 0) break;
+    if (metric(metrics, connected) >= static_cast<double>(2 * connections) &&
+        metric(metrics, "remeshd_requests_queued") == 0 && metric(metrics, "remeshd_requests_running") == 0)
+      break;
     std::this_thread::sleep_for(std::chrono::milliseconds(100));
   }
 
