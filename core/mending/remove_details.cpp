@@ -207,14 +207,15 @@ class DetailRemover {
       if (would_fold(from, apex, target, at_from, to, to, at_to, from)) return {};
     }
     if (std::min(change.lowest_after, rules_.size) < change.lowest_before) return {};
-    if (leaves_folded_strip(from, to, at_from, at_to)) return {};
+    if (leaves_half_a_strip(from, to, at_from, at_to, spokes_from, spokes_to)) return {};
     return change;
   }
 
   /// Returns whether a narrow face at a node, to which another one has been joined, would separate two faces that must
-  /// not become neighbours. Its other end could not be joined then.
-  bool leaves_folded_strip(std::uint32_t from, std::uint32_t to, const std::vector<PresentTriangle>& at_from,
-                           const std::vector<PresentTriangle>& at_to) const {
+  /// not become neighbours, or would have a border on both sides. Its other end could not be joined then.
+  bool leaves_half_a_strip(std::uint32_t from, std::uint32_t to, const std::vector<PresentTriangle>& at_from,
+                           const std::vector<PresentTriangle>& at_to, const std::vector<Spoke>& spokes_from,
+                           const std::vector<Spoke>& spokes_to) const {
     const Vec3& target = complex_.place(to);
     struct Face {
       std::array<std::uint32_t, 2> others;
@@ -249,8 +250,13 @@ class DetailRemover {
       }
       return sides;
     };
+    const auto is_border = [&](std::uint32_t end) {
+      const Spoke *const a = find_spoke(spokes_from, end), *const b = find_spoke(spokes_to, end);
+      return (a != nullptr && a->is_border) || (b != nullptr && b->is_border);
+    };
     for (std::uint32_t f = 0; f < faces.size(); ++f) {
       if (!faces[f].is_narrow) continue;
+      if (is_border(faces[f].others[0]) && is_border(faces[f].others[1])) return true;
       const std::vector<Vec3> beyond_one = sides_beyond(f, faces[f].others[0]);
       const std::vector<Vec3> beyond_other = sides_beyond(f, faces[f].others[1]);
       for (const Vec3& a : beyond_one)

@@ -54,6 +54,7 @@ inline constexpr StageWork kWorkOfDetails{32, 0, 1 << 20};
 /// - A face that is not noise would be turned by more than 60 degrees, or turned over if it is narrow itself, or become
 ///   narrower than what goes.
 /// - Two faces that are no details would lie on each other, as the walls of a slot would.
+/// - It is one end of a strip whose other end cannot go: between two such faces, or between two borders.
 /// Where a corner can take either of two places, it takes the one that bends planes and creases by less.
 /// Input:   faces and vertices as above. Equal vertices of two faces have equal ids.
 /// Output:  a surface with the input's vertices, but for those that had to go to an edge.

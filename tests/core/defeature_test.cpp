@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -188,6 +189,52 @@ TEST(defeature, sources_and_patches_are_in_the_numbering_of_the_input) {
     ASSERT_EQ(d.elements.size(), 1u);
     EXPECT_EQ(d.elements[0], 8u);
   }
+}
+
+/// The faces by the places of their corners, in an order that numbering does not change.
+std::vector<std::array<Vec3, 3>> faces_by_places(const TriangleMesh& mesh) {
+  std::vector<std::array<Vec3, 3>> faces;
+  for (const Triangle& t : mesh.faces) {
+    std::array<Vec3, 3> places{mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]};
+    std::rotate(places.begin(), std::min_element(places.begin(), places.end()), places.end());
+    faces.push_back(places);
+  }
+  std::sort(faces.begin(), faces.end());
+  return faces;
+}
+
+TEST(defeature, the_order_of_faces_and_vertices_changes_nothing) {
+  const double step = 1e-3;
+  for (const PolygonMesh& mesh :
+       {shapes::cube_with_needle(1e-3), shapes::sheet_with_flap(1e-3, false),
+        shapes::fan_triangulated(extruded({{0, 0}, {1, 0}, {1, 1 - step}, {0.5, 1 - step}, {0.5, 1}, {0, 1}}))}) {
+    const Result first = refined(mesh, without_details(2e-3));
+    EXPECT_GT(removed_count(first.report), 0u);
+    for (const unsigned seed : {1u, 2u, 3u, 4u}) {
+      const Result other = refined(shapes::renumbered(mesh, seed), without_details(2e-3));
+      EXPECT_EQ(faces_by_places(other.mesh), faces_by_places(first.mesh)) << seed;
+    }
+  }
+}
+
+TEST(defeature, labels_stay) {
+  const double width = 1e-3;
+  PolygonMesh mesh = extruded({{0, 0}, {1, 0}, {1, 1 - width}, {1 - width, 1}, {0, 1}});
+  // The sides of the prism follow its two ends; the third one is the chamfer.
+  const std::size_t faces = mesh.face_count();
+  const FaceId chamfer(faces - 5 + 2);
+  mesh.labels.group.names = {"body", "chamfer"};
+  mesh.labels.group.of_face.assign(faces, 0);
+  mesh.labels.group.of_face[chamfer] = 1;
+  const Result result = refined(mesh, without_details(2 * width));
+  EXPECT_TRUE(result.report.verified.all_true());
+  EXPECT_EQ(removed_count(result.report), 0u);
+  const auto& labels = result.mesh.labels.group.of_face.items();
+  EXPECT_GT(std::count(labels.begin(), labels.end(), 1u), 0);
+  // Without barriers, the chamfer goes.
+  Options options = without_details(2 * width);
+  options.barriers = {false, false, false};
+  EXPECT_GT(removed_count(refined(mesh, options).report), 0u);
 }
 
 /// A box of many squares whose vertices are moved at random, the middle ones by more.
