@@ -187,9 +187,9 @@ bool DetailStage::remove(const Candidate& candidate, const PatchSet& patches, co
   const Surface& before = prepared.surface;
   const IdVector<FaceId, FaceId> source = face_source(before, patches, candidate.triangulated, control);
   const Triangles triangles(candidate, patches, before, kept, source, control);
-  // A size that was given includes the distances before and after.
-  const double allowed = limits_.is_size_given ? limits_.size - bound_ - verdict.deviation - limits_.plane_tolerance
-                                               : limits_.size - bound_;
+  // All distances together are within the size. By default, that is the plane tolerance, which is shared out.
+  const double left = limits_.size - bound_ - verdict.deviation;
+  const double allowed = limits_.is_size_given ? left - limits_.plane_tolerance : left / 2;
   if (!(allowed > 0)) return false;
   const DetailRules rules{triangles.local,
                           candidate.assembled.faces.items(),
@@ -210,7 +210,9 @@ bool DetailStage::remove(const Candidate& candidate, const PatchSet& patches, co
   bound_ += *proven + verdict.deviation;
   volume_bound_ += verdict.volume_bound +
                    std::min(volume_change(rules, without) * before.unit * before.unit * before.unit, DBL_MAX / 4);
-  if (limits_.is_size_given) {
+  if (!limits_.is_size_given) {
+    limits_.plane_tolerance = (limits_.size - bound_) * (1 - kRoundingShare);
+  } else {
     // A corner may be off its plane by half of the tolerance.
     const double bend = 2 * before.unit * find_bend(rules, without, control);
     limits_.plane_tolerance =
