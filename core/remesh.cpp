@@ -263,7 +263,8 @@ class Run {
   /// the surface.
   /// Output: false if all stays as it is.
   bool remove_details() {
-    curves_.reset();
+    // What curved patches have failed is still needed if nothing is removed.
+    curves_.forget_joined();
     triangulate();
     // The ladder comes first, and changes the patches.
     if (!find_failed_patches(candidate_.triangulated.meshes).empty()) return false;
@@ -294,6 +295,7 @@ class Run {
     }
     control_.memory().set_input(std::max(counted_faces(input_), counted_faces(surface())));
     report_.plane_tolerance = details_.plane_tolerance();
+    curves_.reset();
     regions_ = {};
     ladder_.emplace(surface(), prepared_.without_area);
     if (options_.keep_boundary_vertices) ladder_->forced().assign(surface().vertex_count(), 1);

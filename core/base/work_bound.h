@@ -58,7 +58,7 @@ struct StageWork {
 /// The searches for gaps from which sizes are found. A step is a box that a search looks at.
 /// Good surfaces take 100 to 400 steps for each place that gets a size of its own, and have fewer such places than
 /// faces in the output.
-inline constexpr StageWork kWorkOfSizes{256, 4, 1 << 20};
+inline constexpr StageWork kWorkOfSizes{256, 2, 1 << 20};
 
 /// The search for the smallest gap of the whole surface, from one triangle after the other. A step is a box. Good
 /// surfaces take up to 850 steps for each triangle, most of them fewer than 200.

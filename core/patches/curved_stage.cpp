@@ -14,6 +14,12 @@
 namespace remesh {
 namespace {
 
+/// After this many steps, curved patches that fail become facets without being tried with finer limits.
+constexpr int kPatientSteps = 16;
+/// After this many steps, all curved patches become facets. Parts were seen to take at most five steps, or 13 where
+/// volumes are kept.
+constexpr int kMaxSteps = 32;
+
 /// Returns whether a patch reaches the apex of its cone, at which all rulings meet.
 bool reaches_apex(const Surface& surface, const PatchSet& patches, PatchId p, const SurfaceMap& map, StopCheck& check) {
   if (map.shape().kind != SurfaceKind::kCone) return false;
@@ -41,6 +47,13 @@ void squeeze_maps(const Surface& surface, const PatchSet& patches, CurvedPatches
 }
 
 }  // namespace
+
+void CurvedStage::forget_joined() {
+  curved_ = {};
+  cuts_ = {};
+  with_cuts_.reset();
+  is_outside_ = false;
+}
 
 PatchSet CurvedStage::take_facets(Partition& partition) {
   return curved_.has_any() ? std::move(facets_) : std::move(partition.patches);
@@ -190,11 +203,18 @@ std::vector<PatchId> CurvedStage::at_fault(const std::vector<FailedPatch>& faile
 
 void CurvedStage::step_up(const std::vector<PatchId>& at_fault, const PatchSet& patches) {
   rungs_.resize(patches.of_face.size(), CurvedRung::kJoined);
+  ++steps_;
+  if (steps_ > kMaxSteps) {
+    for (std::size_t f = 0; f < patches.of_face.size(); ++f)
+      if (curved_.of(patches.of_face[FaceId(f)]) != nullptr) rungs_[FaceId(f)] = CurvedRung::kFacet;
+    return;
+  }
   std::vector<SurfaceId> left, changed;
   for (const PatchId p : at_fault) {
     changed.push_back(curved_.of(p)->surface);
     const auto faces = patches.faces_of(p);
     const bool is_tightened =
+        steps_ > kPatientSteps ||
         std::any_of(faces.begin(), faces.end(), [&](FaceId f) { return rungs_[f] != CurvedRung::kJoined; });
     CurvedRung next = is_tightened ? CurvedRung::kFacet : CurvedRung::kTightened;
     // If finer limits did not help, the surface and those beside it stay where they are, and all begins anew there.

@@ -34,6 +34,9 @@ class CurvedStage {
 
   /// Forgets everything. The next surface is another one.
   void reset() { *this = {}; }
+  /// Forgets which facets are joined, and the cuts of their boundaries, as before run() is called. The surfaces are
+  /// still known, and so is what has failed.
+  void forget_joined();
 
   /// Takes the patches of the last partition, before any were joined, out of this object or out of the partition.
   PatchSet take_facets(Partition& partition);
@@ -52,7 +55,9 @@ class CurvedStage {
   std::vector<PatchId> at_fault(const std::vector<FailedPatch>& failed, const PatchSet& patches, const Surface& surface,
                                 const Adjacency& adjacency, const RunControl& control) const;
   /// Takes curved patches a rung up: first they get finer limits, and then they become facets again. If their surfaces
-  /// are moved outwards, finer limits come first, then the surfaces stay where they are, and then all begins anew.
+  /// are moved outwards, finer limits come first, then the surfaces stay where they are, and then all begins anew. A
+  /// chain of neighbours that fail one after the other must not cost a step for each of them. So after some steps,
+  /// patches become facets at once, and after some more, all curved patches do.
   void step_up(const std::vector<PatchId>& at_fault, const PatchSet& patches);
 
   /// Returns the curved patches of some surfaces.
@@ -87,6 +92,7 @@ class CurvedStage {
   RecognisedSurfaces recognised_;       ///< those of the facets
   RecognisedSurfaces surfaces_;         ///< those of the patches, until they are taken
   IdVector<FaceId, CurvedRung> rungs_;  ///< empty while no curved patch has failed
+  int steps_ = 0;                       ///< how often curved patches have been taken a rung up
   CurvedPatches curved_;
   CurveCuts cuts_;                    ///< only with curved patches
   std::optional<Surface> with_cuts_;  ///< only with curved patches

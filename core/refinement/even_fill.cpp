@@ -33,7 +33,7 @@ constexpr double kWideColumn = 0.75;
 /// cells without a point of their own. A fill is given up if it would look at more cells than kFewCells, plus
 /// kMaxCellsEach for each point that is allowed, for each point of the boundary and for each triangle.
 constexpr std::size_t kMaxCellsEach = 16;
-constexpr std::size_t kFewCells = std::size_t{1} << 20;
+constexpr std::size_t kFewCells = 256;
 /// A fill with more cells would take minutes.
 constexpr std::size_t kMaxCells = std::size_t{1} << 30;
 

@@ -217,11 +217,12 @@ class Starter {
     const PlaneSizes sizes = sizes_.of_lattices();
     const auto is_too_fine = [&](double size) { return size / 2 < min_edge_length_; };
     if (sizes.is_uniform && is_too_fine(sizes_.criteria().even_size)) return {};
+    const std::size_t max_points = std::min<std::uint64_t>(quota / 3, std::uint64_t{1} << 27);
+    if (max_points < kMinPoints) return {};
     const std::vector<std::array<Vec2, 3>> triangles =
         made ? triangles_of(made->mesh, points, made->number) : triangles_of(patch_.mesh.mesh, patch_.mesh.uv, {});
     std::vector<Vec2> boundary = points;
     for (const Piece& piece : outline.pieces) boundary.push_back(0.5 * (points[piece.from] + points[piece.to]));
-    const std::size_t max_points = std::min<std::uint64_t>(quota / 3, std::uint64_t{1} << 27);
     // Points are rounded to the grid, and again in space.
     const double shortest = min_edge_length_ / chart_.scale(patch_.mesh.uv.front()) * (1 + 1e-9) + 2 * chart_.grid();
     Fill fill;
@@ -233,6 +234,9 @@ class Starter {
     }
     return fill;
   }
+
+  /// With fewer points than this, a lattice is not worth the look at the sizes of all triangles.
+  static constexpr std::size_t kMinPoints = 16;
 
   const PatchToRefine& patch_;
   const PatchSizes& sizes_;
