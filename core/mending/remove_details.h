@@ -44,7 +44,7 @@ struct WithoutDetails {
 
 /// The removal of details. A step is a face at a vertex that is looked at. Good surfaces take fewer than 40 for each
 /// face that goes.
-inline constexpr StageWork kWorkOfDetails{32, 0, 1 << 20};
+inline constexpr StageWork kWorkOfDetails{4, 0, 1 << 18};
 
 /// Joins the ends of short edges, and the corner of a narrow face to the crease over which it stands, the smallest
 /// first. Ties are broken by places. This goes on until no detail is left that can go. A detail stays in these cases:
