@@ -50,6 +50,10 @@ Goals goals_of(const Options& options, double diagonal);
 /// Input: `triangles` is the number of the input's triangles, where a polygon counts as the triangles that fill it.
 void keep_in_proportion(Goals& goals, const Options& options, double diagonal, std::uint64_t triangles);
 
+/// Returns the length below which no edge is made because smaller details are removed, in model units; 0 if there is no
+/// such length, or if it could not be kept. It is a third of defeature_size.
+double floor_of_details(const Options& options, const Goals& goals);
+
 /// Return the area of an equilateral triangle with this edge, and the edge of one with this area. No triangle with
 /// edges up to `edge` has a larger area. Infinity gives infinity.
 double equilateral_area(double edge);
