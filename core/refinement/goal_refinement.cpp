@@ -225,7 +225,8 @@ void GoalRefinement::refuse_if_hopeless(double least) const {
 std::unique_ptr<const GapSearch> GoalRefinement::gap_search(const PatchedSurface& on,
                                                             const TriangulatedPatches& triangulated) const {
   if (!(goals_.proximity > 0)) return nullptr;
-  return std::make_unique<GapSearch>(on.surface, on.adjacency, on.patches, on.plane_tolerance, control_, &triangulated);
+  return std::make_unique<GapSearch>(on.surface, on.adjacency, on.patches, on.plane_tolerance, control_, &triangulated,
+                                     goals_.least_gap);
 }
 
 /// Returns a value only where gradation alone makes sizes vary.
