@@ -13,6 +13,9 @@
 #include "core/mending/mend_faces.h"
 #include "core/output/face_labels.h"
 #include "core/output/face_source.h"
+#include "core/refinement/chords.h"
+#include "core/refinement/lifting.h"
+#include "core/refinement/unrefined_reason.h"
 #include "core/verify/detail_check.h"
 
 namespace remesh {
@@ -179,6 +182,32 @@ bool DetailStage::are_there(const TriangulatedPatches& triangulated, const Surfa
     }
   }
   return false;
+}
+
+bool DetailStage::run(const Context& context, Candidate& candidate, Prepared& prepared, Stopwatch& watch,
+                      RunControl& control) {
+  const Surface& surface = prepared.surface;
+  watch.enter(Stage::kAssembly);
+  TriangulatedPatches& triangulated = candidate.triangulated;
+  Refinement& refinement = candidate.refinement;
+  candidate.has_chords = !flip_chords(triangulated.meshes, surface.vertex_count(), control);
+  if (candidate.has_chords) {
+    split_chords(surface, triangulated, refinement, {}, UnrefinedReason::kSizeFloor, control);
+    lift_new_vertices(surface, context.patches, triangulated, refinement.first_inner, context.plane_tolerance,
+                      refinement.new_positions, control);
+  }
+  assemble(candidate, surface, nullptr, control);
+  watch.enter(Stage::kVerify);
+  const Verdict verdict = check(candidate,
+                                {is_any_removed() ? nullptr : &context.input, surface, context.patches,
+                                 context.intersections, context.plane_tolerance, context.weld_tolerance},
+                                control);
+  watch.enter(Stage::kWeld);
+  const bool is_removed = verdict.all_true() && remove(candidate, context.patches, verdict, context.kept, prepared,
+                                                       context.input.face_count(), control);
+  candidate.clear();
+  if (!is_removed) stop();
+  return is_removed;
 }
 
 bool DetailStage::remove(const Candidate& candidate, const PatchSet& patches, const Verdict& verdict,
