@@ -89,6 +89,7 @@ double find_bend(const DetailRules& rules, const WithoutDetails& without, RunCon
     const double longest = std::max({norm(b - a), norm(c - b), norm(a - c)}), twice_area = norm(normal);
     if (!(twice_area >= rules.size * longest)) continue;
     for (const VertexId v : t) {
+      if (!without.map.image[v].is_valid()) continue;
       const Vec3 move = without.positions[without.map.image[v].value] - rules.positions[v.value];
       bend = std::max(bend, std::fabs(dot(normal, move)) / twice_area);
     }
@@ -249,6 +250,7 @@ bool DetailStage::remove(const Candidate& candidate, const PatchSet& patches, co
   }
   joined_edges_ += without.joined_edges;
   closed_slivers_ += without.closed_slivers;
+  removed_specks_ += without.removed_specks;
   std::vector<FaceId> removed;
   for (const FaceId f : without.removed) removed.push_back(source[f]);
   std::sort(removed.begin(), removed.end());
@@ -277,12 +279,21 @@ bool DetailStage::remove(const Candidate& candidate, const PatchSet& patches, co
   return true;
 }
 
+/// Finds the parts of a result that are no larger than a detail.
+Specks DetailStage::specks_left(const Candidate& result, RunControl& control) const {
+  return find_specks({result.positions.items(), result.assembled.faces.items(), {}, {}, {}, limits_.size, 0, 0},
+                     control);
+}
+
 void DetailStage::tell(const Candidate& result, const PatchSet& patches, const Surface& surface,
                        std::vector<Diagnostic>& diagnostics, RunControl& control) const {
   if (is_any_removed()) diagnostics.push_back(removal());
   if (!limits_.is_size_given || limits_.size == 0) return;
   const double least = kShareOfSize * limits_.size;
   Diagnostic left{DiagnosticCode::kSmallDetail, 0, {}, {}};
+  const auto add_source = [&](FaceId f) {
+    left.add(surface.face_source[patches.faces_of(result.assembled.face_patch[f]).front()].value);
+  };
   StopCheck check(control);
   for (FaceId f(0); f.value < result.assembled.faces.size(); ++f.value) {
     const Triangle& t = result.assembled.faces[f];
@@ -290,25 +301,39 @@ void DetailStage::tell(const Candidate& result, const PatchSet& patches, const S
       check();
       const VertexId from = t[k], to = t[(k + 1) % 3];
       // The other face at the edge has it in the other direction. Where there is none, the edge may be missed.
-      if (from < to && norm(result.positions[from] - result.positions[to]) < least)
-        left.add(surface.face_source[patches.faces_of(result.assembled.face_patch[f]).front()].value);
+      if (from < to && norm(result.positions[from] - result.positions[to]) < least) add_source(f);
     }
   }
+  const std::uint64_t edges = left.count;
+  const Specks specks = specks_left(result, control);
+  std::vector<std::uint8_t> is_told(specks.count(), 0);
+  for (FaceId f(0); f.value < result.assembled.faces.size(); ++f.value)
+    if (specks.has(f) && std::exchange(is_told[specks.of_face[f.value]], 1) == 0) add_source(f);
   if (left.count == 0) return;
   left.elements.erase(std::unique(left.elements.begin(), left.elements.end()), left.elements.end());
-  left.message = std::to_string(left.count) + " edges are shorter than a third of defeature_size, because they could " +
-                 "not be removed without changing the topology, bending other faces too far or making faces " +
-                 "intersect; the elements are faces of their patches";
+  const std::string of_edges =
+      std::to_string(edges) +
+      " edges are shorter than a third of defeature_size, because they could not be removed without changing the "
+      "topology, bending other faces too far or making faces intersect";
+  const std::string of_specks = std::to_string(specks.count()) +
+                                " separate parts are no larger than defeature_size, but farther from the rest, or "
+                                "with labels that nothing else has";
+  left.message = (edges > 0 ? of_edges : "") + (edges > 0 && specks.count() > 0 ? "; " : "") +
+                 (specks.count() > 0 ? of_specks : "") + "; the elements are faces of their patches";
   diagnostics.push_back(std::move(left));
 }
 
 Diagnostic DetailStage::removal() const {
   Diagnostic told = removed_;
   told.code = DiagnosticCode::kRemovedDetail;
-  told.count = joined_edges_ + closed_slivers_;
-  told.message = "details smaller than " + text(limits_.size) + " were removed: " + std::to_string(joined_edges_) +
-                 " short edges and " + std::to_string(closed_slivers_) +
-                 " narrow faces; the surface moved by at most " + text(bound_) + "; defeature_size=0 keeps them" +
+  told.count = joined_edges_ + closed_slivers_ + removed_specks_;
+  const std::string edges = std::to_string(joined_edges_) + " short edges";
+  const std::string faces = std::to_string(closed_slivers_) + " narrow faces";
+  const std::string details =
+      removed_specks_ == 0 ? edges + " and " + faces
+                           : edges + ", " + faces + " and " + std::to_string(removed_specks_) + " separate parts";
+  told.message = "details smaller than " + text(limits_.size) + " were removed: " + details +
+                 "; the surface moved by at most " + text(bound_) + "; defeature_size=0 keeps them" +
                  (is_effort_spent_ ? "; there were so many that some may be left" : "");
   return told;
 }

@@ -13,6 +13,7 @@
 #include "core/geometry/patch_set.h"
 #include "core/mending/preparation.h"
 #include "core/mending/remove_details.h"
+#include "core/mending/specks.h"
 #include "core/mesh/mesh.h"
 #include "core/mesh/surface.h"
 #include "core/output/candidate.h"
@@ -75,7 +76,8 @@ class DetailStage {
   double plane_tolerance() const { return limits_.plane_tolerance; }
   /// Tells what was removed. Something was.
   Diagnostic removal() const;
-  /// Tells what was removed, and, if a size was given, which edges of the result are shorter than a third of it.
+  /// Tells what was removed, and, if a size was given, which edges of the result are shorter than a third of it, and
+  /// which separate parts are no larger than it.
   void tell(const Candidate& result, const PatchSet& patches, const Surface& surface,
             std::vector<Diagnostic>& diagnostics, RunControl& control) const;
   /// Returns the patch of each input face: that of a face that was made of its patch.
@@ -84,6 +86,7 @@ class DetailStage {
  private:
   bool remove(const Candidate& candidate, const PatchSet& patches, const Verdict& verdict,
               const std::vector<std::uint8_t>& kept, Prepared& prepared, std::size_t input_faces, RunControl& control);
+  Specks specks_left(const Candidate& result, RunControl& control) const;
 
   /// The patches that the input's faces had, and the faces of the present surface that were made of each.
   struct Descent {
@@ -95,7 +98,7 @@ class DetailStage {
   bool is_done_ = false;
   int passes_ = 0;
   double bound_ = 0, volume_bound_ = 0;
-  std::uint64_t joined_edges_ = 0, closed_slivers_ = 0;
+  std::uint64_t joined_edges_ = 0, closed_slivers_ = 0, removed_specks_ = 0;
   Diagnostic removed_;  ///< the input faces under what was removed
   bool is_effort_spent_ = false;
   std::optional<Descent> descent_;
