@@ -273,26 +273,10 @@ class Run {
       return false;
     }
     if (!input_intersections_) find_input_intersections(Triangulated(surface(), control_));
-    watch_.enter(Stage::kAssembly);
-    candidate_.has_chords = !flip_chords(candidate_.triangulated.meshes, surface().vertex_count(), control_);
-    if (candidate_.has_chords) separate_chords();
-    assemble(candidate_, surface(), nullptr, control_);
-    // The triangles are proven to be the surface first.
-    watch_.enter(Stage::kVerify);
-    const InputIntersections known = intersections();
-    const Verdict verdict =
-        check(candidate_,
-              {read_input(), surface(), partition_.patches, known, report_.plane_tolerance, options_.weld_tolerance},
-              control_);
-    watch_.enter(Stage::kWeld);
-    const bool is_removed =
-        verdict.all_true() && details_.remove(candidate_, partition_.patches, verdict, limits_.keep_verbatim, prepared_,
-                                              input_.face_count(), control_);
-    candidate_.clear();
-    if (!is_removed) {
-      details_.stop();
+    if (!details_.run({input_, partition_.patches, intersections(), report_.plane_tolerance, options_.weld_tolerance,
+                       limits_.keep_verbatim},
+                      candidate_, prepared_, watch_, control_))
       return false;
-    }
     control_.memory().set_input(std::max(counted_faces(input_), counted_faces(surface())));
     report_.plane_tolerance = details_.plane_tolerance();
     curves_.reset();

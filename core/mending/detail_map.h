@@ -1,6 +1,7 @@
 /// The map by which a surface becomes one without small details.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -14,6 +15,9 @@ namespace remesh {
 /// go. So no point of a piece moves farther than one of its corners does. Where every triangle of the other surface is
 /// the image of a piece, the two surfaces are no farther apart than the corners move, in both directions.
 ///
+/// A part of the surface that hangs together with nothing else may go as a whole. All of its corners are anchored at
+/// one point of the other surface then, and no point of the part is farther from it than the farthest of them.
+///
 /// Points are the vertices of the surface, followed by one point per cut.
 struct DetailMap {
   /// A point on an edge between two earlier points: from + at * (to - from).
@@ -26,9 +30,18 @@ struct DetailMap {
     FaceId of;         ///< the triangle of which it is a piece
   };
 
+  /// A vertex of a part that goes, and the point near it: the sum of a face's corners, each times its weight.
+  struct Anchor {
+    VertexId vertex;
+    FaceId face;  ///< of the other surface
+    std::array<double, 3> weights;
+  };
+
   std::vector<Cut> cuts;
-  std::vector<Piece> pieces;           ///< of all triangles, ascending by `of`; one that is not cut is its own piece
-  IdVector<VertexId, VertexId> image;  ///< for each point, the vertex of the other surface to which it goes
+  std::vector<Piece> pieces;  ///< of all triangles, ascending by `of`; one that is not cut is its own piece
+  /// For each point, the vertex of the other surface to which it goes; invalid for anchored vertices.
+  IdVector<VertexId, VertexId> image;
+  std::vector<Anchor> anchors;  ///< ascending by vertex
 };
 
 }  // namespace remesh

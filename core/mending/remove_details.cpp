@@ -13,6 +13,7 @@
 #include "core/base/work_bound.h"
 #include "core/geometry/self_intersections.h"
 #include "core/mending/detail_complex.h"
+#include "core/mending/specks.h"
 
 namespace remesh {
 namespace {
@@ -63,10 +64,15 @@ class DetailRemover {
         complex_(rules.positions, rules.faces, control),
         is_fixed_(is_fixed),
         control_(control),
-        work_(kWorkOfDetails.steps(rules.faces.size(), 0), &control) {}
+        work_(kWorkOfDetails.steps(rules.faces.size(), 0), &control) {
+    DetailRules with_fixed = rules;
+    with_fixed.is_fixed = is_fixed;
+    specks_ = find_specks(with_fixed, control);
+  }
 
   WithoutDetails run() {
-    for (std::uint32_t t = 0; t < rules_.faces.size(); ++t) add_details_of(t);
+    for (std::uint32_t t = 0; t < rules_.faces.size(); ++t)
+      if (!specks_.has(FaceId(t))) add_details_of(t);
     while (!queue_.empty() && !work_.is_spent()) {
       control_.check();
       const Detail detail = queue_.top();
@@ -501,8 +507,13 @@ class DetailRemover {
     StopCheck check(control_);
     for (std::uint32_t i = 0; i < complex_.triangle_count(); ++i) {
       check();
-      if (complex_.find_present(i, t)) faces.push_back(t);
+      if (!specks_.has(complex_.face_of(i)) && complex_.find_present(i, t)) faces.push_back(t);
     }
+    const std::vector<std::optional<PointOfTriangle>> near_speck = find_points_near_specks(faces);
+    std::vector<std::uint32_t> kept;
+    for (const PresentTriangle& face : faces) kept.push_back(face.index);
+    for (std::uint32_t i = 0; i < specks_.of_face.size(); ++i)
+      if (specks_.has(FaceId(i)) && !near_speck[specks_.of_face[i]] && complex_.find_present(i, t)) faces.push_back(t);
     std::stable_sort(faces.begin(), faces.end(), [&](const PresentTriangle& a, const PresentTriangle& b) {
       return complex_.face_of(a.index) < complex_.face_of(b.index);
     });
@@ -526,7 +537,34 @@ class DetailRemover {
       if (has_image[f] == 0) result_.removed.push_back(FaceId(f));
     result_.map = complex_.take_map();
     for (VertexId& image : result_.map.image) image = VertexId(number[image.value]);
+    anchor_specks(near_speck, kept, faces);
     return std::move(result_);
+  }
+
+  std::vector<std::optional<PointOfTriangle>> find_points_near_specks(const std::vector<PresentTriangle>& faces) const {
+    if (specks_.count() == 0) return {};
+    std::vector<Corners3> corners;
+    corners.reserve(faces.size());
+    for (const PresentTriangle& face : faces) corners.push_back(places_of(face));
+    return points_near_specks(specks_, rules_.positions, corners, rules_.allowed, control_);
+  }
+
+  /// Anchors the vertices of specks at the points near them.
+  /// Input: `kept` has the numbers of the triangles to which the points belong, and `faces` the result's triangles in
+  ///        order.
+  void anchor_specks(const std::vector<std::optional<PointOfTriangle>>& points, const std::vector<std::uint32_t>& kept,
+                     const std::vector<PresentTriangle>& faces) {
+    if (specks_.count() == 0) return;
+    std::vector<std::uint32_t> face_of(complex_.triangle_count(), kNone);
+    for (std::uint32_t f = 0; f < faces.size(); ++f) face_of[faces[f].index] = f;
+    for (std::size_t s = 0; s < points.size(); ++s) {
+      if (!points[s]) continue;
+      ++result_.removed_specks;
+      for (const VertexId v : specks_.vertices[s])
+        result_.map.anchors.push_back({v, FaceId(face_of[kept[points[s]->triangle]]), points[s]->weights});
+    }
+    std::sort(result_.map.anchors.begin(), result_.map.anchors.end(),
+              [](const DetailMap::Anchor& a, const DetailMap::Anchor& b) { return a.vertex < b.vertex; });
   }
 
   const DetailRules& rules_;
@@ -534,6 +572,7 @@ class DetailRemover {
   const std::vector<std::uint8_t>& is_fixed_;
   RunControl& control_;
   WorkBound work_;
+  Specks specks_;
   std::priority_queue<Detail> queue_;
   std::vector<PresentTriangle> triangles_;  ///< scratch
   WithoutDetails result_;

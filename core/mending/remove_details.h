@@ -1,4 +1,4 @@
-/// Removes details of a triangulated surface that are smaller than a size: short edges, narrow faces and flaps.
+/// Removes details of a triangulated surface that are smaller than a size: short edges, narrow faces, flaps and specks.
 #pragma once
 
 #include <cstdint>
@@ -37,9 +37,10 @@ struct WithoutDetails {
   std::vector<FaceId> removed;       ///< the faces of the input without an image of their own, ascending
   std::uint64_t joined_edges = 0;    ///< the number of edges whose ends were joined
   std::uint64_t closed_slivers = 0;  ///< the number of narrow faces whose long side and opposite corner were joined
+  std::uint64_t removed_specks = 0;  ///< the number of parts that went as a whole
   bool is_effort_spent = false;      ///< the bound on work was reached, so some details may be left
 
-  bool is_changed() const { return joined_edges + closed_slivers > 0; }
+  bool is_changed() const { return joined_edges + closed_slivers + removed_specks > 0; }
 };
 
 /// The removal of details. A step is a face at a vertex that is looked at. Good surfaces take fewer than 40 for each
@@ -56,6 +57,9 @@ inline constexpr StageWork kWorkOfDetails{4, 0, 1 << 18};
 /// - Two faces that are no details would lie on each other, as the walls of a slot would.
 /// - It is one end of a strip whose other end cannot go: between two such faces, or between two borders.
 /// Where a corner can take either of two places, it takes the one that bends planes and creases by less.
+///
+/// A part that hangs together with nothing else and is no larger than a detail (Specks) goes as a whole, if what is
+/// left has a point from which no point of the part is farther than is allowed. Otherwise it stays as it is.
 /// Input:   faces and vertices as above. Equal vertices of two faces have equal ids.
 /// Output:  a surface with the input's vertices, but for those that had to go to an edge.
 /// Holds:   the result depends on geometry, not on the order of faces, except for faces with equal corners.

@@ -13,6 +13,9 @@
 #include "core/mending/mend_faces.h"
 #include "core/output/face_labels.h"
 #include "core/output/face_source.h"
+#include "core/refinement/chords.h"
+#include "core/refinement/lifting.h"
+#include "core/refinement/unrefined_reason.h"
 #include "core/verify/detail_check.h"
 
 namespace remesh {
@@ -86,6 +89,7 @@ double find_bend(const DetailRules& rules, const WithoutDetails& without, RunCon
     const double longest = std::max({norm(b - a), norm(c - b), norm(a - c)}), twice_area = norm(normal);
     if (!(twice_area >= rules.size * longest)) continue;
     for (const VertexId v : t) {
+      if (!without.map.image[v].is_valid()) continue;
       const Vec3 move = without.positions[without.map.image[v].value] - rules.positions[v.value];
       bend = std::max(bend, std::fabs(dot(normal, move)) / twice_area);
     }
@@ -181,6 +185,32 @@ bool DetailStage::are_there(const TriangulatedPatches& triangulated, const Surfa
   return false;
 }
 
+bool DetailStage::run(const Context& context, Candidate& candidate, Prepared& prepared, Stopwatch& watch,
+                      RunControl& control) {
+  const Surface& surface = prepared.surface;
+  watch.enter(Stage::kAssembly);
+  TriangulatedPatches& triangulated = candidate.triangulated;
+  Refinement& refinement = candidate.refinement;
+  candidate.has_chords = !flip_chords(triangulated.meshes, surface.vertex_count(), control);
+  if (candidate.has_chords) {
+    split_chords(surface, triangulated, refinement, {}, UnrefinedReason::kSizeFloor, control);
+    lift_new_vertices(surface, context.patches, triangulated, refinement.first_inner, context.plane_tolerance,
+                      refinement.new_positions, control);
+  }
+  assemble(candidate, surface, nullptr, control);
+  watch.enter(Stage::kVerify);
+  const Verdict verdict = check(candidate,
+                                {is_any_removed() ? nullptr : &context.input, surface, context.patches,
+                                 context.intersections, context.plane_tolerance, context.weld_tolerance},
+                                control);
+  watch.enter(Stage::kWeld);
+  const bool is_removed = verdict.all_true() && remove(candidate, context.patches, verdict, context.kept, prepared,
+                                                       context.input.face_count(), control);
+  candidate.clear();
+  if (!is_removed) stop();
+  return is_removed;
+}
+
 bool DetailStage::remove(const Candidate& candidate, const PatchSet& patches, const Verdict& verdict,
                          const std::vector<std::uint8_t>& kept, Prepared& prepared, std::size_t input_faces,
                          RunControl& control) {
@@ -220,6 +250,7 @@ bool DetailStage::remove(const Candidate& candidate, const PatchSet& patches, co
   }
   joined_edges_ += without.joined_edges;
   closed_slivers_ += without.closed_slivers;
+  removed_specks_ += without.removed_specks;
   std::vector<FaceId> removed;
   for (const FaceId f : without.removed) removed.push_back(source[f]);
   std::sort(removed.begin(), removed.end());
@@ -248,12 +279,21 @@ bool DetailStage::remove(const Candidate& candidate, const PatchSet& patches, co
   return true;
 }
 
+/// Finds the parts of a result that are no larger than a detail.
+Specks DetailStage::specks_left(const Candidate& result, RunControl& control) const {
+  return find_specks({result.positions.items(), result.assembled.faces.items(), {}, {}, {}, limits_.size, 0, 0},
+                     control);
+}
+
 void DetailStage::tell(const Candidate& result, const PatchSet& patches, const Surface& surface,
                        std::vector<Diagnostic>& diagnostics, RunControl& control) const {
   if (is_any_removed()) diagnostics.push_back(removal());
   if (!limits_.is_size_given || limits_.size == 0) return;
   const double least = kShareOfSize * limits_.size;
   Diagnostic left{DiagnosticCode::kSmallDetail, 0, {}, {}};
+  const auto add_source = [&](FaceId f) {
+    left.add(surface.face_source[patches.faces_of(result.assembled.face_patch[f]).front()].value);
+  };
   StopCheck check(control);
   for (FaceId f(0); f.value < result.assembled.faces.size(); ++f.value) {
     const Triangle& t = result.assembled.faces[f];
@@ -261,25 +301,39 @@ void DetailStage::tell(const Candidate& result, const PatchSet& patches, const S
       check();
       const VertexId from = t[k], to = t[(k + 1) % 3];
       // The other face at the edge has it in the other direction. Where there is none, the edge may be missed.
-      if (from < to && norm(result.positions[from] - result.positions[to]) < least)
-        left.add(surface.face_source[patches.faces_of(result.assembled.face_patch[f]).front()].value);
+      if (from < to && norm(result.positions[from] - result.positions[to]) < least) add_source(f);
     }
   }
+  const std::uint64_t edges = left.count;
+  const Specks specks = specks_left(result, control);
+  std::vector<std::uint8_t> is_told(specks.count(), 0);
+  for (FaceId f(0); f.value < result.assembled.faces.size(); ++f.value)
+    if (specks.has(f) && std::exchange(is_told[specks.of_face[f.value]], 1) == 0) add_source(f);
   if (left.count == 0) return;
   left.elements.erase(std::unique(left.elements.begin(), left.elements.end()), left.elements.end());
-  left.message = std::to_string(left.count) + " edges are shorter than a third of defeature_size, because they could " +
-                 "not be removed without changing the topology, bending other faces too far or making faces " +
-                 "intersect; the elements are faces of their patches";
+  const std::string of_edges =
+      std::to_string(edges) +
+      " edges are shorter than a third of defeature_size, because they could not be removed without changing the "
+      "topology, bending other faces too far or making faces intersect";
+  const std::string of_specks = std::to_string(specks.count()) +
+                                " separate parts are no larger than defeature_size, but farther from the rest, or "
+                                "with labels that nothing else has";
+  left.message = (edges > 0 ? of_edges : "") + (edges > 0 && specks.count() > 0 ? "; " : "") +
+                 (specks.count() > 0 ? of_specks : "") + "; the elements are faces of their patches";
   diagnostics.push_back(std::move(left));
 }
 
 Diagnostic DetailStage::removal() const {
   Diagnostic told = removed_;
   told.code = DiagnosticCode::kRemovedDetail;
-  told.count = joined_edges_ + closed_slivers_;
-  told.message = "details smaller than " + text(limits_.size) + " were removed: " + std::to_string(joined_edges_) +
-                 " short edges and " + std::to_string(closed_slivers_) +
-                 " narrow faces; the surface moved by at most " + text(bound_) + "; defeature_size=0 keeps them" +
+  told.count = joined_edges_ + closed_slivers_ + removed_specks_;
+  const std::string edges = std::to_string(joined_edges_) + " short edges";
+  const std::string faces = std::to_string(closed_slivers_) + " narrow faces";
+  const std::string details =
+      removed_specks_ == 0 ? edges + " and " + faces
+                           : edges + ", " + faces + " and " + std::to_string(removed_specks_) + " separate parts";
+  told.message = "details smaller than " + text(limits_.size) + " were removed: " + details +
+                 "; the surface moved by at most " + text(bound_) + "; defeature_size=0 keeps them" +
                  (is_effort_spent_ ? "; there were so many that some may be left" : "");
   return told;
 }

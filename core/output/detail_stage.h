@@ -9,13 +9,17 @@
 #include "core/base/ids.h"
 #include "core/base/options.h"
 #include "core/base/run_control.h"
+#include "core/base/stopwatch.h"
 #include "core/geometry/patch_set.h"
 #include "core/mending/preparation.h"
 #include "core/mending/remove_details.h"
+#include "core/mending/specks.h"
+#include "core/mesh/mesh.h"
 #include "core/mesh/surface.h"
 #include "core/output/candidate.h"
 #include "core/patches/triangulated_patches.h"
 #include "core/verify/verdict.h"
+#include "core/verify/verify.h"
 
 namespace remesh {
 
@@ -42,15 +46,23 @@ class DetailStage {
   /// Nothing more is looked for.
   void stop() { is_done_ = true; }
 
-  /// Removes details from a candidate.
-  /// Input:   a candidate without refinement that has passed verification against the prepared surface, and the
-  ///          verdict. `kept` has one entry per input face, or is empty; the corners of faces marked there stay.
+  /// Holds the surface as it is, and how it became so.
+  struct Context {
+    const PolygonMesh& input;  ///< as it was read
+    const PatchSet& patches;   ///< of the prepared surface
+    InputIntersections intersections;
+    double plane_tolerance;  ///< model units
+    double weld_tolerance;   ///< model units
+    /// Has one entry per input face, or is empty. The corners of faces marked there stay.
+    const std::vector<std::uint8_t>& kept;
+  };
+  /// Removes details from the triangles of the patches, after it has proven that these are the prepared surface.
+  /// Input:   a candidate that has been triangulated without failures, and no more. It is empty afterwards.
   /// Output:  whether anything was removed and proven. Then the prepared surface is the candidate's triangles, without
-  ///          the details. Its faces have the sources of the faces under them.
+  ///          the details. Its faces have the sources of the faces under them. If not, nothing more is looked for.
   /// Errors:  kCancelled, kTimeout - through `control`.
-  /// Cost:    that of remove_details and of a search for intersections.
-  bool remove(const Candidate& candidate, const PatchSet& patches, const Verdict& verdict,
-              const std::vector<std::uint8_t>& kept, Prepared& prepared, std::size_t input_faces, RunControl& control);
+  /// Cost:    that of remove_details, of a check and of a search for intersections.
+  bool run(const Context& context, Candidate& candidate, Prepared& prepared, Stopwatch& watch, RunControl& control);
 
   bool is_any_removed() const { return passes_ > 0; }
   /// Returns the size below which details were removed, in model units.
@@ -64,13 +76,18 @@ class DetailStage {
   double plane_tolerance() const { return limits_.plane_tolerance; }
   /// Tells what was removed. Something was.
   Diagnostic removal() const;
-  /// Tells what was removed, and, if a size was given, which edges of the result are shorter than a third of it.
+  /// Tells what was removed, and, if a size was given, which edges of the result are shorter than a third of it, and
+  /// which separate parts are no larger than it.
   void tell(const Candidate& result, const PatchSet& patches, const Surface& surface,
             std::vector<Diagnostic>& diagnostics, RunControl& control) const;
   /// Returns the patch of each input face: that of a face that was made of its patch.
   IdVector<FaceId, PatchId> patches_of_input(const PatchSet& patches) const;
 
  private:
+  bool remove(const Candidate& candidate, const PatchSet& patches, const Verdict& verdict,
+              const std::vector<std::uint8_t>& kept, Prepared& prepared, std::size_t input_faces, RunControl& control);
+  Specks specks_left(const Candidate& result, RunControl& control) const;
+
   /// The patches that the input's faces had, and the faces of the present surface that were made of each.
   struct Descent {
     IdVector<FaceId, PatchId> patch_of_input;
@@ -81,7 +98,7 @@ class DetailStage {
   bool is_done_ = false;
   int passes_ = 0;
   double bound_ = 0, volume_bound_ = 0;
-  std::uint64_t joined_edges_ = 0, closed_slivers_ = 0;
+  std::uint64_t joined_edges_ = 0, closed_slivers_ = 0, removed_specks_ = 0;
   Diagnostic removed_;  ///< the input faces under what was removed
   bool is_effort_spent_ = false;
   std::optional<Descent> descent_;

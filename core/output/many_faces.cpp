@@ -60,17 +60,21 @@ struct Remedy {
 
 class Explanation {
  public:
-  explicit Explanation(const FacesToExplain& result) : result_(result) {
+  explicit Explanation(const FacesToExplain& result)
+      : result_(result), first_goals_(result.goals), lowest_floor_(floor_of_details(result.options, result.goals)) {
     faces_of_patch_.reserve(result.patches.count());
     for (std::size_t p = 0; p < result.patches.count(); ++p) {
       faces_of_patch_.push_back(result.faces.of_patch(PatchId(p)));
       faces_ += faces_of_patch_.back();
     }
     allowed_ = std::max(kFewFacesAlways, kTimesOfInput * static_cast<double>(result.input_triangles));
+    most_worth_telling_ = kWorthTelling * faces_;
   }
 
   bool are_many() const { return faces_ > allowed_; }
-  bool is_floor_found() const { return !result_.options.min_edge_length && result_.goals.min_edge_length > 0; }
+  bool is_floor_found() const {
+    return !result_.options.min_edge_length && result_.goals.min_edge_length > lowest_floor_;
+  }
 
   Diagnostic diagnostic() {
     Diagnostic warning{DiagnosticCode::kManyFaces, 0, {}, ""};
@@ -85,14 +89,13 @@ class Explanation {
                       cause_text(cause) + "; half of them are in " +
                       (patches == 1 ? "1 patch" : grouped_digits(patches) + " patches");
     if (is_floor_found()) warning.message += floor_text();
-    if (!are_many()) return warning;
-    const std::vector<Remedy> remedies = find_remedies(cause);
+    const std::vector<Remedy> remedies = are_many() ? find_remedies(cause) : find_remedies_without_floor();
     for (std::size_t i = 0; i < remedies.size(); ++i)
       warning.message += (i == 0                     ? "; "
                           : i + 1 == remedies.size() ? " and "
                                                      : ", ") +
                          remedies[i].option + (i == 0 ? " would give " : " ") + about(remedies[i].faces) +
-                         (i == 0 ? " faces" : "");
+                         (i == 0 ? are_many() ? " faces" : " faces without a floor" : "");
     return warning;
   }
 
@@ -204,7 +207,7 @@ class Explanation {
   template <class Next>
   void try_values(const Next& next) {
     std::optional<Remedy> best;
-    Goals goals = result_.goals;
+    Goals goals = first_goals_;
     for (int step = 0; step < kMaxSteps; ++step) {
       const std::string option = next(goals, step);
       if (option.empty()) break;
@@ -213,7 +216,7 @@ class Explanation {
       best = {option, faces};
       if (faces <= allowed_) break;
     }
-    if (best && best->faces <= kWorthTelling * faces_) remedies_.push_back(*std::move(best));
+    if (best && best->faces <= most_worth_telling_) remedies_.push_back(*std::move(best));
   }
 
   std::vector<Remedy> find_remedies(Cause cause) {
@@ -226,6 +229,16 @@ class Explanation {
       try_angles();
       try_floors();
     }
+    return std::move(remedies_);
+  }
+
+  /// Finds the values of options with which a floor would not even be looked for.
+  std::vector<Remedy> find_remedies_without_floor() {
+    first_goals_.min_edge_length = lowest_floor_;
+    scale_ = 1;
+    allowed_ = most_worth_telling_ = static_cast<double>(result_.goals.faces_without_floor);
+    try_circles();
+    try_angles();
     return std::move(remedies_);
   }
 
@@ -285,14 +298,17 @@ class Explanation {
       best = {"elements_per_circle=" + std::to_string(of->first), static_cast<double>(of->second)};
       if (best->faces <= allowed_) break;
     }
-    if (best && best->faces <= kWorthTelling * faces_) remedies_.push_back(*std::move(best));
+    if (best && best->faces <= most_worth_telling_) remedies_.push_back(*std::move(best));
   }
 
   const FacesToExplain& result_;
+  Goals first_goals_;    ///< the goals from which values of options are tried
+  double lowest_floor_;  ///< the floor, unless a higher one was found
   std::vector<double> faces_of_patch_;
   double faces_ = 0;
   double allowed_ = 0;
   double scale_ = 1;  ///< the faces there are over those that are predicted
+  double most_worth_telling_ = 0;
   std::vector<Remedy> remedies_;
 };
 

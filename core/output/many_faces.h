@@ -48,7 +48,8 @@ inline constexpr double kTimesOfInput = 10, kFewFacesAlways = 1000;
 ///   the input's triangles, or kFewFacesAlways, are predicted. If there is none, it has the one with the fewest faces,
 ///   if they are at least a fifth fewer. Predictions are scaled by the ratio of the result to what is predicted for it.
 /// - If a value of min_edge_length was found, the message has this value, the number of triangles that it left, and the
-///   number of faces that are predicted without it.
+///   number of faces that are predicted without it. If the result has few faces, the message also has the first values
+///   of other options with which so few faces are predicted that no floor is needed.
 /// Output:  nothing, or one diagnostic. Its elements are the input's faces of the patches with the largest shares,
 ///          which have half of all faces together.
 /// Cost:    Some twenty predictions, where there is something to explain.

@@ -135,6 +135,9 @@ class StepCounter {
 /// Selects what a search looks for: only what the patch faces at the place, or also what is beside it.
 enum class What { kFaced, kAll };
 
+/// Selects on which side of a patch a search looks.
+enum class Side { kBoth, kAbove, kBelow };
+
 /// Names triangles that do not count as gaps although they are near.
 struct Uncounted {
   const Triangle* on = nullptr;       ///< triangles that cross or touch this one do not count
@@ -218,10 +221,11 @@ bool is_curved(const TriangulatedPatches& triangulated, PatchId p) {
 class GapSearch::Index {
  public:
   Index(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches, double plane_tolerance,
-        RunControl& control, const TriangulatedPatches* triangulated)
+        RunControl& control, const TriangulatedPatches* triangulated, double least_gap)
       : surface_(surface),
         contacts_(surface, adjacency, patches, control),
-        touching_squared_(std::pow(plane_tolerance / surface.unit, 2)) {
+        touching_squared_(std::pow(plane_tolerance / surface.unit, 2)),
+        least_height_(least_gap / surface.unit) {
     find_triangles(patches, triangulated, control);
     slabs_ = PatchSlabs(surface, patches, triangulated != nullptr ? &triangulated->charts : nullptr, triangles_,
                         triangle_begin_, control);
@@ -233,8 +237,15 @@ class GapSearch::Index {
   double distance(const Vec3& place, PatchId patch, double limit, What what, const Uncounted& uncounted,
                   WorkBound* work) const {
     const double below = limit / surface_.unit;
-    const double found =
-        squared_gap((1 / surface_.unit) * (place - surface_.centre), patch, below * below, what, uncounted, work);
+    const Vec3 from = (1 / surface_.unit) * (place - surface_.centre);
+    double found = HUGE_VAL;
+    if (!(least_height_ > 0))
+      found = squared_gap(from, patch, below * below, what, uncounted, work).squared;
+    else if (below > least_height_)
+      for (const Side side : {Side::kAbove, Side::kBelow}) {
+        const Gap gap = squared_gap(from, patch, std::min(found, below * below), what, uncounted, work, side);
+        if (gap.height >= least_height_) found = std::min(found, gap.squared);
+      }
     return std::sqrt(found) * surface_.unit;
   }
   double beside(std::span<const Corners3> pieces, PatchId patch, double limit, WorkBound* work) const {
@@ -267,8 +278,13 @@ class GapSearch::Index {
   };
   Looked look_from(std::span<const std::uint32_t> slots, double known, std::uint64_t max_steps, SharedLeast& least,
                    RunControl& control) const;
-  double squared_gap(const Vec3& p, PatchId patch, double below, What what, const Uncounted& uncounted,
-                     WorkBound* work) const;
+  /// The nearest point that counts: the square of its distance, and its height over the patch's plane. Both are
+  /// infinity if there is none.
+  struct Gap {
+    double squared = HUGE_VAL, height = HUGE_VAL;
+  };
+  Gap squared_gap(const Vec3& p, PatchId patch, double below, What what, const Uncounted& uncounted, WorkBound* work,
+                  Side side = Side::kBoth) const;
   double squared_beside(std::span<const Corners3> pieces, PatchId patch, double below, WorkBound* work) const;
 
   /// Returns whether the way leaves one patch inwards and comes to the other from outside, or the other way round,
@@ -308,6 +324,7 @@ class GapSearch::Index {
   const Surface& surface_;
   PatchContacts contacts_;
   double touching_squared_;                    ///< local units
+  double least_height_;                        ///< gaps that are less high do not count; local units
   std::vector<Triangle> triangles_;            ///< triangles of patch after patch
   std::vector<std::uint32_t> triangle_begin_;  ///< index of each patch's first triangle
   PatchSlabs slabs_;
@@ -417,12 +434,12 @@ Layer GapSearch::Index::layer_of(std::span<const std::uint32_t> triangles) const
   return layer;
 }
 
-/// Returns the square of the gap at p in local units, or infinity if it is not below `below`.
-double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below, What what, const Uncounted& uncounted,
-                                     WorkBound* work) const {
+/// Returns the gap at p in local units, or none if its square is not below `below`.
+GapSearch::Index::Gap GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below, What what,
+                                                    const Uncounted& uncounted, WorkBound* work, Side side) const {
   const bool is_all = what == What::kAll;
   StepCounter steps(work);
-  double best = below;
+  double best = below, height = HUGE_VAL;
   const Slab slab = slabs_.at(patch, p);
   HiddenPatches is_hidden(contacts_, slabs_, p, patch);
   tree_.search(
@@ -447,7 +464,8 @@ double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below,
       [&](std::size_t slot) {
         const PatchId other = tree_[slot].tag.patch;
         const Vec3 q = nearest_on_triangle(p, corners(slot));
-        const double d = norm_squared(q - p);
+        const double d = norm_squared(q - p), up = dot(q - p, slab.plane.normal);
+        if ((side == Side::kAbove && !(up > 0)) || (side == Side::kBelow && !(up < 0))) return;
         if (d >= best || d <= touching_squared_ || !(is_all || slab.is_steep(q - p)) ||
             is_blocked(q - p, patch, slab.plane.normal, other, q) || is_hidden(other, d))
           return;
@@ -455,8 +473,9 @@ double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below,
         if (std::binary_search(uncounted.crossing.begin(), uncounted.crossing.end(), other)) return;
         if (uncounted.on != nullptr && do_intersect(*uncounted.on, triangle(slot), surface_.local.items())) return;
         best = d;
+        height = std::fabs(up);
       });
-  return best < below ? best : HUGE_VAL;
+  return best < below ? Gap{best, height} : Gap{};
 }
 
 /// Returns the square of the result of `beside` in local units, or infinity if it is not below `below`.
@@ -504,6 +523,7 @@ double GapSearch::Index::squared_beside(std::span<const Corners3> pieces, PatchI
         const Corners3 there = corners(slot);
         double up = 0;
         for (const Vec3& p : there) up = std::max(up, std::fabs(slab.plane.distance(p)) + slab.half_thickness);
+        if (!is_curved && up < least_height_) return;
         for (const Corners3& piece : pieces) {
           const Vec3 way = shortest_way(piece, there);
           const double d = norm_squared(way);
@@ -513,7 +533,7 @@ double GapSearch::Index::squared_beside(std::span<const Corners3> pieces, PatchI
           // Where one of the patches is curved, other ways between the two may not be blocked.
           if (!is_curved && !slabs_.is_curved(other) && is_blocked(way, patch, slab.plane.normal, other, there[0]))
             continue;
-          best = std::min(best, steep(tree_[slot], d));
+          best = std::min(best, std::max(steep(tree_[slot], d), least_height_ * least_height_));
         }
       });
   return best < below ? best : HUGE_VAL;
@@ -534,7 +554,8 @@ void GapSearch::Index::look_at_corners(SharedLeast& least, RunControl& control) 
       const std::size_t step = 1 + corners.size() / kMaxCornersOfPatch;
       for (std::size_t i = 0; i < corners.size(); i += step) {
         control.check();
-        least.lower(squared_gap(surface_.local[corners[i]], PatchId(p), least.get(), What::kFaced, {}, nullptr));
+        least.lower(
+            squared_gap(surface_.local[corners[i]], PatchId(p), least.get(), What::kFaced, {}, nullptr).squared);
       }
     }
   });
@@ -618,8 +639,9 @@ GapSearch::Index::Looked GapSearch::Index::look_from(std::span<const std::uint32
 }
 
 GapSearch::GapSearch(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches,
-                     double plane_tolerance, RunControl& control, const TriangulatedPatches* triangulated)
-    : index_(std::make_unique<Index>(surface, adjacency, patches, plane_tolerance, control, triangulated)) {}
+                     double plane_tolerance, RunControl& control, const TriangulatedPatches* triangulated,
+                     double least_gap)
+    : index_(std::make_unique<Index>(surface, adjacency, patches, plane_tolerance, control, triangulated, least_gap)) {}
 GapSearch::~GapSearch() = default;
 
 double GapSearch::at(const Vec3& place, PatchId patch, double limit, const Triangle* on, WorkBound* work) const {

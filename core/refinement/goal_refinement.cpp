@@ -60,10 +60,7 @@ std::uint64_t GoalRefinement::predict_faces(const PatchedSurface& on, const Tria
   const SizeField& sizes = size_field(on, triangulated, gaps.get());
   if (!has_goals()) return predicted_faces_;
   Prediction prediction = predict(triangulated, goals_, sizes, control_);
-  while (prediction.expected > static_cast<double>(goals_.faces_without_floor) && may_raise_floor()) {
-    raise_floor();
-    prediction = predict(triangulated, goals_, sizes, control_);
-  }
+  while (needs_other_floor(whole(prediction.expected))) prediction = predict(triangulated, goals_, sizes, control_);
   limit_to_proportion(prediction);
   predicted_faces_ = whole(prediction.expected);
   // The patches' own shares leave out what comes from cuts that other patches need.
@@ -132,8 +129,8 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
   if (!needs_budget_) {
     for (;;) {
       if (auto refined = attempt(Goals::kNoLimit, max_made())) return measured(*std::move(refined));
-      if (!may_raise_floor()) break;
-      raise_floor();
+      if (!may_change_floor()) break;
+      change_floor();
       prediction = predict(triangulated, goals_, sizes, control_);
       limit_to_proportion(prediction);
       predicted_faces_ = whole(prediction.expected);
@@ -164,7 +161,7 @@ void GoalRefinement::measure_sizes(const PatchedSurface& on, std::span<const std
 }
 
 bool GoalRefinement::is_worth_trying_without_budget() const {
-  if (may_raise_floor()) return true;
+  if (may_change_floor()) return true;
   return goals_.max_faces != Goals::kNoLimit &&
          static_cast<double>(predicted_faces_) <=
              std::max(kFewFaces, kHopeless * static_cast<double>(goals_.max_faces));
@@ -177,7 +174,7 @@ std::uint64_t GoalRefinement::max_made() const {
     const double beyond = std::min((kMaxMade - 1) * faces, std::max(kFewMore, (kMaxManyMade - 1) * faces));
     return allowed + whole(std::min(beyond, kMaxMadeBeyond));
   };
-  if (may_raise_floor()) return far_more_than(goals_.faces_without_floor);
+  if (may_change_floor()) return far_more_than(goals_.faces_without_floor);
   const std::uint64_t most = std::min(goals_.max_faces, kMaxFaces), max = far_more_than(most);
   const std::uint64_t made = std::clamp(whole(kMaxOfPredicted * static_cast<double>(predicted_faces_)), most, max);
   return effort_.taken() == 0 ? made : std::min(made, effort_.left());
@@ -189,9 +186,7 @@ bool GoalRefinement::is_floor_automatic() const {
   return !are_any_curved_ && goals_.faces_without_floor < std::min(goals_.max_faces, kMaxFaces);
 }
 
-bool GoalRefinement::may_raise_floor() const {
-  return is_floor_automatic() && !needs_budget_ && goals_.min_edge_length < kHighestFloor * goals_.lowest_floor;
-}
+bool GoalRefinement::may_change_floor() const { return is_floor_automatic() && !needs_budget_ && floors_.may_go_on(); }
 
 /// With a floor, there are hardly ever more faces than are in proportion.
 void GoalRefinement::limit_to_proportion(Prediction& prediction) const {
@@ -199,9 +194,22 @@ void GoalRefinement::limit_to_proportion(Prediction& prediction) const {
     prediction.expected = std::min(prediction.expected, static_cast<double>(goals_.faces_without_floor));
 }
 
-void GoalRefinement::raise_floor() {
-  const double step = static_cast<double>(goals_.faces_without_floor) > kFewFaces ? kLargeFloorStep : kFloorStep;
-  goals_.min_edge_length = goals_.min_edge_length > 0 ? step * goals_.min_edge_length : goals_.lowest_floor;
+void GoalRefinement::change_floor() {
+  floors_.note_too_many();
+  goals_.min_edge_length = floors_.floor();
+}
+
+/// Returns whether there is another floor to be tried after so many faces, and takes it.
+bool GoalRefinement::needs_other_floor(std::uint64_t faces) {
+  if (!is_floor_automatic() || needs_budget_) return false;
+  if (faces > goals_.faces_without_floor) {
+    if (!floors_.may_go_on()) return false;
+    change_floor();
+    return true;
+  }
+  if (!floors_.note_fit(faces)) return false;
+  goals_.min_edge_length = floors_.floor();
+  return true;
 }
 
 /// Throws if any result must have more faces than allowed. This is done before memory is allocated for them.
@@ -217,7 +225,8 @@ void GoalRefinement::refuse_if_hopeless(double least) const {
 std::unique_ptr<const GapSearch> GoalRefinement::gap_search(const PatchedSurface& on,
                                                             const TriangulatedPatches& triangulated) const {
   if (!(goals_.proximity > 0)) return nullptr;
-  return std::make_unique<GapSearch>(on.surface, on.adjacency, on.patches, on.plane_tolerance, control_, &triangulated);
+  return std::make_unique<GapSearch>(on.surface, on.adjacency, on.patches, on.plane_tolerance, control_, &triangulated,
+                                     goals_.least_gap);
 }
 
 /// Returns a value only where gradation alone makes sizes vary.
@@ -248,8 +257,7 @@ double GoalRefinement::predict_with(const Goals& goals, const PatchedSurface& on
 
 bool GoalRefinement::is_over_budget(std::uint64_t faces) {
   const bool is_any_refined = has_goals() && std::find(frozen_.begin(), frozen_.end(), 0) != frozen_.end();
-  if (is_any_refined && faces > goals_.faces_without_floor && may_raise_floor()) {
-    raise_floor();
+  if (is_any_refined && needs_other_floor(faces)) {
     effort_.give_back_last();
     return true;
   }

@@ -15,6 +15,7 @@
 #include "core/patches/ladder.h"
 #include "core/patches/triangulated_patches.h"
 #include "core/refinement/attempt_effort.h"
+#include "core/refinement/floor_search.h"
 #include "core/refinement/gap_search.h"
 #include "core/refinement/goals.h"
 #include "core/refinement/rounds.h"
@@ -38,9 +39,13 @@ class GoalRefinement {
   /// Input: `taken` is the work that attempts at the surface took before its faces were mended anew, and `floor` is the
   ///        goals' min_edge_length that they have found.
   GoalRefinement(const Goals& goals, RunControl& control, std::uint64_t taken = 0, double floor = 0)
-      : goals_(goals), budget_(goals.max_faces), control_(control), effort_(expected_limit(), taken) {
+      : goals_(goals),
+        budget_(goals.max_faces),
+        control_(control),
+        floors_(goals, floor),
+        effort_(expected_limit(), taken) {
     if (budget_ != Goals::kNoLimit) budget_ -= budget_ / kReserve;
-    goals_.min_edge_length = std::max(goals_.min_edge_length, floor);
+    goals_.min_edge_length = floors_.floor();
   }
 
   const Goals& goals() const { return goals_; }
@@ -93,8 +98,9 @@ class GoalRefinement {
   /// were.
   const IdVector<PatchId, std::uint8_t>& frozen() const { return frozen_; }
 
-  /// Returns whether a result with so many faces needs another attempt, and adapts the budget for that attempt, or the
-  /// floor under the lengths of edges if the faces are out of proportion (Goals::faces_without_floor). The first
+  /// Returns whether a result with so many faces needs another attempt, and adapts the budget for that attempt. Or it
+  /// adapts the floor under the lengths of edges, if the faces are out of proportion (Goals::faces_without_floor) or a
+  /// lower floor may serve as well. The first
   /// attempt has no budget as long as it does not make far more triangles than allowed: many of them are removed
   /// when patches are thinned out, so they are no reason to leave anything undone. The next attempt may exceed its
   /// budget by cuts that patches have to make because their neighbours made them, by points in chords, or by cuts for
@@ -142,10 +148,6 @@ class GoalRefinement {
   /// kFewFaces it is tried in any case, for two reasons: where boundaries are locked or edges must not be short,
   /// predictions may be far too high, and it takes a second at most.
   static constexpr double kHopeless = 2, kFewFaces = 0x1p17;
-  /// A floor is raised by the first of these factors, or by the second if so many faces are in proportion that each
-  /// attempt takes seconds. It is not raised beyond kHighestFloor times the lowest. See experiments.md, Floor of a
-  /// default answer.
-  static constexpr double kFloorStep = 2, kLargeFloorStep = 4, kHighestFloor = 0x1p14;
   static constexpr int kMaxRetries = 6;
   static constexpr int kRetriesInVain = 3;  ///< a retry that made no fewer faces counts as so many
   /// One kReserve-th of the faces allowed is reserved for what comes when the budget is spent: cuts that neighbours
@@ -163,8 +165,9 @@ class GoalRefinement {
   std::optional<SizeField> sizes_without_floor(const PatchedSurface& on, const TriangulatedPatches& triangulated) const;
   std::uint64_t max_made() const;
   bool is_floor_automatic() const;
-  bool may_raise_floor() const;
-  void raise_floor();
+  bool may_change_floor() const;
+  void change_floor();
+  bool needs_other_floor(std::uint64_t faces);
   void limit_to_proportion(Prediction& prediction) const;
   void refuse_if_hopeless(double least) const;
   bool is_worth_trying_without_budget() const;
@@ -187,6 +190,7 @@ class GoalRefinement {
   std::uint64_t budget_;  ///< the number of faces that an attempt with a budget may make
   RunControl& control_;
   bool are_any_curved_ = false;
+  FloorSearch floors_;
   AttemptEffort effort_;
   std::optional<Overridden> unmeasured_;  ///< set if sizes of the last attempt have yet to be measured
   double angle_margin_ = 0;               ///< in degrees

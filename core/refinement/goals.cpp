@@ -26,6 +26,7 @@ Goals goals_of(const Options& options, double diagonal) {
   goals.max_area = options.max_area.value_or(goals.max_area);
   goals.min_edge_length = options.min_edge_length.value_or(0);
   goals.proximity = options.proximity;
+  goals.least_gap = options.defeature_size.value_or(0);
   goals.gradation = options.gradation.value_or(options.proximity > 0 ? kDefaultGradation : 0);
   goals.split_boundaries = options.split_boundaries;
   return goals;
@@ -37,16 +38,21 @@ void keep_in_proportion(Goals& goals, const Options& options, double diagonal, s
   constexpr std::uint64_t kPerTriangle = 20, kPerTriangleWithoutDetails = 5, kAlways = 1000;
   // See experiments.md, Floor of a default answer.
   constexpr double kLowestFloor = 0x1p-20;
-  // No edge is shorter than this part of the size below which details are removed.
-  constexpr double kShareOfDetails = 1.0 / 3;
   const bool do_sizes_ask = std::isfinite(goals.max_edge_length) || std::isfinite(goals.max_area) ||
                             goals.proximity > 0 || goals.gradation > 0;
   if (options.min_edge_length || !options.refine) return;
-  const double of_details = kShareOfDetails * options.defeature_size.value_or(0);
-  if (2 * of_details <= goals.max_edge_length) goals.min_edge_length = of_details;
+  goals.min_edge_length = floor_of_details(options, goals);
   if (do_sizes_ask) return;
-  goals.faces_without_floor = (of_details > 0 ? kPerTriangleWithoutDetails : kPerTriangle) * triangles + kAlways;
-  goals.lowest_floor = std::max(kLowestFloor * diagonal, of_details);
+  const bool are_details_removed = options.defeature_size.value_or(0) > 0;
+  goals.faces_without_floor = (are_details_removed ? kPerTriangleWithoutDetails : kPerTriangle) * triangles + kAlways;
+  goals.lowest_floor = std::max(kLowestFloor * diagonal, goals.min_edge_length);
+}
+
+double floor_of_details(const Options& options, const Goals& goals) {
+  constexpr double kShareOfDetails = 1.0 / 3;
+  if (options.min_edge_length || !options.refine) return 0;
+  const double floor = kShareOfDetails * options.defeature_size.value_or(0);
+  return 2 * floor <= goals.max_edge_length ? floor : 0;
 }
 
 double equilateral_area(double edge) { return std::numbers::sqrt3 / 4 * edge * edge; }

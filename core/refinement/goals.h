@@ -19,6 +19,7 @@ struct Goals {
   double max_area;             ///< infinity: none
   double min_edge_length = 0;  ///< refinement makes no shorter edge
   double proximity = 0;        ///< edges are at most as long as the gap divided by this; 0: no such limit
+  double least_gap = 0;        ///< gaps that are narrower than this do not count for proximity
   double gradation = 0;        ///< largest ratio of the lengths of neighbouring edges, > 1; 0: no limit
   std::uint64_t max_faces;     ///< limit on the faces of the whole result
   /// If there would be more faces than this, refinement looks for a value of min_edge_length with which there are no
@@ -49,6 +50,10 @@ Goals goals_of(const Options& options, double diagonal);
 /// details of a given size are removed, no edge is made shorter than a third of it, whatever asks for faces.
 /// Input: `triangles` is the number of the input's triangles, where a polygon counts as the triangles that fill it.
 void keep_in_proportion(Goals& goals, const Options& options, double diagonal, std::uint64_t triangles);
+
+/// Returns the length below which no edge is made because smaller details are removed, in model units; 0 if there is no
+/// such length, or if it could not be kept. It is a third of defeature_size.
+double floor_of_details(const Options& options, const Goals& goals);
 
 /// Return the area of an equilateral triangle with this edge, and the edge of one with this area. No triangle with
 /// edges up to `edge` has a larger area. Infinity gives infinity.

@@ -24,13 +24,15 @@ class DetailProof {
     if (!is_well_formed()) return {};
     place_points();
     if (!do_pieces_cover() || !do_images_fit()) return {};
-    if (euler(claim_.positions_after, claim_.faces_after) > euler(claim_.positions_before, claim_.faces_before))
-      return {};
+    std::vector<Triangle> not_anchored;
+    for (const Triangle& t : claim_.faces_before)
+      if (!is_anchored(t[0])) not_anchored.push_back(t);
+    if (euler(claim_.positions_after, claim_.faces_after) > euler(claim_.positions_before, not_anchored)) return {};
     double moved = 0;
     StopCheck check(control_);
     for (std::size_t i = 0; i < points_.size(); ++i) {
       check();
-      moved = std::max(moved, norm(points_[i] - scale_ * claim_.positions_after[image(VertexId(i)).value]));
+      moved = std::max(moved, norm(points_[i] - goal(VertexId(i))));
     }
     // Each cut is rounded a few times, and so is each measure. Coordinates are at most 1 here.
     return (moved + 0x1p-48) / scale_;
@@ -45,6 +47,25 @@ class DetailProof {
   };
 
   VertexId image(VertexId point) const { return claim_.map.image[point]; }
+  bool is_anchored(VertexId point) const { return !image(point).is_valid(); }
+  /// Returns the anchor of a point that has one.
+  const DetailMap::Anchor& anchor(VertexId point) const {
+    return *std::lower_bound(claim_.map.anchors.begin(), claim_.map.anchors.end(), point,
+                             [](const DetailMap::Anchor& a, VertexId v) { return a.vertex < v; });
+  }
+  /// Returns where a point goes.
+  Vec3 goal(VertexId point) const {
+    if (!is_anchored(point)) return scale_ * claim_.positions_after[image(point).value];
+    const DetailMap::Anchor& to = anchor(point);
+    Vec3 place;
+    for (std::size_t k = 0; k < 3; ++k)
+      place += to.weights[k] * (scale_ * claim_.positions_after[claim_.faces_after[to.face.value][k].value]);
+    return place;
+  }
+  bool have_one_anchor(VertexId a, VertexId b) const {
+    return is_anchored(a) && is_anchored(b) && anchor(a).face == anchor(b).face &&
+           anchor(a).weights == anchor(b).weights;
+  }
   std::size_t vertex_count() const { return claim_.positions_before.size(); }
 
   bool is_well_formed() const {
@@ -57,8 +78,12 @@ class DetailProof {
       const std::size_t earlier = vertex_count() + i;
       if (cut.from.value >= earlier || cut.to.value >= earlier || !(cut.at > 0 && cut.at < 1)) return false;
     }
-    for (const VertexId v : claim_.map.image)
-      if (v.value >= claim_.positions_after.size()) return false;
+    std::size_t anchored = 0;
+    for (const VertexId v : claim_.map.image) {
+      anchored += v.is_valid() ? 0 : 1;
+      if (v.is_valid() && v.value >= claim_.positions_after.size()) return false;
+    }
+    if (anchored != claim_.map.anchors.size() || !are_anchors_well_formed()) return false;
     const auto are_below = [&](const Triangle& t, std::size_t end) {
       return std::all_of(t.begin(), t.end(), [&](VertexId v) { return v.value < end; });
     };
@@ -75,6 +100,20 @@ class DetailProof {
     return are_valid(claim_.faces_before, vertex_count()) &&
            are_valid(claim_.faces_after, claim_.positions_after.size()) && are_finite(claim_.positions_before) &&
            are_finite(claim_.positions_after);
+  }
+
+  bool are_anchors_well_formed() const {
+    StopCheck check(control_);
+    for (std::size_t i = 0; i < claim_.map.anchors.size(); ++i) {
+      check();
+      const DetailMap::Anchor& a = claim_.map.anchors[i];
+      if (i > 0 && !(claim_.map.anchors[i - 1].vertex < a.vertex)) return false;
+      if (a.vertex.value >= vertex_count() || !is_anchored(a.vertex) || a.face.value >= claim_.faces_after.size())
+        return false;
+      const auto& [u, v, w] = a.weights;
+      if (!(u >= 0 && v >= 0 && w >= 0 && std::fabs(u + v + w - 1) <= 0x1p-50)) return false;
+    }
+    return true;
   }
 
   void place_points() {
@@ -180,6 +219,11 @@ class DetailProof {
     }
     for (const DetailMap::Piece& piece : claim_.map.pieces) {
       check();
+      const auto& [a, b, c] = piece.corners;
+      if (is_anchored(a) || is_anchored(b) || is_anchored(c)) {
+        if (!have_one_anchor(a, b) || !have_one_anchor(a, c)) return false;
+        continue;
+      }
       const Triangle t{image(piece.corners[0]), image(piece.corners[1]), image(piece.corners[2])};
       if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) {
         images.push_back(rotated(t));

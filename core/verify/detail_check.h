@@ -29,8 +29,10 @@ struct DetailClaim {
 ///   the triangle's outline, with points on it in their order along the edges.
 /// - Each piece becomes a face of the other surface, or an edge or a vertex of one, and each face is what exactly one
 ///   piece becomes, with its corners in the same order. So every closed surface stays closed.
-/// - The Euler number has not grown, as it would if a handle were pinched off. It falls by 1 with each flap that goes
-///   and has two sides, since the two sides are a closed surface of their own.
+/// - Or all corners of a piece are anchored at one point of a face of the other surface. Then all pieces that it hangs
+///   together with are, too.
+/// - The Euler number of what is not anchored has not grown, as it would if a handle were pinched off. It falls by 1
+///   with each flap that goes and has two sides, since the two sides are a closed surface of their own.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:    O(n log n).
 std::optional<double> prove_details(const DetailClaim& claim, RunControl& control);

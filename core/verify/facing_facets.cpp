@@ -43,6 +43,7 @@ FacingFacets::FacingFacets(const Claim& claim, const Model& model, const Boundar
   centre_ = 0.5 * box.min + 0.5 * box.max;
   const double reach = largest_coordinate(box.max - centre_);
   unit_ = reach > 0 ? 1 / reach : 1;
+  least_height_ = unit_ * model.scale * claim.refinement->goals.least_gap;
   find_facets(claim, control);
   find_bodies(seams, control);
   find_contacts(control);
@@ -257,6 +258,41 @@ bool FacingFacets::is_clear_gap(const Vec3& from, PatchId p, const Vec3& there, 
          !is_any_nearer(q, from, squared, looks);
 }
 
+/// Returns whether something that is no farther than `there`, a point across a gap, and on the same side of patch p,
+/// might be a gap that is too narrow to count. Whatever is not looked at might be one.
+/// Input: `there` - the point of patch q that is nearest to `from`.
+bool FacingFacets::may_be_narrow(const Vec3& from, PatchId p, const Vec3& there, PatchId q, std::size_t& looks) const {
+  // Of another division into triangles, other points may be the nearest ones. They are hidden nearly as well.
+  constexpr double kOfOtherPoints = 0.94;
+  if (!(least_height_ > 0)) return false;
+  const Vec3 up = dot(there - from, normal(p, from)) > 0 ? normal(p, from) : -normal(p, from);
+  const double off = 2 * unit_ * model_.tolerance + curved_tolerance(p);
+  const double narrow = least_height_ * (1 + kMargin) + off;
+  if (dot(there - from, up) < narrow) return true;
+  const double steep = is_curved(p) ? 0 : kSteep * (1 - kMargin);
+  bool is_found = false;
+  double best = norm_squared(there - from) * (1 + kMargin);
+  facets_.search(
+      best,
+      [&](const Facets::Entry& entry) {
+        const bool is_known = entry.tag.patch == p || (entry.tag.patch.is_valid() && entry.tag.patch == q);
+        return ++looks > kMaxLooks || is_known ? HUGE_VAL : squared_distance(entry.box, from);
+      },
+      [&](std::size_t slot) {
+        const Corners3 triangle = corners(slot);
+        const Vec3 nearest = nearest_on_triangle(from, triangle);
+        const double squared = norm_squared(nearest - from);
+        const auto [least, most] =
+            std::minmax({dot(triangle[0] - from, up), dot(triangle[1] - from, up), dot(triangle[2] - from, up)});
+        if (!(squared < best) || least > narrow || !(most > 0 && most * most > steep * squared)) return;
+        const double way = kOfOtherPoints * kDetour * std::sqrt(squared);
+        if (is_over_surface(p, from, facets_[slot].tag.patch, nearest, way, looks)) return;
+        is_found = true;
+        best = -1;
+      });
+  return is_found || looks > kMaxLooks;
+}
+
 bool FacingFacets::is_any_within(const Vec3& place, PatchId patch, double distance, Doubt doubt) const {
   const bool must_be_clear = doubt == Doubt::kIsNone;
   if (must_be_clear && !is_crossing_known_) return false;
@@ -268,6 +304,8 @@ bool FacingFacets::is_any_within(const Vec3& place, PatchId patch, double distan
   if (!(reach > touching)) return false;
   // If a point is seen steeply, its height over the patch's plane is more than this share of its distance.
   const double steep = must_be_clear ? kSteep : is_curved(patch) ? 0 : kSteep * (1 - kMargin);
+  // A triangle that is nowhere higher than the least gap is no gap.
+  const double narrow_off = 2 * unit_ * model_.tolerance + off + kMargin * least_height_;
 
   std::size_t looks = 0;
   bool is_found = false;
@@ -293,11 +331,12 @@ bool FacingFacets::is_any_within(const Vec3& place, PatchId patch, double distan
         const double squared = norm_squared(there - p);
         if (!(squared < reach * reach) || !(squared > touching * touching)) return;
         if (must_be_clear) {
-          is_found = is_clear_gap(p, patch, there, facets_[slot].tag.patch, looks) && looks <= kMaxLooks;
+          is_found = is_clear_gap(p, patch, there, facets_[slot].tag.patch, looks) &&
+                     !may_be_narrow(p, patch, there, facets_[slot].tag.patch, looks) && looks <= kMaxLooks;
         } else {
           double highest = 0;
           for (const Vec3& corner : triangle) highest = std::max(highest, std::fabs(dot(corner - p, up)));
-          is_found = highest * highest > steep * squared;
+          is_found = highest * highest > steep * squared && highest + narrow_off > least_height_;
         }
         if (is_found) best = -1;
       });

@@ -26,11 +26,14 @@ namespace remesh::verification {
 ///    patch, the normal of its surface is taken. As facets turn away from it, a way that is clearly steep is above
 ///    kSteepAtCurved (65 degrees), and any way may be steep.
 ///  - The way is longer than the tolerance. At a smaller distance the two patches touch.
+///  - Of all points that are across a gap on this side of the patch, the nearest one is at least Goals::least_gap high
+///    over the patch's plane. Narrower gaps do not count, and neither does what is beyond them.
 ///  - The patches do not cross or touch each other anywhere in the input.
 ///  - The surface does not hide it. If both patches bound one closed, consistently oriented body, a way that leaves
 ///    the body through one of them must not enter it through the other from the inside.
 ///  - The way is shorter than a third of each way over the surface through a vertex or an edge that the two patches
 ///    share, which is straight on both sides of it.
+/// This class is larger than the bound because all conditions for a gap read the same tables.
 /// Holds:   it shares no code with the search that determines sizes, and takes no data from it. The common tools are
 ///          the tree of boxes, the nearest point on a triangle, and the triangles of polygons.
 class FacingFacets {
@@ -101,11 +104,13 @@ class FacingFacets {
   bool is_edge_of(const Part& part, PatchId p) const;
   bool is_clear_gap(const Vec3& from, PatchId p, const Vec3& there, PatchId q, std::size_t& looks) const;
   bool is_any_nearer(PatchId q, const Vec3& to, double squared, std::size_t& looks) const;
+  bool may_be_narrow(const Vec3& from, PatchId p, const Vec3& there, PatchId q, std::size_t& looks) const;
   bool is_over_surface(PatchId p, const Vec3& from, PatchId q, const Vec3& to, double most, std::size_t& looks) const;
 
   const Model& model_;
   Vec3 centre_;
-  double unit_ = 1;  ///< local lengths are model lengths times this
+  double unit_ = 1;          ///< local lengths are model lengths times this
+  double least_height_ = 0;  ///< of a gap, in local units
   std::vector<std::array<VertexId, 3>> triangles_;
   Facets facets_;
   static constexpr std::uint32_t kOpen = 0xffffffffu;

@@ -250,5 +250,76 @@ TEST(defeature, rough_boxes_stay_sound) {
   }
 }
 
+/// A cube with a part of its own beside it. The part's farthest point is `far` above the middle of the cube's top.
+PolygonMesh with_part(const PolygonMesh& part, double far) {
+  double top = 0;
+  for (const Vec3& p : part.positions) top = std::max(top, p.z);
+  return shapes::fan_triangulated(
+      shapes::joined(shapes::box({1, 1, 1}), shapes::moved(part, {0.51, 0.52, 1 + far - top})));
+}
+
+TEST(defeature, specks_near_the_rest_go) {
+  const double size = 0.01;
+  const PolygonMesh cube = shapes::box({0.004, 0.004, 0.004}), sheet = shapes::sheet(0.005, 0.005, 1, 1);
+  for (const PolygonMesh& part : {cube, sheet})
+    for (const double far : {0.006, 0.009}) {
+      const PolygonMesh mesh = with_part(part, far);
+      const Result result = refined(mesh, without_details(size));
+      EXPECT_TRUE(result.report.verified.all_true());
+      EXPECT_EQ(removed_count(result.report), 1u) << far;
+      EXPECT_EQ(result.report.output.components, 1u) << far;
+      EXPECT_TRUE(result.report.output.closed);
+      ASSERT_TRUE(result.report.distance_bound);
+      EXPECT_LE(result.report.distance_bound->input_to_output, size) << far;
+      // The cube has no point nearer to the part's farthest ones than below them.
+      EXPECT_GE(result.report.distance_bound->input_to_output, far) << far;
+      EXPECT_LE(test::hausdorff(corners_of(mesh), corners_of(result.mesh), size / 20),
+                result.report.distance_bound->input_to_output + 1e-12);
+      EXPECT_EQ(result.mesh.faces.size(), refined(shapes::box({1, 1, 1}), without_details(size)).mesh.faces.size());
+    }
+}
+
+TEST(defeature, specks_that_are_far_away_stay_and_are_told) {
+  const PolygonMesh mesh = with_part(shapes::box({0.004, 0.004, 0.004}), 0.02);
+  const Result result = refined(mesh, without_details(0.012));
+  EXPECT_TRUE(result.report.verified.all_true());
+  EXPECT_EQ(removed_count(result.report), 0u);
+  EXPECT_EQ(result.report.output.components, 2u);
+  EXPECT_TRUE(std::any_of(result.report.diagnostics.begin(), result.report.diagnostics.end(),
+                          [](const Diagnostic& d) { return d.code == DiagnosticCode::kSmallDetail; }));
+}
+
+TEST(defeature, parts_that_are_no_specks_stay) {
+  // The part's diagonal is 0.0104.
+  const PolygonMesh mesh = with_part(shapes::box({0.006, 0.006, 0.006}), 0.009);
+  const Result result = refined(mesh, without_details(0.0095));
+  EXPECT_TRUE(result.report.verified.all_true());
+  EXPECT_EQ(result.report.output.components, 2u);
+  // Nothing would be left.
+  const Result alone = refined(shapes::box({0.5, 0.5, 0.5}), without_details(1));
+  EXPECT_TRUE(alone.report.verified.all_true());
+  EXPECT_TRUE(alone.report.output.closed);
+  EXPECT_GE(alone.mesh.faces.size(), 4u);
+}
+
+TEST(defeature, a_void_that_is_a_speck_is_filled) {
+  const PolygonMesh hollow = shapes::turned_over(shapes::box({0.004, 0.004, 0.004}));
+  const PolygonMesh mesh = with_part(hollow, -0.002);
+  const Result result = refined(mesh, without_details(0.01));
+  EXPECT_TRUE(result.report.verified.all_true());
+  EXPECT_EQ(removed_count(result.report), 1u);
+  EXPECT_EQ(result.report.output.components, 1u);
+  EXPECT_GE(result.report.volume_bound, 6.4e-8);
+}
+
+TEST(defeature, a_speck_with_a_label_of_its_own_stays) {
+  PolygonMesh mesh = with_part(shapes::box({0.004, 0.004, 0.004}), 0.006);
+  mesh.labels.group.names = {"cube", "speck"};
+  for (std::size_t f = 0; f < mesh.face_count(); ++f) mesh.labels.group.of_face.push_back(f < 12 ? 0 : 1);
+  const Result result = refined(mesh, without_details(0.01));
+  EXPECT_TRUE(result.report.verified.all_true());
+  EXPECT_EQ(result.report.output.components, 2u);
+}
+
 }  // namespace
 }  // namespace remesh

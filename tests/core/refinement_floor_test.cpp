@@ -4,6 +4,8 @@
 
 #include <cmath>
 #include <cstdint>
+#include <numbers>
+#include <vector>
 
 #include "core/refinement/goals.h"
 #include "core/remesh.h"
@@ -110,6 +112,42 @@ TEST(refinement_floor, the_lowest_floor_that_serves_is_taken) {
   Options options;
   options.min_edge_length = refined(mesh).report.min_edge_length / 2;
   EXPECT_GT(refined(mesh, options).mesh.faces.size(), in_proportion(mesh));
+}
+
+/// A prism of a convex outline, whose sides turn by equal angles and shrink by a factor from one to the next.
+PolygonMesh prism_of_many_widths(int sides, double factor, double height) {
+  std::vector<Vec2> outline;
+  Vec2 at{0, 0};
+  double width = 1, angle = 0;
+  for (int i = 0; i < sides; ++i) {
+    outline.push_back(at);
+    at = {at.x + width * std::cos(angle), at.y + width * std::sin(angle)};
+    angle += std::numbers::pi / (sides + 1);
+    width *= factor;
+  }
+  outline.push_back(at);
+  outline.push_back({at.x - 3, at.y + 1});
+  return shapes::prism(outline, height);
+}
+
+TEST(refinement_floor, half_of_the_faces_are_made_where_a_floor_leads_to_as_many) {
+  // When the floor is doubled from attempt to attempt, these prisms get 54, 126 and 1,036 faces.
+  for (const PolygonMesh& mesh :
+       {prism_of_many_widths(6, 0.9, 300), prism_of_many_widths(24, 0.9, 300), prism_of_many_widths(16, 0.9, 60)}) {
+    const Result result = refined(mesh);
+    EXPECT_TRUE(result.report.verified.all_true());
+    EXPECT_GT(result.report.min_edge_length, 0);
+    EXPECT_LE(result.mesh.faces.size(), in_proportion(mesh));
+    EXPECT_GE(result.mesh.faces.size(), in_proportion(mesh) / 2);
+  }
+}
+
+TEST(refinement_floor, is_scaled_with_the_input) {
+  const PolygonMesh mesh = prism_of_many_widths(6, 0.9, 300);
+  const double floor = refined(mesh).report.min_edge_length;
+  for (const int exponent : {-300, 5, 300})
+    EXPECT_EQ(refined(shapes::scaled(mesh, std::ldexp(1.0, exponent))).report.min_edge_length,
+              std::ldexp(floor, exponent));
 }
 
 TEST(refinement_floor, a_limit_below_the_proportion_is_a_budget) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <cstdio>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -138,6 +139,24 @@ TEST_F(stage_memory, cuts_beyond_the_faces_allowed_are_not_stored) {
   // The gaps between these sheets ask for some 2,000 cuts of each of their segments.
   expect_within_bounds({{"stack", hostile::family("straight_stack").make(unless_sanitized<std::size_t>(1200, 600))}},
                        close_ups());
+}
+
+TEST_F(stage_memory, the_removal_of_details_keeps_to_the_bound_of_mending) {
+  for (const int n : {4, unless_sanitized(24, 8)}) {
+    // Each face of the sphere is about as large as a detail, and so is each cube.
+    const int levels = n > 4 ? 5 : 3;
+    PolygonMesh cubes = shapes::box({1, 1, 1});
+    for (int i = 0; i < n * n; ++i)
+      cubes = shapes::joined(cubes, shapes::moved(shapes::scaled(shapes::box({1, 1, 1}), 0.1 / n),
+                                                  {(i % n + 0.5) / n, (i / n + 0.5) / n, 1 + 0.1 / n}));
+    for (const double size : {0.7, 0.9, 1.2}) {
+      Options options;
+      options.defeature_size = size * std::numbers::pi / (2 << levels);
+      expect_within_bounds({{"sphere of " + std::to_string(levels) + " levels", shapes::sphere(levels)}}, options);
+      options.defeature_size = size * 0.2 / n;
+      expect_within_bounds({{std::to_string(n * n) + " cubes on a cube", cubes}}, options);
+    }
+  }
 }
 
 TEST_F(stage_memory, several_threads_hold_no_more) {

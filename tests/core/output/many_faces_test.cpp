@@ -176,6 +176,33 @@ TEST(many_faces, without_a_floor_that_was_found_are_as_many_as_is_told) {
   expect_within(told, static_cast<double>(remeshed(beam, without).mesh.faces.size()), 1.5, many->message);
 }
 
+TEST(many_faces, names_options_that_need_no_floor_where_the_floor_leaves_all_facets) {
+  // All facets are of one width, so no floor leads to a number of faces between a few hundred and 36,000.
+  const PolygonMesh rod = shapes::cylinder(96, 1, 40);
+  const Result result = remeshed(rod, {});
+  ASSERT_GT(result.report.min_edge_length, 0);
+  EXPECT_LT(result.mesh.faces.size(), 1000u);
+  const Diagnostic* const many = find_many_faces(result.report.diagnostics);
+  ASSERT_NE(many, nullptr);
+  EXPECT_THAT(many->message, HasSubstr("faces without a floor"));
+  Options named;
+  named.elements_per_circle = number_after(many->message, "elements_per_circle=");
+  ASSERT_GE(*named.elements_per_circle, 3) << many->message;
+  const Result round = remeshed(rod, named);
+  EXPECT_EQ(round.report.min_edge_length, 0);
+  expect_within(
+      number_after(many->message, std::to_string(static_cast<int>(*named.elements_per_circle)) + " would give about "),
+      static_cast<double>(round.mesh.faces.size()), kPromised, many->message);
+}
+
+TEST(many_faces, are_not_told_where_only_details_set_a_floor) {
+  Options options;
+  options.defeature_size = 0.01;
+  const Result result = remeshed(shapes::box({1, 1, 1}), options);
+  EXPECT_GT(result.report.min_edge_length, 0);
+  EXPECT_EQ(find_many_faces(result.report.diagnostics), nullptr);
+}
+
 TEST(many_faces, are_told_beforehand) {
   Options options;
   options.max_edge_length = 0.05;

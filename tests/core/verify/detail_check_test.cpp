@@ -65,6 +65,78 @@ TEST(detail_check, proves_the_same_at_any_scale) {
   }
 }
 
+/// The same, and a triangle of its own, 5 6 7, that goes to the middle of the face 0 2 3. The cut is point 8.
+OwnClaim closed_sliver_and_speck() {
+  OwnClaim claim = closed_sliver();
+  claim.positions_before.insert(claim.positions_before.end(),
+                                {{0.25, 0.75, 0.25}, {0.25, 0.75, 0.5}, {0.5, 0.75, 0.5}});
+  claim.faces_before.push_back(triangle(5, 6, 7));
+  for (DetailMap::Piece& piece : claim.map.pieces)
+    for (VertexId& v : piece.corners)
+      if (v == VertexId(5)) v = VertexId(8);
+  claim.map.pieces.push_back({triangle(5, 6, 7), FaceId(3)});
+  claim.map.image = {};
+  for (int i = 0; i < 5; ++i) claim.map.image.push_back(VertexId(i));
+  for (int i = 5; i < 8; ++i) {
+    claim.map.image.push_back(VertexId());
+    claim.map.anchors.push_back({VertexId(i), FaceId(2), {0.25, 0.25, 0.5}});
+  }
+  claim.map.image.push_back(VertexId(4));
+  return claim;
+}
+
+TEST(detail_check, proves_how_far_parts_are_from_the_point_to_which_they_go) {
+  const OwnClaim claim = closed_sliver_and_speck();
+  ASSERT_TRUE(claim.proven());
+  // The point is a quarter of (0, 0, 0) and (1, 1, 0) each, and a half of (0, 1, 0).
+  EXPECT_NEAR(*claim.proven(), norm(Vec3{0.5, 0.75, 0.5} - Vec3{0.25, 0.75, 0}), 1e-13);
+}
+
+TEST(detail_check, refuses_parts_that_go_in_another_way) {
+  const std::vector<std::pair<std::string, std::function<void(OwnClaim&)>>> faults{
+      {"a corner goes nowhere", [](OwnClaim& c) { c.map.anchors.pop_back(); }},
+      {"a corner goes to another point",
+       [](OwnClaim& c) {
+         c.map.anchors[1].weights = {0.5, 0.25, 0.25};
+       }},
+      {"a corner goes to another face", [](OwnClaim& c) { c.map.anchors[1].face = FaceId(1); }},
+      {"a corner goes to a vertex", [](OwnClaim& c) { c.map.image[VertexId(5)] = VertexId(0); }},
+      {"a corner goes to a vertex as well",
+       [](OwnClaim& c) {
+         c.map.image[VertexId(5)] = VertexId(0);
+         c.map.anchors.erase(c.map.anchors.begin());
+       }},
+      {"the point lies outside of its face",
+       [](OwnClaim& c) {
+         for (DetailMap::Anchor& a : c.map.anchors) a.weights = {-0.25, 0.75, 0.5};
+       }},
+      {"the weights are too large",
+       [](OwnClaim& c) {
+         for (DetailMap::Anchor& a : c.map.anchors) a.weights = {0.5, 0.5, 0.5};
+       }},
+      {"the face does not exist",
+       [](OwnClaim& c) {
+         for (DetailMap::Anchor& a : c.map.anchors) a.face = FaceId(3);
+       }},
+      {"the anchors are not in order", [](OwnClaim& c) { std::swap(c.map.anchors[0], c.map.anchors[1]); }},
+      {"a vertex of the rest is anchored",
+       [](OwnClaim& c) {
+         c.map.image[VertexId(3)] = VertexId();
+         c.map.anchors.insert(c.map.anchors.begin(), {VertexId(3), FaceId(2), {0.25, 0.25, 0.5}});
+       }},
+      {"the part hangs together with the rest",
+       [](OwnClaim& c) {
+         c.faces_before[3] = triangle(3, 6, 7);
+         c.map.pieces.back().corners = triangle(3, 6, 7);
+       }},
+  };
+  for (const auto& [name, change] : faults) {
+    OwnClaim claim = closed_sliver_and_speck();
+    change(claim);
+    EXPECT_FALSE(claim.proven()) << name;
+  }
+}
+
 TEST(detail_check, refuses_maps_that_prove_nothing) {
   const std::vector<std::pair<std::string, std::function<void(OwnClaim&)>>> faults{
       {"a piece is missing", [](OwnClaim& c) { c.map.pieces.erase(c.map.pieces.begin()); }},
