@@ -26,12 +26,16 @@ class RunControl {
   void check() const {
     const Reason reason = stop_.load(std::memory_order_relaxed);
     if (reason != Reason::kNone) throw_stopped(reason);
+    // The count goes on from run to run of a thread, which makes no difference.
+    thread_local std::uint32_t checks = 0;
+    if (++checks % kChecksPerMove == 0) moves_.fetch_add(1, std::memory_order_relaxed);
   }
 
   /// Enters a stage. Progress starts again at 0. Checks for cancellation.
   void enter(Stage stage) {
     check();
     fraction_ppm_.store(0, std::memory_order_relaxed);
+    moves_.store(0, std::memory_order_relaxed);
     stage_.store(stage, std::memory_order_relaxed);
     memory_.enter(stage);
   }
@@ -42,13 +46,25 @@ class RunControl {
   }
 
   Stage stage() const { return stage_.load(std::memory_order_relaxed); }
-  double fraction() const { return fraction_ppm_.load(std::memory_order_relaxed) * 1e-6; }
+  /// Returns the progress within the stage, 0 to 1. Besides what `progress` has set, it moves a little with work that
+  /// nobody counts, so that it only stands if nothing is done. It never goes back unless `progress` does.
+  double fraction() const {
+    const double set = set_fraction(), moves = static_cast<double>(moves_.load(std::memory_order_relaxed));
+    return set + kShareOfMoves * (1 - set) * moves / (moves + kHalfOfMoves);
+  }
+  /// Returns the progress that `progress` has set.
+  double set_fraction() const { return fraction_ppm_.load(std::memory_order_relaxed) * 1e-6; }
 
   /// Returns the bound on the memory of the stage. The thread that enters stages may change it.
   MemoryBound& memory() { return memory_; }
   const MemoryBound& memory() const { return memory_; }
 
  private:
+  /// Work checks every few microseconds to milliseconds.
+  static constexpr std::uint32_t kChecksPerMove = 256;
+  /// All moves together are at most this share of the progress that is left, and half of that after so many moves.
+  static constexpr double kShareOfMoves = 0.1, kHalfOfMoves = 1000;
+
   enum class Reason : std::int8_t { kNone, kCancelled, kTimeout };
 
   void request_stop(Reason reason) {
@@ -60,6 +76,7 @@ class RunControl {
   std::atomic<Reason> stop_{Reason::kNone};
   std::atomic<Stage> stage_{Stage::kQueued};
   std::atomic<std::int32_t> fraction_ppm_{0};
+  mutable std::atomic<std::uint64_t> moves_{0};
   MemoryBound memory_;
 };
 

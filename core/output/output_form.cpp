@@ -253,7 +253,7 @@ bool round_output(Storage storage, bool local_origin, Result& result, RunControl
     report.distance_bound->input_to_output += verdict.largest_move;
   }
   report.verified.volume_bound += verdict.volume_bound;
-  report.volume_bound = report.verified.volume_bound;
+  report.volume_bound += verdict.volume_bound;
   for (std::size_t p = 0; p < std::min(report.patches.size(), verdict.patch_moves.size()); ++p) {
     report.patches[p].deviation += verdict.patch_moves[p];
     report.patches[p].bound += verdict.patch_moves[p];

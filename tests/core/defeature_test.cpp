@@ -84,6 +84,19 @@ TEST(defeature, low_steps_go) {
   }
 }
 
+TEST(defeature, the_bound_on_the_volume_covers_rounding_and_what_was_removed) {
+  constexpr double kStep = 0.01;
+  const PolygonMesh mesh =
+      shapes::fan_triangulated(extruded({{0, 0}, {1, 0}, {1, 1 - kStep}, {0.4, 1 - kStep}, {0.4, 1}, {0, 1}}));
+  for (const Storage storage : {Storage::kDouble, Storage::kFloat}) {
+    RunControl control;
+    const Report report = remesh_surface(mesh, without_details(2 * kStep, false), {.storage = storage}, control).report;
+    ASSERT_GT(removed_count(report), 0U);
+    EXPECT_LE(std::fabs(report.output.volume.value() - report.input.volume.value()), report.volume_bound);
+    EXPECT_LE(report.volume_bound, 4 * kStep);
+  }
+}
+
 TEST(defeature, narrow_facets_go) {
   for (const double width : {1e-3, 1e-5}) {
     const PolygonMesh mesh =

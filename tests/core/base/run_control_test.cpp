@@ -58,6 +58,24 @@ TEST(run_control, a_new_stage_starts_at_no_progress) {
   EXPECT_EQ(control.fraction(), 0);
 }
 
+TEST(run_control, progress_moves_with_work_that_nobody_counts) {
+  RunControl control;
+  control.enter(Stage::kVerify);
+  control.progress(0.5);
+  double last = control.fraction();
+  for (int moves = 0; moves < 100; ++moves) {
+    for (int checks = 0; checks < 1 << 10; ++checks) control.check();
+    EXPECT_GT(control.fraction(), last);
+    last = control.fraction();
+  }
+  EXPECT_LT(last, 0.55);
+  EXPECT_NEAR(control.set_fraction(), 0.5, 1e-6);
+  control.progress(0.6);
+  EXPECT_GT(control.fraction(), last);
+  control.enter(Stage::kQuality);
+  EXPECT_EQ(control.fraction(), 0);
+}
+
 TEST(run_control, another_thread_can_stop_the_work) {
   RunControl control;
   std::thread watcher([&] { control.cancel(); });
