@@ -263,7 +263,7 @@ class Run {
   /// the surface.
   /// Output: false if all stays as it is.
   bool remove_details() {
-    // What curved patches have failed is still needed if nothing is removed.
+    // It is still needed which curved patches have failed, if nothing is removed.
     curves_.forget_joined();
     triangulate();
     // The ladder comes first, and changes the patches.
