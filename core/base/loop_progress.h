@@ -14,7 +14,7 @@ class LoopProgress {
  public:
   /// Input: `total` items will be added.
   LoopProgress(RunControl& control, std::size_t total)
-      : control_(control), from_(control.set_fraction()), total_(static_cast<double>(total > 0 ? total : 1)) {}
+      : control_(control), from_(control.told_fraction()), total_(static_cast<double>(total > 0 ? total : 1)) {}
 
   /// Tells that some items were treated.
   /// Errors: kCancelled, kTimeout - asked to stop.

@@ -26,7 +26,7 @@ class RunControl {
   void check() const {
     const Reason reason = stop_.load(std::memory_order_relaxed);
     if (reason != Reason::kNone) throw_stopped(reason);
-    // The count goes on from run to run of a thread, which makes no difference.
+    // A thread counts its checks from run to run, which makes no difference to any of them.
     thread_local std::uint32_t checks = 0;
     if (++checks % kChecksPerMove == 0) moves_.fetch_add(1, std::memory_order_relaxed);
   }
@@ -46,21 +46,21 @@ class RunControl {
   }
 
   Stage stage() const { return stage_.load(std::memory_order_relaxed); }
-  /// Returns the progress within the stage, 0 to 1. Besides what `progress` has set, it moves a little with work that
-  /// nobody counts, so that it only stands if nothing is done. It never goes back unless `progress` does.
+  /// Returns the progress within the stage, 0 to 1. Besides what `progress` was told, it moves a little with work that
+  /// nobody counts, so that it only stands if nothing is done. It never goes back unless `progress` is told less.
   double fraction() const {
-    const double set = set_fraction(), moves = static_cast<double>(moves_.load(std::memory_order_relaxed));
-    return set + kShareOfMoves * (1 - set) * moves / (moves + kHalfOfMoves);
+    const double told = told_fraction(), moves = static_cast<double>(moves_.load(std::memory_order_relaxed));
+    return told + kShareOfMoves * (1 - told) * moves / (moves + kHalfOfMoves);
   }
-  /// Returns the progress that `progress` has set.
-  double set_fraction() const { return fraction_ppm_.load(std::memory_order_relaxed) * 1e-6; }
+  /// Returns what `progress` was told last.
+  double told_fraction() const { return fraction_ppm_.load(std::memory_order_relaxed) * 1e-6; }
 
   /// Returns the bound on the memory of the stage. The thread that enters stages may change it.
   MemoryBound& memory() { return memory_; }
   const MemoryBound& memory() const { return memory_; }
 
  private:
-  /// Work checks every few microseconds to milliseconds.
+  /// Progress moves once in so many checks of a thread. Work checks every few microseconds to milliseconds.
   static constexpr std::uint32_t kChecksPerMove = 256;
   /// All moves together are at most this share of the progress that is left, and half of that after so many moves.
   static constexpr double kShareOfMoves = 0.1, kHalfOfMoves = 1000;

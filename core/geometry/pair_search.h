@@ -30,7 +30,7 @@ inline constexpr std::uint64_t kStepsPerOrientedBox = 4;
 class PairSearch {
  public:
   PairSearch(const SearchLimits& limits, RunControl& control, SelfIntersections found = {})
-      : limits_(limits), control_(control), result_(std::move(found)), progress_before_(control.set_fraction()) {
+      : limits_(limits), control_(control), result_(std::move(found)), progress_before_(control.told_fraction()) {
     if (!result_.are_all_listed && result_.is_complete) unexpected_ = result_.pairs.size() - move_expected_to_end();
   }
 
@@ -67,13 +67,13 @@ class PairSearch {
     constexpr double kHalfTheWay = 1 << 26;
     const std::lock_guard lock(told_mutex_);
     // A loop in between, such as one that builds a tree, has told progress of its own. What follows it begins there.
-    if (const double now = control_.set_fraction(); now > told_fraction_) {
+    if (const double now = control_.told_fraction(); now > told_fraction_) {
       progress_before_ = now;
       told_ = 0;
     }
     told_ += static_cast<double>(steps);
     control_.progress(progress_before_ + (1 - progress_before_) * told_ / (told_ + kHalfTheWay));
-    told_fraction_ = control_.set_fraction();
+    told_fraction_ = control_.told_fraction();
   }
   /// Ends the search if it has taken more steps than it may.
   void end_if_long() {

@@ -33,12 +33,13 @@ struct DetailMap {
   /// A vertex of a part that goes, and the point near it: the sum of a face's corners, each times its weight.
   struct Anchor {
     VertexId vertex;
-    FaceId face;  ///< of the other surface
+    FaceId face;  ///< a face of the other surface
     std::array<double, 3> weights;
   };
 
   std::vector<Cut> cuts;
-  std::vector<Piece> pieces;  ///< of all triangles, ascending by `of`; one that is not cut is its own piece
+  /// These are the pieces of all triangles, ascending by `of`. A triangle that is not cut is its own piece.
+  std::vector<Piece> pieces;
   /// For each point, the vertex of the other surface to which it goes; invalid for anchored vertices.
   IdVector<VertexId, VertexId> image;
   std::vector<Anchor> anchors;  ///< ascending by vertex

@@ -62,7 +62,7 @@ class Mending {
     const std::size_t faces = surface_.face_count();
     if (keep_verbatim_.empty() && are_all_sound()) return false;
     is_degenerate_.reserve(faces);
-    const double before = control_.set_fraction();
+    const double before = control_.told_fraction();
     // The rest is for what comes after it.
     constexpr double kShare = 0.5;
     for (std::size_t f = 0; f < faces; ++f) {

@@ -17,8 +17,9 @@ namespace remesh {
 
 /// The specks of a surface.
 struct Specks {
-  std::vector<std::vector<VertexId>> vertices;  ///< of each speck, ascending
-  std::vector<std::uint32_t> of_face;           ///< by face, the speck it belongs to, or kNone; empty if there are none
+  std::vector<std::vector<VertexId>> vertices;  ///< the vertices of each speck, ascending
+  /// Each face has the number of the speck to which it belongs, or kNone. It is empty if there are no specks.
+  std::vector<std::uint32_t> of_face;
 
   std::size_t count() const { return vertices.size(); }
   bool has(FaceId f) const { return !of_face.empty() && of_face[f.value] != kNone; }
@@ -34,7 +35,7 @@ Specks find_specks(const DetailRules& rules, RunControl& control);
 /// A point of a triangle: the sum of the corners, each times its weight.
 struct PointOfTriangle {
   std::size_t triangle;
-  std::array<double, 3> weights;  ///< at least 0 each; their sum is 1, up to rounding
+  std::array<double, 3> weights;  ///< each is at least 0, and their sum is 1, up to rounding
 };
 
 /// Finds a point for each speck that is near all of it.

@@ -49,7 +49,7 @@ class DetailStage {
   /// Holds the surface as it is, and how it became so.
   struct Context {
     const PolygonMesh& input;  ///< as it was read
-    const PatchSet& patches;   ///< of the prepared surface
+    const PatchSet& patches;   ///< those of the prepared surface
     InputIntersections intersections;
     double plane_tolerance;  ///< model units
     double weld_tolerance;   ///< model units

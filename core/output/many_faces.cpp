@@ -68,7 +68,7 @@ class Explanation {
       faces_ += faces_of_patch_.back();
     }
     allowed_ = std::max(kFewFacesAlways, kTimesOfInput * static_cast<double>(result.input_triangles));
-    most_worth_telling_ = kWorthTelling * faces_;
+    max_worth_telling_ = kWorthTelling * faces_;
   }
 
   bool are_many() const { return faces_ > allowed_; }
@@ -216,7 +216,7 @@ class Explanation {
       best = {option, faces};
       if (faces <= allowed_) break;
     }
-    if (best && best->faces <= most_worth_telling_) remedies_.push_back(*std::move(best));
+    if (best && best->faces <= max_worth_telling_) remedies_.push_back(*std::move(best));
   }
 
   std::vector<Remedy> find_remedies(Cause cause) {
@@ -236,7 +236,7 @@ class Explanation {
   std::vector<Remedy> find_remedies_without_floor() {
     first_goals_.min_edge_length = lowest_floor_;
     scale_ = 1;
-    allowed_ = most_worth_telling_ = static_cast<double>(result_.goals.faces_without_floor);
+    allowed_ = max_worth_telling_ = static_cast<double>(result_.goals.faces_without_floor);
     try_circles();
     try_angles();
     return std::move(remedies_);
@@ -298,7 +298,7 @@ class Explanation {
       best = {"elements_per_circle=" + std::to_string(of->first), static_cast<double>(of->second)};
       if (best->faces <= allowed_) break;
     }
-    if (best && best->faces <= most_worth_telling_) remedies_.push_back(*std::move(best));
+    if (best && best->faces <= max_worth_telling_) remedies_.push_back(*std::move(best));
   }
 
   const FacesToExplain& result_;
@@ -308,7 +308,7 @@ class Explanation {
   double faces_ = 0;
   double allowed_ = 0;
   double scale_ = 1;  ///< the faces there are over those that are predicted
-  double most_worth_telling_ = 0;
+  double max_worth_telling_ = 0;
   std::vector<Remedy> remedies_;
 };
 

@@ -62,15 +62,10 @@ DelaunayMesh::Location DelaunayMesh::locate(std::uint32_t triangle, Vec2 p) cons
       // The walk leaves through this edge if the edge's start is on its right and the edge's end on its left.
       if (side_of_way(from(h)) <= 0 && side_of_way(to(h)) >= 0) break;
     }
-  // A straight way crosses no edge twice. Where rounding has put the start outside of a needle, the walk may go around
-  // in a circle for ever. The edges after 1, 2, 4 and so on steps are remembered, so a circle is found.
-  std::uint32_t remembered = h;
-  for (std::uint64_t steps = 1; is_beyond(h); ++steps) {
+  while (is_beyond(h)) {
     if (is_constrained(h)) return {h, true};
     const std::uint32_t g = twin_[h];
     h = side_of_way(apex(g)) > 0 ? next(g) : previous(g);
-    if (h == remembered) break;
-    if ((steps & (steps - 1)) == 0) remembered = h;
   }
   return {h, false};
 }

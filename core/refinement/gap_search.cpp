@@ -221,11 +221,11 @@ bool is_curved(const TriangulatedPatches& triangulated, PatchId p) {
 class GapSearch::Index {
  public:
   Index(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches, double plane_tolerance,
-        RunControl& control, const TriangulatedPatches* triangulated, double least_gap)
+        RunControl& control, const TriangulatedPatches* triangulated, double min_gap)
       : surface_(surface),
         contacts_(surface, adjacency, patches, control),
         touching_squared_(std::pow(plane_tolerance / surface.unit, 2)),
-        least_height_(least_gap / surface.unit) {
+        min_height_(min_gap / surface.unit) {
     find_triangles(patches, triangulated, control);
     slabs_ = PatchSlabs(surface, patches, triangulated != nullptr ? &triangulated->charts : nullptr, triangles_,
                         triangle_begin_, control);
@@ -239,12 +239,12 @@ class GapSearch::Index {
     const double below = limit / surface_.unit;
     const Vec3 from = (1 / surface_.unit) * (place - surface_.centre);
     double found = HUGE_VAL;
-    if (!(least_height_ > 0))
+    if (!(min_height_ > 0))
       found = squared_gap(from, patch, below * below, what, uncounted, work).squared;
-    else if (below > least_height_)
+    else if (below > min_height_)
       for (const Side side : {Side::kAbove, Side::kBelow}) {
         const Gap gap = squared_gap(from, patch, std::min(found, below * below), what, uncounted, work, side);
-        if (gap.height >= least_height_) found = std::min(found, gap.squared);
+        if (gap.height >= min_height_) found = std::min(found, gap.squared);
       }
     return std::sqrt(found) * surface_.unit;
   }
@@ -324,7 +324,7 @@ class GapSearch::Index {
   const Surface& surface_;
   PatchContacts contacts_;
   double touching_squared_;                    ///< local units
-  double least_height_;                        ///< gaps that are less high do not count; local units
+  double min_height_;                          ///< gaps that are less high do not count; local units
   std::vector<Triangle> triangles_;            ///< triangles of patch after patch
   std::vector<std::uint32_t> triangle_begin_;  ///< index of each patch's first triangle
   PatchSlabs slabs_;
@@ -523,7 +523,7 @@ double GapSearch::Index::squared_beside(std::span<const Corners3> pieces, PatchI
         const Corners3 there = corners(slot);
         double up = 0;
         for (const Vec3& p : there) up = std::max(up, std::fabs(slab.plane.distance(p)) + slab.half_thickness);
-        if (!is_curved && up < least_height_) return;
+        if (!is_curved && up < min_height_) return;
         for (const Corners3& piece : pieces) {
           const Vec3 way = shortest_way(piece, there);
           const double d = norm_squared(way);
@@ -533,7 +533,7 @@ double GapSearch::Index::squared_beside(std::span<const Corners3> pieces, PatchI
           // Where one of the patches is curved, other ways between the two may not be blocked.
           if (!is_curved && !slabs_.is_curved(other) && is_blocked(way, patch, slab.plane.normal, other, there[0]))
             continue;
-          best = std::min(best, std::max(steep(tree_[slot], d), least_height_ * least_height_));
+          best = std::min(best, std::max(steep(tree_[slot], d), min_height_ * min_height_));
         }
       });
   return best < below ? best : HUGE_VAL;
@@ -640,8 +640,8 @@ GapSearch::Index::Looked GapSearch::Index::look_from(std::span<const std::uint32
 
 GapSearch::GapSearch(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches,
                      double plane_tolerance, RunControl& control, const TriangulatedPatches* triangulated,
-                     double least_gap)
-    : index_(std::make_unique<Index>(surface, adjacency, patches, plane_tolerance, control, triangulated, least_gap)) {}
+                     double min_gap)
+    : index_(std::make_unique<Index>(surface, adjacency, patches, plane_tolerance, control, triangulated, min_gap)) {}
 GapSearch::~GapSearch() = default;
 
 double GapSearch::at(const Vec3& place, PatchId patch, double limit, const Triangle* on, WorkBound* work) const {

@@ -39,9 +39,9 @@ namespace remesh {
 /// Where two patches are within the plane tolerance of each other, they touch, so there is no gap. There is never a gap
 /// between two places on the same patch.
 ///
-/// With a least gap, there is also none on a side of the patch where the nearest point that the place faces is less
-/// high over the patch's plane than that, whatever is beyond it. The height counts, because otherwise the places beside
-/// a narrow gap would see its rim as a wider one.
+/// If narrow gaps do not count, there is also none on a side of the patch where the nearest point that the place faces
+/// is less high over the patch's plane than the smallest gap that counts, whatever is beyond it. The height counts,
+/// because otherwise the places beside a narrow gap would see its rim as a wider one.
 ///
 /// The triangles of a curved patch are its facets. At a place of it, the tangent plane of its surface counts instead of
 /// a plane of the patch, and the outside is that of the surface there.
@@ -52,9 +52,9 @@ class GapSearch {
   /// `triangulated` must outlive this object.
   /// Input: The plane tolerance is in model units. `triangulated` has the patches before they are refined; it may be
   ///        null. The input faces of a patch are used if it has no mesh; they are the same places but may be very many.
-  ///        Narrower gaps than `least_gap`, in model units, do not count, except for the smallest one.
+  ///        Narrower gaps than `min_gap`, in model units, do not count, except for the smallest one.
   GapSearch(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches, double plane_tolerance,
-            RunControl& control, const TriangulatedPatches* triangulated = nullptr, double least_gap = 0);
+            RunControl& control, const TriangulatedPatches* triangulated = nullptr, double min_gap = 0);
   ~GapSearch();
 
   /// Returns the gap at a place of that patch in model units, or infinity if it is not less than `limit`. This search

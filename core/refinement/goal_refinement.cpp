@@ -226,7 +226,7 @@ std::unique_ptr<const GapSearch> GoalRefinement::gap_search(const PatchedSurface
                                                             const TriangulatedPatches& triangulated) const {
   if (!(goals_.proximity > 0)) return nullptr;
   return std::make_unique<GapSearch>(on.surface, on.adjacency, on.patches, on.plane_tolerance, control_, &triangulated,
-                                     goals_.least_gap);
+                                     goals_.min_gap);
 }
 
 /// Returns a value only where gradation alone makes sizes vary.
@@ -250,6 +250,8 @@ double GoalRefinement::predict_with(const Goals& goals, const PatchedSurface& on
   const bool have_same_sizes = goals.max_edge_length == goals_.max_edge_length && goals.proximity == goals_.proximity &&
                                goals.gradation == goals_.gradation;
   if (sizes_.field && have_same_sizes) return predict(triangulated, goals, *sizes_.field, control_).expected;
+  if (goals.proximity > 0 && goals_.proximity > 0 && sample_count() > kManySamples)
+    return predict(triangulated, goals, sizes_.field->rescaled(goals_.proximity, goals, control_), control_).expected;
   const auto gaps = goals.proximity > 0 ? gap_search(on, triangulated) : nullptr;
   const SizeField sizes = sizes_for(goals, gaps.get(), 0, on, triangulated, control_);
   return predict(triangulated, goals, sizes, control_).expected;

@@ -77,7 +77,8 @@ class GoalRefinement {
 
   /// Predicts how many faces refinement would make with other goals.
   /// Input: the triangles as they are before refinement.
-  /// Cost:  that of a prediction. With other sizes that vary, the size field is computed for them.
+  /// Cost:  that of a prediction. With other sizes that vary, the size field is computed for them, or rescaled if it
+  /// has many samples.
   double predict_with(const Goals& goals, const PatchedSurface& on, const TriangulatedPatches& triangulated) const;
 
   /// Refines the triangles of all patches, except patches that the ladder takes verbatim and frozen patches.
@@ -100,12 +101,11 @@ class GoalRefinement {
 
   /// Returns whether a result with so many faces needs another attempt, and adapts the budget for that attempt. Or it
   /// adapts the floor under the lengths of edges, if the faces are out of proportion (Goals::faces_without_floor) or a
-  /// lower floor may serve as well. The first
-  /// attempt has no budget as long as it does not make far more triangles than allowed: many of them are removed
-  /// when patches are thinned out, so they are no reason to leave anything undone. The next attempt may exceed its
-  /// budget by cuts that patches have to make because their neighbours made them, by points in chords, or by cuts for
-  /// sizes alone. Then the attempt after it gets a smaller budget. If that does not help, or not soon enough, nothing
-  /// is refined.
+  /// lower floor may serve as well. The first attempt has no budget as long as it does not make far more triangles than
+  /// allowed: many of them are removed when patches are thinned out, so they are no reason to leave anything undone.
+  /// The next attempt may exceed its budget by cuts that patches have to make because their neighbours made them, by
+  /// points in chords, or by cuts for sizes alone. Then the attempt after it gets a smaller budget. If that does not
+  /// help, or not soon enough, nothing is refined.
   bool is_over_budget(std::uint64_t faces);
 
   /// Freezes patches whose refinement failed the check: they stay as they were before it. Returns whether any of them
@@ -148,6 +148,8 @@ class GoalRefinement {
   /// kFewFaces it is tried in any case, for two reasons: where boundaries are locked or edges must not be short,
   /// predictions may be far too high, and it takes a second at most.
   static constexpr double kHopeless = 2, kFewFaces = 0x1p17;
+  /// Gaps are not looked for again to predict faces with other goals if that would take about as long as an attempt.
+  static constexpr std::size_t kManySamples = std::size_t{1} << 13;
   static constexpr int kMaxRetries = 6;
   static constexpr int kRetriesInVain = 3;  ///< a retry that made no fewer faces counts as so many
   /// One kReserve-th of the faces allowed is reserved for what comes when the budget is spent: cuts that neighbours

@@ -26,7 +26,7 @@ Goals goals_of(const Options& options, double diagonal) {
   goals.max_area = options.max_area.value_or(goals.max_area);
   goals.min_edge_length = options.min_edge_length.value_or(0);
   goals.proximity = options.proximity;
-  goals.least_gap = options.defeature_size.value_or(0);
+  goals.min_gap = options.defeature_size.value_or(0);
   goals.gradation = options.gradation.value_or(options.proximity > 0 ? kDefaultGradation : 0);
   goals.split_boundaries = options.split_boundaries;
   return goals;

@@ -19,7 +19,7 @@ struct Goals {
   double max_area;             ///< infinity: none
   double min_edge_length = 0;  ///< refinement makes no shorter edge
   double proximity = 0;        ///< edges are at most as long as the gap divided by this; 0: no such limit
-  double least_gap = 0;        ///< gaps that are narrower than this do not count for proximity
+  double min_gap = 0;          ///< gaps that are narrower than this do not count for proximity
   double gradation = 0;        ///< largest ratio of the lengths of neighbouring edges, > 1; 0: no limit
   std::uint64_t max_faces;     ///< limit on the faces of the whole result
   /// If there would be more faces than this, refinement looks for a value of min_edge_length with which there are no

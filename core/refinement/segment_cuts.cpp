@@ -26,12 +26,14 @@ void SegmentCuts::begin(const SizeField& sizes, std::uint64_t max_triangles, std
   messages_.clear();
   cuts_.assign(segments_.size(), {});
   const std::uint64_t max_kept = std::min(max_triangles, max_made);
+  // With one more, there are too many in any case.
+  const std::uint64_t max_cuts = max_kept == kNoFaceLimit ? kNoFaceLimit : max_kept + 1;
   std::atomic<std::uint64_t> of_sides = 0, of_messages = 0;
   IdVector<SegmentId, std::uint32_t> counts(segments_.size());
   for_blocks(segments_.size(), kSegmentsPerTask, control_, [&](std::size_t from, std::size_t to) {
     for (SegmentId s(from); s.value < to; ++s.value) {
       control_.check();
-      std::vector<double> cuts = segments_.size_cuts(s, sizes);
+      std::vector<double> cuts = segments_.size_cuts(s, sizes, max_cuts);
       counts[s] = static_cast<std::uint32_t>(cuts.size());
       of_sides += cuts.size() * segments_.sides(s).size();
       // Once there are too many, cuts are only counted. It depends on the threads which of them are stored by then.
@@ -39,7 +41,7 @@ void SegmentCuts::begin(const SizeField& sizes, std::uint64_t max_triangles, std
     }
   });
   if (of_sides > max_triangles)
-    thin_out(sizes, counts, static_cast<double>(max_triangles) / 2 / static_cast<double>(of_sides));
+    thin_out(sizes, max_cuts, counts, static_cast<double>(max_triangles) / 2 / static_cast<double>(of_sides));
   StopCheck check(control_);
   for (const SegmentSide& side : segments_.all_sides()) {
     check();
@@ -49,7 +51,8 @@ void SegmentCuts::begin(const SizeField& sizes, std::uint64_t max_triangles, std
 }
 
 /// Leaves this share of the pieces of each segment. The other half of the triangles is for what patches do inside.
-void SegmentCuts::thin_out(const SizeField& sizes, IdVector<SegmentId, std::uint32_t>& counts, double share) {
+void SegmentCuts::thin_out(const SizeField& sizes, std::uint64_t max_cuts, IdVector<SegmentId, std::uint32_t>& counts,
+                           double share) {
   for_blocks(segments_.size(), kSegmentsPerTask, control_, [&](std::size_t from, std::size_t to) {
     for (SegmentId s(from); s.value < to; ++s.value) {
       control_.check();
@@ -58,7 +61,7 @@ void SegmentCuts::thin_out(const SizeField& sizes, IdVector<SegmentId, std::uint
       counts[s] = static_cast<std::uint32_t>(left - 1);
       std::vector<double> all = std::exchange(cuts_[s], {});
       if (left == 1) continue;
-      if (all.empty()) all = segments_.size_cuts(s, sizes);
+      if (all.empty()) all = segments_.size_cuts(s, sizes, max_cuts);
       // There are never more cuts than before.
       cuts_[s].reserve(left - 1);
       for (std::size_t i = 1; i < left; ++i) cuts_[s].push_back(all[i * pieces / left - 1]);

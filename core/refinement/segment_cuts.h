@@ -54,7 +54,7 @@ class SegmentCuts {
   /// Input: If all cuts, counted once for each patch beside them, would be more than `max_triangles`, all segments are
   ///        cut less often, in the same proportion, and half of that number is left. It may be kNoFaceLimit.
   ///        If they are more than `max_made`, the attempt ends at once. Then they are only counted, in the messages,
-  ///        and not all of them are stored.
+  ///        up to one more for each segment, and not all of them are stored.
   void begin(const SizeField& sizes, std::uint64_t max_triangles, std::uint64_t max_made);
 
   /// Takes the cuts that patches made in a round, and makes messages of them. The old messages are forgotten.
@@ -68,7 +68,8 @@ class SegmentCuts {
   std::span<const Message> messages_for(PatchId patch) const;
 
  private:
-  void thin_out(const SizeField& sizes, IdVector<SegmentId, std::uint32_t>& counts, double share);
+  void thin_out(const SizeField& sizes, std::uint64_t max_cuts, IdVector<SegmentId, std::uint32_t>& counts,
+                double share);
   void send_to_others(SegmentId s, std::span<const FreshCut> fresh, std::uint64_t count);
   void sort_messages();
 

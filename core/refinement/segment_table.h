@@ -131,13 +131,16 @@ class SegmentTable {
   /// the fewest parts that are no longer than the size there; the parts are equal where the size is. The side of a
   /// strip is first cut between its parts and then by halves, until no piece is longer than the size in its middle.
   /// Beside sharp corners, a segment is cut on their shells (CornerShells).
-  std::vector<double> size_cuts(SegmentId s, const SizeField& sizes) const;
+  /// If there would be more than `max_cuts`, there are about so many, in the same proportion. Beside sharp corners
+  /// there may be some more. Sizes are looked at in no more than twice as many places.
+  std::vector<double> size_cuts(SegmentId s, const SizeField& sizes, std::uint64_t max_cuts = Goals::kNoLimit) const;
 
  private:
   void cut_at_corners(SegmentId s, std::span<const double> at_from, std::span<const double> at_to,
-                      const SizeField& sizes, std::vector<double>& cuts) const;
-  void cut_between_parts(SegmentId s, const SizeField& sizes, std::vector<double>& cuts) const;
-  void cut_evenly(SegmentId s, double first, double last, const SizeField& sizes, std::vector<double>& cuts) const;
+                      const SizeField& sizes, std::uint64_t max_cuts, std::vector<double>& cuts) const;
+  void cut_between_parts(SegmentId s, const SizeField& sizes, std::uint64_t max_cuts, std::vector<double>& cuts) const;
+  void cut_evenly(SegmentId s, double first, double last, const SizeField& sizes, std::uint64_t max_cuts,
+                  std::vector<double>& cuts) const;
   double& shell_base(SegmentEnd end) { return segments_[end.segment()].shell_base[end.place()]; }
   std::optional<double> place_cut(const BoundarySegment& s, double t0, double t1) const;
 

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/blocks.h"
+#include "core/base/stoppable.h"
 #include "core/geometry/distances.h"
 
 namespace remesh {
@@ -343,6 +344,28 @@ SizeField SizeField::without_floor(const Surface& surface, std::span<const std::
   sampler.sample_segments(segments);
   field.set_samples(sampler.samples(), control);
   field.drop_dominated(control);
+  return field;
+}
+
+SizeField SizeField::rescaled(double proximity, const Goals& goals, RunControl& control) const {
+  SizeField field(goals.max_edge_length);
+  field.floor_ = floor_;
+  field.is_floor_asked_ = is_floor_asked_;
+  field.slope_ = goals.size_slope();
+  field.centre_ = centre_;
+  field.unit_ = unit_;
+  field.axes_ = axes_;
+  const double factor = proximity / goals.proximity;
+  std::vector<Sample> samples;
+  samples.reserve(samples_.size());
+  StopCheck check(control);
+  for (std::size_t slot = 0; slot < samples_.size(); ++slot) {
+    check();
+    Samples::Entry entry = samples_[slot];
+    entry.tag.value = FloatBox::rounded_down(std::max(factor * entry.tag.value, floor_ / unit_));
+    if (entry.tag.value * unit_ < field.largest_) samples.push_back({entry, cells_[slot]});
+  }
+  field.set_samples(samples, control);
   return field;
 }
 

@@ -58,6 +58,11 @@ class SizeField {
   static SizeField without_floor(const Surface& surface, std::span<const std::array<VertexId, 2>> segments,
                                  const Goals& goals, RunControl& control);
 
+  /// Returns about the field that other goals ask for, for predictions: the gaps are those of this field, and what
+  /// asked for more than the largest size of this field asks for nothing.
+  /// Input: a field of gaps, its goals.proximity, and goals with proximity.
+  SizeField rescaled(double proximity, const Goals& goals, RunControl& control) const;
+
   /// Cells are not cut further if that would make more samples than faces are allowed, and more than four for each
   /// patch. There are never more than kMaxSamples for that reason, and kFewSamples are always allowed.
   static constexpr std::size_t kMaxSamples = std::size_t{1} << 19;

@@ -103,8 +103,10 @@ struct WorkingPatch {
                                                              : chart.to_space(mesh.point(v)));
   }
 
-  /// Looks for the cavity of a point. The search begins at a triangle.
+  /// Looks for the cavity of a point. The search begins at a triangle. A point that is not finite
+  /// has no room: where the map of a curved surface ends, there is no place on a column.
   PointPlace look_at(Vec2 p, std::uint32_t triangle) {
+    if (!std::isfinite(p.x) || !std::isfinite(p.y)) return {kNone, {p, {}, {}, false}};
     const DelaunayMesh::Location at = mesh.locate(triangle, p);
     if (at.is_hidden) return {mesh.side(at.half_edge), {p, {}, {}, false}};
     return {kNone, mesh.find_cavity(p, at.half_edge / 3)};

@@ -43,7 +43,7 @@ FacingFacets::FacingFacets(const Claim& claim, const Model& model, const Boundar
   centre_ = 0.5 * box.min + 0.5 * box.max;
   const double reach = largest_coordinate(box.max - centre_);
   unit_ = reach > 0 ? 1 / reach : 1;
-  least_height_ = unit_ * model.scale * claim.refinement->goals.least_gap;
+  min_height_ = unit_ * model.scale * claim.refinement->goals.min_gap;
   find_facets(claim, control);
   find_bodies(seams, control);
   find_contacts(control);
@@ -262,12 +262,13 @@ bool FacingFacets::is_clear_gap(const Vec3& from, PatchId p, const Vec3& there, 
 /// might be a gap that is too narrow to count. Whatever is not looked at might be one.
 /// Input: `there` - the point of patch q that is nearest to `from`.
 bool FacingFacets::may_be_narrow(const Vec3& from, PatchId p, const Vec3& there, PatchId q, std::size_t& looks) const {
-  // Of another division into triangles, other points may be the nearest ones. They are hidden nearly as well.
+  // If patches were divided into other triangles, other points might be the nearest ones. They are hidden nearly as
+  // well.
   constexpr double kOfOtherPoints = 0.94;
-  if (!(least_height_ > 0)) return false;
+  if (!(min_height_ > 0)) return false;
   const Vec3 up = dot(there - from, normal(p, from)) > 0 ? normal(p, from) : -normal(p, from);
   const double off = 2 * unit_ * model_.tolerance + curved_tolerance(p);
-  const double narrow = least_height_ * (1 + kMargin) + off;
+  const double narrow = min_height_ * (1 + kMargin) + off;
   if (dot(there - from, up) < narrow) return true;
   const double steep = is_curved(p) ? 0 : kSteep * (1 - kMargin);
   bool is_found = false;
@@ -282,9 +283,9 @@ bool FacingFacets::may_be_narrow(const Vec3& from, PatchId p, const Vec3& there,
         const Corners3 triangle = corners(slot);
         const Vec3 nearest = nearest_on_triangle(from, triangle);
         const double squared = norm_squared(nearest - from);
-        const auto [least, most] =
+        const auto [lowest, highest] =
             std::minmax({dot(triangle[0] - from, up), dot(triangle[1] - from, up), dot(triangle[2] - from, up)});
-        if (!(squared < best) || least > narrow || !(most > 0 && most * most > steep * squared)) return;
+        if (!(squared < best) || lowest > narrow || !(highest > 0 && highest * highest > steep * squared)) return;
         const double way = kOfOtherPoints * kDetour * std::sqrt(squared);
         if (is_over_surface(p, from, facets_[slot].tag.patch, nearest, way, looks)) return;
         is_found = true;
@@ -304,8 +305,8 @@ bool FacingFacets::is_any_within(const Vec3& place, PatchId patch, double distan
   if (!(reach > touching)) return false;
   // If a point is seen steeply, its height over the patch's plane is more than this share of its distance.
   const double steep = must_be_clear ? kSteep : is_curved(patch) ? 0 : kSteep * (1 - kMargin);
-  // A triangle that is nowhere higher than the least gap is no gap.
-  const double narrow_off = 2 * unit_ * model_.tolerance + off + kMargin * least_height_;
+  // A triangle that is nowhere as high as the smallest gap that counts is no gap.
+  const double narrow_off = 2 * unit_ * model_.tolerance + off + kMargin * min_height_;
 
   std::size_t looks = 0;
   bool is_found = false;
@@ -336,7 +337,7 @@ bool FacingFacets::is_any_within(const Vec3& place, PatchId patch, double distan
         } else {
           double highest = 0;
           for (const Vec3& corner : triangle) highest = std::max(highest, std::fabs(dot(corner - p, up)));
-          is_found = highest * highest > steep * squared && highest + narrow_off > least_height_;
+          is_found = highest * highest > steep * squared && highest + narrow_off > min_height_;
         }
         if (is_found) best = -1;
       });

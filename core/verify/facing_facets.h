@@ -26,7 +26,7 @@ namespace remesh::verification {
 ///    patch, the normal of its surface is taken. As facets turn away from it, a way that is clearly steep is above
 ///    kSteepAtCurved (65 degrees), and any way may be steep.
 ///  - The way is longer than the tolerance. At a smaller distance the two patches touch.
-///  - Of all points that are across a gap on this side of the patch, the nearest one is at least Goals::least_gap high
+///  - Of all points that are across a gap on this side of the patch, the nearest one is at least Goals::min_gap high
 ///    over the patch's plane. Narrower gaps do not count, and neither does what is beyond them.
 ///  - The patches do not cross or touch each other anywhere in the input.
 ///  - The surface does not hide it. If both patches bound one closed, consistently oriented body, a way that leaves
@@ -109,8 +109,8 @@ class FacingFacets {
 
   const Model& model_;
   Vec3 centre_;
-  double unit_ = 1;          ///< local lengths are model lengths times this
-  double least_height_ = 0;  ///< of a gap, in local units
+  double unit_ = 1;        ///< local lengths are model lengths times this
+  double min_height_ = 0;  ///< gaps that are less high do not count; local units
   std::vector<std::array<VertexId, 3>> triangles_;
   Facets facets_;
   static constexpr std::uint32_t kOpen = 0xffffffffu;

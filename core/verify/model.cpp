@@ -79,7 +79,7 @@ bool is_well_formed(const RefinementClaim& refinement, std::size_t face_count, s
          std::adjacent_find(unrefined.begin(), unrefined.end(), std::greater_equal<>()) == unrefined.end() &&
          (unrefined.empty() || unrefined.back().value < face_count) && is_bound(goals.min_angle_deg) &&
          is_bound(goals.max_edge_length) && is_bound(goals.max_area) && is_bound(goals.min_edge_length) &&
-         is_bound(goals.proximity) && is_bound(goals.least_gap) && is_bound(goals.gradation) &&
+         is_bound(goals.proximity) && is_bound(goals.min_gap) && is_bound(goals.gradation) &&
          (frozen.empty() || frozen.size() == patch_count);
 }
 

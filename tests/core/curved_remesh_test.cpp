@@ -350,35 +350,6 @@ TEST(curved_remesh, oblique_cuts_leave_room_for_their_way_along_the_surface) {
     }
 }
 
-/// Makes a cylinder whose lid overlaps itself: a corner of one of the lid's triangles lies beside the vertex at which it
-/// belongs.
-PolygonMesh cylinder_with_torn_lid(std::uint32_t n) {
-  std::vector<Vec3> positions;
-  for (const auto& [radius, height] : {std::pair(5.0, 0.0), {5.0, 10.0}, {3.0, 10.0}})
-    for (std::uint32_t i = 0; i < n; ++i)
-      positions.push_back({radius * std::cos(2 * kPi * i / n), radius * std::sin(2 * kPi * i / n), height});
-  const std::uint32_t torn = 3 * n, replaced = 2 * n + 3;
-  positions.push_back(positions[replaced] + Vec3{0.005, -0.002, 0});
-  std::vector<std::vector<std::uint32_t>> faces(2);
-  for (std::uint32_t i = 0; i < n; ++i) {
-    const std::uint32_t j = (i + 1) % n, inner = 2 * n + i;
-    faces[0].push_back(n - 1 - i);
-    faces[1].push_back(inner);
-    faces.push_back({i, j, n + j, n + i});
-    faces.push_back({inner, n + i, n + j});
-    faces.push_back({inner == replaced ? torn : inner, n + j, 2 * n + j});
-  }
-  return shapes::from_lists(positions, faces);
-}
-
-TEST(curved_remesh, planes_that_cannot_be_triangulated_beside_joined_facets_take_a_few_steps) {
-  // The curved patches beside such a plane may be at fault, so they become facets again. Then the plane is cut up.
-  for (const double elements : kElements) {
-    const Result result = remeshed(cylinder_with_torn_lid(24), with_circle(elements));
-    EXPECT_TRUE(result.report.verified.all_true());
-  }
-}
-
 TEST(curved_remesh, the_side_of_a_cylinder_has_hardly_more_faces_than_columns_make) {
   // The half of a step at each end of a column, and a row of triangles at each rim, come on top.
   const Model model = primitives::cylinder(72, 10, 30);

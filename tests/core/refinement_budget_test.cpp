@@ -187,5 +187,23 @@ TEST(refinement_budget, a_result_that_must_be_larger_than_allowed_is_refused_at_
   }
 }
 
+TEST(refinement_budget, segments_that_would_have_far_too_many_pieces_are_cut_less_often) {
+  // Coordinates are so large beside the small sides of this octahedron that rounding leaves no room for most cuts, so
+  // the request cannot be refused. All cuts together would take gigabytes.
+  constexpr double kFar = 6e7, kRadius = 3.3;
+  const std::vector<Vec3> positions{{-2e7 + kRadius, -kFar, kFar}, {-2e7 - kRadius, -kFar, kFar},
+                                    {kFar, -kFar - kRadius, kFar}, {-2e7, -kFar + kRadius, kFar},
+                                    {-2e7, -kFar, kFar + kRadius}, {-2e7, -kFar, kFar - kRadius}};
+  const PolygonMesh mesh = shapes::from_lists(
+      positions, {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}});
+  for (const double length : {0.5, 5.0}) {
+    Options options = with_length(length);
+    options.max_output_faces = 6000;
+    const Result result = refined(mesh, options);
+    EXPECT_TRUE(result.report.verified.all_true());
+    EXPECT_LE(result.mesh.faces.size(), 6000u);
+  }
+}
+
 }  // namespace
 }  // namespace remesh

@@ -69,7 +69,7 @@ TEST(run_control, progress_moves_with_work_that_nobody_counts) {
     last = control.fraction();
   }
   EXPECT_LT(last, 0.55);
-  EXPECT_NEAR(control.set_fraction(), 0.5, 1e-6);
+  EXPECT_NEAR(control.told_fraction(), 0.5, 1e-6);
   control.progress(0.6);
   EXPECT_GT(control.fraction(), last);
   control.enter(Stage::kQuality);

@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 #include <utility>
 
+#include "core/refinement/working_patch.h"
 #include "tests/support/patch_subject.h"
 #include "tests/support/polygons.h"
 #include "tests/support/refined_checks.h"
@@ -99,6 +101,23 @@ TEST(patch_start, a_patch_that_is_small_enough_stays_as_it_is) {
   const Started started(shapes::sheet(4, 4, 1, 1), options);
   expect_sound(started);
   EXPECT_EQ(started.start.mesh.triangle_count(), 2u);
+}
+
+TEST(working_patch, a_point_that_is_not_finite_has_no_room) {
+  Options options;
+  options.max_edge_length = 0.2;
+  Started started(shapes::box({1, 1, 1}), options);
+  const PatchChart chart = started.subject.chart();
+  WorkingPatch patch(std::move(started.start), started.subject.patch(), chart, std::pmr::get_default_resource());
+  std::uint32_t live = 0;
+  while (!patch.mesh.is_live(live)) ++live;
+  const Vec2 corner = patch.mesh.point(patch.mesh.from(3 * live));
+  for (const double none : {std::nan(""), HUGE_VAL, -HUGE_VAL})
+    for (const Vec2 p : {Vec2{none, corner.y}, Vec2{corner.x, none}, Vec2{none, none}}) {
+      const PointPlace place = patch.look_at(p, live);
+      EXPECT_FALSE(place.is_hidden());
+      EXPECT_FALSE(place.has_room());
+    }
 }
 
 }  // namespace

@@ -264,6 +264,17 @@ TEST(segment_table, sizes_divide_evenly_into_the_fewest_parts) {
   }
 }
 
+TEST(segment_table, no_more_cuts_are_made_than_can_be_used) {
+  // A million million parts could not even be listed.
+  const Subject subject(shapes::box({1, 1, 1}), remesh::goals_of({}, 1), 1e-12);
+  for (const std::uint64_t max_cuts : {0, 1, 9}) {
+    const std::vector<double> cuts = subject.table.size_cuts(SegmentId(0), subject.sizes, max_cuts);
+    ASSERT_EQ(cuts.size(), max_cuts);
+    for (std::size_t i = 0; i < cuts.size(); ++i)
+      EXPECT_NEAR(cuts[i], static_cast<double>(i + 1) / static_cast<double>(max_cuts + 1), 1e-15);
+  }
+}
+
 TEST(segment_table, without_a_size_nothing_is_cut_for_it) {
   const Subject subject(shapes::box({1, 1, 1}));
   for (std::uint32_t s = 0; s < 12; ++s) EXPECT_TRUE(subject.table.size_cuts(SegmentId(s), subject.sizes).empty());
@@ -284,6 +295,10 @@ TEST(segment_table, sizes_that_grow_are_followed_along_a_segment) {
     std::vector<double> cuts = table.size_cuts(SegmentId(s), sizes);
     cuts_in_all += cuts.size();
     EXPECT_TRUE(std::is_sorted(cuts.begin(), cuts.end()));
+    const std::vector<double> few = table.size_cuts(SegmentId(s), sizes, 3);
+    EXPECT_EQ(few.size(), std::min<std::size_t>(cuts.size(), 3));
+    EXPECT_TRUE(std::is_sorted(few.begin(), few.end()));
+    EXPECT_EQ(table.size_cuts(SegmentId(s), sizes, 1000), cuts);
     cuts.insert(cuts.begin(), 0);
     cuts.push_back(1);
     for (std::size_t i = 1; i < cuts.size(); ++i) {

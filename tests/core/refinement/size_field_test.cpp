@@ -74,6 +74,21 @@ PolygonMesh thick_and_thin() {
   return shapes::rotated(shapes::prism(outline, 2), {1, 2, 3}, 35);
 }
 
+TEST(size_field, a_rescaled_field_has_the_sizes_of_the_other_goals) {
+  const Goals of_field = goals(2, 1.5), others = goals(0.5, 1.25);
+  const Scene scene(thick_and_thin(), of_field), other(thick_and_thin(), others);
+  const SizeField rescaled = scene.sizes.rescaled(of_field.proximity, others, scene.chain.control);
+  EXPECT_GT(rescaled.sample_count(), 0u);
+  EXPECT_EQ(rescaled.slope(), other.sizes.slope());
+  Random random(5);
+  for (int i = 0; i < 200; ++i) {
+    const Vec3 point = scene.place(random).point;
+    // Where gaps shrink, the cells of the two fields differ.
+    EXPECT_LE(rescaled.at(point), 2 * other.sizes.at(point));
+    EXPECT_GE(rescaled.at(point), 0.5 * other.sizes.at(point));
+  }
+}
+
 TEST(size_field, without_proximity_and_gradation_it_is_the_same_everywhere) {
   EXPECT_EQ(SizeField().at({1, 2, 3}), kFar);
   EXPECT_TRUE(SizeField(0.5).is_uniform());

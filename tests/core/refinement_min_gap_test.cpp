@@ -32,9 +32,10 @@ std::size_t faces_of(const PolygonMesh& mesh, const Options& options) {
   return result.mesh.faces.size();
 }
 
-TEST(least_gap, narrow_gaps_between_plates_do_not_count) {
+TEST(min_gap, narrow_gaps_between_plates_do_not_count) {
   // 10 is so far away that the plates do not see each other. Where they are near, walls see a triangle of the other
-  // plate aslant at some corners, as they do without a least gap. Without it, there would be 3,000,000 faces.
+  // plate aslant at some corners, as they do if all gaps count.
+  // If they did, there would be 3,000,000 faces.
   const std::size_t alone = faces_of(plates(0.1, 10), with_proximity(0.01));
   for (const double apart : {1e-3, 1e-5}) {
     const PolygonMesh mesh = plates(0.1, apart);
@@ -49,14 +50,14 @@ TEST(least_gap, narrow_gaps_between_plates_do_not_count) {
   }
 }
 
-TEST(least_gap, the_thickness_of_plates_counts_beside_a_narrow_gap) {
+TEST(min_gap, the_thickness_of_plates_counts_beside_a_narrow_gap) {
   const Options options = with_proximity(0.01);
   const Result result = refined(plates(0.1, 1e-3), options);
   // Each edge of the two large sides of a plate is about as long as the plate is thick, and longer at the rims.
   EXPECT_GT(result.mesh.faces.size(), 4 * static_cast<std::size_t>(0.7 / (0.1 * 0.1 * std::sqrt(3) / 4)));
 }
 
-TEST(least_gap, gaps_that_are_wide_enough_count_as_before) {
+TEST(min_gap, gaps_that_are_wide_enough_count_as_before) {
   for (const double apart : {0.02, 0.05}) {
     const PolygonMesh mesh = plates(0.1, apart);
     Options options = with_proximity(0.01), without = options;
@@ -68,7 +69,7 @@ TEST(least_gap, gaps_that_are_wide_enough_count_as_before) {
   }
 }
 
-TEST(least_gap, a_gap_that_closes_counts_where_it_is_wide) {
+TEST(min_gap, a_gap_that_closes_counts_where_it_is_wide) {
   // The upper plate is tilted, so that the gap grows from 0.001 to 0.07.
   const PolygonMesh plate = shapes::box({1, 0.7, 0.1});
   PolygonMesh tilted = shapes::moved(shapes::rotated(plate, {0, 1, 0}, -4), {0, 0, 0.101});
