@@ -257,6 +257,35 @@ void check_remesh(const Request& request, const Limits& limits) {
   check_job(parsed.job, limits);
 }
 
+bool has_json_mesh(const Request& request, const Limits& limits) {
+  if (is_compressed(request)) return false;
+  RunControl control;
+  ParsedRequest parsed;
+  parse_request(request, limits, control, parsed);
+  const Job& job = parsed.job;
+  return job.input_format ? *job.input_format == Format::kJson && !is_gzip(job.mesh)
+                          : sniff_format(job.mesh) == Format::kJson;
+}
+
+void check_json(const Request& request, const Limits& limits) {
+  RunControl control;
+  ParsedRequest parsed;
+  parse_request(request, limits, control, parsed);
+  try {
+    read_json(parsed.job.mesh, limits.input, control, parsed.job.options);
+  } catch (const Error& error) {
+    switch (error.code) {
+      case Code::kInvalidMesh:
+      case Code::kIndexOutOfRange:
+      case Code::kNonfiniteCoordinate:
+      case Code::kEmptyMesh:
+      case Code::kMeshTooLarge: break;
+      default: throw;
+    }
+  }
+  check_job(parsed.job, limits);
+}
+
 Response write_kept(std::string_view mesh, const std::function<std::string()>& report, const Request& wanted,
                     RunControl& control) {
   control.enter(Stage::kWrite);

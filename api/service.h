@@ -79,6 +79,16 @@ KeptRemesh run_remesh_to_keep(const Request& request, const Limits& limits, RunC
 /// the media types.
 /// Errors: as run_remesh.
 void check_remesh(const Request& request, const Limits& limits);
+/// True if the mesh is JSON that is not compressed, so that `check_json` can read it.
+/// Input: a request that check_remesh accepts.
+bool has_json_mesh(const Request& request, const Limits& limits);
+/// Checks a request whose mesh is JSON by reading all of it: the text must be JSON, and the options in it must be valid.
+/// Errors in the mesh itself are not looked for.
+/// Errors: kMalformedJson; those of options.
+/// Cost:   takes up to kCheckPerJsonByte bytes of memory for each byte of the body.
+void check_json(const Request& request, const Limits& limits);
+/// A number in JSON has at least two bytes, and takes eight as a coordinate. The arrays grow by doubling.
+inline constexpr std::uint64_t kCheckPerJsonByte = 10;
 /// Writes a stored result. The format is the one that `wanted` names by the option `format`, else by Accept, else the
 /// one that the job asked for. The option `local_origin` of `wanted` replaces the job's.
 /// Input:  `report` - returns the job's report; it is called only if the format contains the report.

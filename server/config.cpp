@@ -93,6 +93,13 @@ Setting bytes(std::string flag, std::string help, std::uint64_t& (*member)(Confi
           [member](Config& c, const std::string& text) { member(c) = at_least(1, parse_bytes(text)); },
           [member](Config c) { return format_bytes(member(c)); }};
 }
+/// A limit that can be absent, which is stored as 0.
+Setting byte_limit(std::string flag, std::string help, std::uint64_t& (*member)(Config&)) {
+  return {
+      std::move(flag), std::move(help),
+      [member](Config& c, const std::string& text) { member(c) = text == "none" ? 0 : at_least(1, parse_bytes(text)); },
+      [member](Config c) { return member(c) == 0 ? "none" : format_bytes(member(c)); }};
+}
 Setting count(std::string flag, std::string help, std::uint64_t& (*member)(Config&)) {
   // The limit exists because the core numbers elements with 32 bits.
   return {std::move(flag), std::move(help),
@@ -193,6 +200,15 @@ const std::vector<Setting>& settings() {
       duration(
           "--job-lease", "a job is given to another worker if its own has shown no sign of life for this long",
           [](Config & c) -> auto& { return c.jobs.rules.lease; }),
+      duration(
+          "--store-timeout", "how long a request waits for the store of jobs, in all its calls together; 503",
+          [](Config & c) -> auto& { return c.jobs.rules.timeout; }),
+      byte_limit(
+          "--max-stored", "bytes of the inputs and results of all jobs (none: no limit); 507",
+          [](Config & c) -> auto& { return c.jobs.rules.max_stored; }),
+      byte_limit(
+          "--max-stored-per-key", "the same for the jobs of one API key",
+          [](Config & c) -> auto& { return c.jobs.rules.max_stored_per_owner; }),
       {"--job-attempts", "give up on a job after this many workers have crashed on it",
        [](Config& c, const auto& text) {
          c.jobs.rules.max_attempts = static_cast<int>(between(1, 1000, parse_count(text)));

@@ -103,6 +103,7 @@ std::unique_ptr<jobs::JobService> Service::make_jobs() {
   settings.max_attempts = config_.jobs.rules.max_attempts;
   settings.lease = config_.jobs.rules.lease;
   settings.job_timeout = config_.jobs.job_timeout;
+  settings.store_timeout = config_.jobs.rules.timeout;
   return std::make_unique<jobs::JobService>(std::move(store), config_.jobs, std::move(settings), pool_, registry_,
                                             memory_, metrics_, operations_.remesh_to_keep);
 }
@@ -174,6 +175,7 @@ Response Service::show_metrics() const {
   gauges.workers = config_.limits.workers;
   gauges.busy = pool_.busy_threads();
   gauges.memory_reserved = memory_.reserved();
+  gauges.log_lines_dropped = log::dropped_lines();
   gauges.is_ready = !draining_ && (!jobs_ || jobs_->is_well());
   if (jobs_) {
     const jobs::QueueStatistics statistics = jobs_->statistics();
@@ -181,6 +183,7 @@ Response Service::show_metrics() const {
     gauges.jobs_queued = statistics.queued;
     gauges.jobs_running = statistics.running;
     gauges.job_oldest_queued_s = statistics.oldest_queued_s;
+    gauges.jobs_stored_bytes = jobs_->stored_bytes();
   }
   Response response;
   response.content_type = "text/plain; version=0.0.4; charset=utf-8";

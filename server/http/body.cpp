@@ -68,8 +68,13 @@ void Body::write_to_file(std::string_view bytes) {
   }
 }
 
+void Body::rest() {
+  if (mapped_ != nullptr) ::munmap(const_cast<char*>(mapped_), size_);
+  mapped_ = nullptr;
+}
+
 void Body::seal() {
-  if (file_ < 0) return;
+  if (file_ < 0 || mapped_ != nullptr) return;
   void* const mapped = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file_, 0);
   if (mapped == MAP_FAILED) no_room();
   mapped_ = static_cast<const char*>(mapped);

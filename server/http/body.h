@@ -30,6 +30,8 @@ class Body {
   /// Marks the body as complete, so that it can be viewed.
   /// Errors: as above.
   void seal();
+  /// Takes as little memory as possible until `seal` is called again. The body must not be viewed until then.
+  void rest();
 
   /// The bytes of the body, which must be sealed.
   std::string_view view() const { return file_ < 0 ? std::string_view(text_) : std::string_view(mapped_, size_); }

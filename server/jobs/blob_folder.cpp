@@ -14,7 +14,12 @@
 namespace remesh::server::jobs {
 namespace {
 
-[[noreturn]] void fail(const std::string& path) { throw StoreError(path + ": " + std::strerror(errno)); }
+[[noreturn]] void fail(const std::string& path) {
+  const bool is_full = errno == ENOSPC || errno == EDQUOT;
+  const std::string reason = path + ": " + std::strerror(errno);
+  if (is_full) throw StoreFull(reason);
+  throw StoreError(reason);
+}
 
 [[noreturn]] void lose(const std::string& path) { throw BlobLost(path + ": " + std::strerror(errno)); }
 

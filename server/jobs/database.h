@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "server/jobs/job_store.h"
+#include "server/jobs/store_deadline.h"
 
 namespace remesh::server::jobs {
 
@@ -35,11 +36,25 @@ class ConnectionBroken : public StoreError {
   using StoreError::StoreError;
 };
 
+/// The tables do not exist, because somebody has replaced the database by an empty one.
+class SchemaMissing : public ConnectionBroken {
+ public:
+  using ConnectionBroken::ConnectionBroken;
+};
+
 /// One connection, to be used by one thread at a time.
-/// Errors: StoreError.
+/// Errors: StoreError; DataError - the store works, but cannot take these values.
 class Database {
  public:
   virtual ~Database() = default;
+
+  /// Sets the deadline of the statements that follow.
+  void set_deadline(const StoreDeadline& deadline) { deadline_ = deadline; }
+  /// See StoreDeadline::extend.
+  void extend_deadline(std::chrono::milliseconds more) { deadline_.extend(more); }
+
+  /// False if no statement can succeed any more.
+  virtual bool is_usable() const { return true; }
 
   enum class Result { kText, kBytes };
   /// Runs one statement.
@@ -53,6 +68,13 @@ class Database {
 
   /// Tells the waiting daemons that there is work. They are told when the transaction commits.
   virtual void announce() = 0;
+
+ protected:
+  explicit Database(const StoreDeadline& deadline) : deadline_(deadline) {}
+  const StoreDeadline& deadline() const { return deadline_; }
+
+ private:
+  StoreDeadline deadline_;
 };
 
 /// A transaction that is rolled back at the end of its scope unless `commit` was called.
@@ -79,26 +101,45 @@ class DatabaseDriver {
  public:
   virtual ~DatabaseDriver() = default;
 
-  virtual std::unique_ptr<Database> connect() = 0;
+  /// Opens a connection whose statements have the same deadline, until another one is set.
+  virtual std::unique_ptr<Database> connect_by(const StoreDeadline& deadline) = 0;
+  /// Opens a connection that waits as long as it takes.
+  std::unique_ptr<Database> connect();
+  /// False if the connection leads to a database that is no longer the one at the driver's address.
+  virtual bool is_current(const Database&) const { return true; }
   /// The clause to append to a SELECT whose rows will be updated. It skips rows that another transaction has locked.
   virtual std::string_view skip_locked() const = 0;
-  /// Statements that create the objects that only this kind of database needs, besides the common tables.
-  virtual std::vector<std::string> schema_statements() const = 0;
+  /// Statements that create the objects that only this kind of database needs, besides the common tables, in this
+  /// version of the schema.
+  virtual std::vector<std::string> schema_statements(std::int64_t version) const = 0;
+  /// True if there is a table of this name.
+  virtual bool has_table(Database& database, std::string_view name) const = 0;
   /// Locks the schema against all other connections until the transaction ends.
   virtual void lock_schema(Database& database) const = 0;
   /// Called once at each start, after the schema exists.
   virtual void prepare(Database& database) = 0;
   /// Writes one piece of a blob as rows that are numbered from `part` on. The driver chooses the size of a row to
   /// suit its engine, and makes at most `kPartsOfPiece` rows.
-  /// Input: at most `kPiece` bytes.
+  /// Input: at most `kPiece` bytes; `size` - the size of the whole blob, which is stored with the first piece.
   static constexpr std::int64_t kPartsOfPiece = 131;
   static constexpr std::size_t kPiece = kPartsOfPiece * 8000;
   virtual void insert_piece(Database& database, std::string_view job, std::string_view kind, std::int64_t part,
-                            std::string_view bytes) = 0;
+                            std::string_view bytes, std::uint64_t size) = 0;
+  /// The number of rows of a blob whose last row has the number `last`.
+  virtual std::int64_t rows_of_blob(std::int64_t last) const = 0;
+  /// Checks that there is room for a blob of this size, besides some that stays free for deletions.
+  /// Errors: StoreFull.
+  virtual void check_room(Database&, std::uint64_t) const {}
+  /// Frees the room that is kept for deletions.
+  /// Output: true if there was any.
+  virtual bool release_reserve() const { return false; }
+  /// Lets the store's clock follow the system's. This is called repeatedly.
+  virtual void keep_clock(Database& database) = 0;
   /// Returns unused space to the file system. This is called repeatedly.
   virtual void tidy(Database& database) = 0;
   /// See JobStore::wait_for_work.
-  virtual void wait_for_work(const Event& wake, Clock::time_point until) = 0;
+  /// Input: `deadline` - for questions that the store has to answer at once.
+  virtual void wait_for_work(const Event& wake, Clock::time_point until, const StoreDeadline& deadline) = 0;
   /// The largest number of connections that may be open at once.
   virtual std::size_t max_connections() const = 0;
 };
@@ -106,8 +147,10 @@ class DatabaseDriver {
 /// Makes a driver for an SQLite file, which is created if it does not exist.
 std::unique_ptr<DatabaseDriver> make_sqlite_driver(const std::string& path);
 /// Makes a driver for a PostgreSQL server.
-/// Input: a URL or a connection string in libpq's syntax.
+/// Input: `url` - a URL or a connection string in libpq's syntax; `timeout` - the server itself gives up a statement
+///        after this long, so that nothing goes on for which nobody waits.
 /// Errors: std::invalid_argument - libpq cannot parse it.
-std::unique_ptr<DatabaseDriver> make_postgres_driver(const std::string& url);
+std::unique_ptr<DatabaseDriver> make_postgres_driver(const std::string& url,
+                                                     std::chrono::milliseconds timeout = StoreRules().timeout);
 
 }  // namespace remesh::server::jobs

@@ -47,7 +47,8 @@ void write_job(api::JsonWriter& json, const JobRecord& job) {
   write_time(json, "finished_at", job.finished_ms);
   write_time(json, "expires_at", job.expires_ms);
   json.key("problem");
-  job.problem.empty() ? json.null() : json.raw(trim(api::cut(job.problem, '\n').first));
+  const std::string_view problem = trim(api::cut(job.problem, '\n').first);
+  nlohmann::json::accept(problem) ? json.raw(problem) : json.null();  // a damaged one must not damage the list
   write_links(json, job.id);
   json.end_object();
 }

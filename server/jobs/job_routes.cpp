@@ -9,12 +9,14 @@
 #include "server/http/text.h"
 #include "server/jobs/job_json.h"
 #include "server/jobs/job_request.h"
+#include "server/jobs/store_deadline.h"
 #include "server/observe/log.h"
 
 namespace remesh::server::jobs {
 namespace {
 
 constexpr const char* kPollSeconds = "1";
+constexpr const char* kFullSeconds = "10";
 constexpr int kMaxListed = 100;
 /// Memory that an answer takes, as a multiple of the stored bytes. For a mesh this counts the stored bytes, the mesh
 /// made from them and its text; for a report the stored bytes and the text made from them. On a million faces, 5
@@ -31,14 +33,16 @@ HttpError not_found() { return HttpError(404, "not_found", "there is no job with
 HttpError expired() { return HttpError(410, "result_expired", "the result has expired or was deleted"); }
 
 /// Calls a function that asks the store.
-/// Errors: HttpError 503 instead of StoreError.
+/// Errors: HttpError 503 or 507 instead of StoreError.
 template <typename Question>
 auto ask(Question question) {
   try {
     return question();
-  } catch (const StoreError& error) {
-    log::write(log::Level::kError, "the job store fails", {{"error", std::string(error.what())}});
-    throw store_unavailable();
+  } catch (const StoreFull& error) {
+    throw HttpError(507, "storage_full", "the store of jobs has no room: " + std::string(error.what()))
+        .with_header("Retry-After", kFullSeconds);
+  } catch (const StoreError&) {
+    throw store_unavailable();  // the store's observer has logged the reason
   }
 }
 
@@ -90,6 +94,17 @@ std::optional<Response> answer_without_result(const JobRecord& job) {
   response.problem_code = problem_code(job.problem);
   response.is_told = true;
   return response;
+}
+
+/// The record of a job that was stored just now.
+std::optional<JobRecord> new_record(const NewJob& job, const Submission& submission) {
+  JobRecord record;
+  record.id = submission.id;
+  record.owner = job.owner;
+  record.stage = state_name(JobState::kQueued);
+  record.version = 1;
+  record.created_ms = submission.created_ms;
+  return record;
 }
 
 std::string event_of(const JobRecord& job) {
@@ -150,14 +165,20 @@ HttpError store_unavailable() {
 
 std::vector<Route> JobRoutes::routes() {
   const auto admission = [this](const RequestHead& head) { return admit(head); };
+  const auto handler = [this](Response (JobRoutes::*answer)(const Call&) const) {
+    return [this, answer](const Call& call) {
+      const SharedStoreDeadline deadline(jobs().deadline());
+      return (this->*answer)(call);
+    };
+  };
   const std::string path = "/v1/jobs/{id}";
   return {{"POST", "/v1/jobs", [this](const Call& call) { return submit(call); }, admission},
-          {"GET", "/v1/jobs", [this](const Call& call) { return list(call); }},
-          {"GET", path, [this](const Call& call) { return show(call); }},
-          {"DELETE", path, [this](const Call& call) { return remove(call); }},
-          {"GET", path + "/result", [this](const Call& call) { return result(call); }},
-          {"GET", path + "/report", [this](const Call& call) { return report(call); }},
-          {"GET", path + "/events", [this](const Call& call) { return follow(call); }}};
+          {"GET", "/v1/jobs", handler(&JobRoutes::list)},
+          {"GET", path, handler(&JobRoutes::show)},
+          {"DELETE", path, handler(&JobRoutes::remove)},
+          {"GET", path + "/result", handler(&JobRoutes::result)},
+          {"GET", path + "/report", handler(&JobRoutes::report)},
+          {"GET", path + "/events", handler(&JobRoutes::follow)}};
 }
 
 bool JobRoutes::wants_job(const RequestHead& head) {
@@ -184,17 +205,26 @@ Admission JobRoutes::admit(const RequestHead&) const {
   return {context_.limits.api.max_body, context_.memory.open_share(/*per_byte=*/2)};
 }
 
+void JobRoutes::check(const api::Request& request) const {
+  api::check_remesh(request, context_.limits.api);
+  if (!api::has_json_mesh(request, context_.limits.api)) return;
+  const auto memory = context_.memory.open_share(api::kCheckPerJsonByte);
+  memory->hold_body(request.body.size(), request.body.size());
+  api::check_json(request, context_.limits.api);
+}
+
 Response JobRoutes::submit(const Call& call) const {
+  const SharedStoreDeadline deadline(jobs().deadline());
   const Request& request = call.request;
   api::Request kept = kept_part(request);
   NewJob job;
   job.request = pack_request(kept);
   kept.body = request.body;
   job.idempotency = idempotency(request, kept);
-  api::check_remesh(kept, context_.limits.api);
+  check(kept);
 
-  job.memory = request.body.size() * MemoryBudget::kWorkPerBodyByte;
-  if (job.memory > context_.memory.limit()) throw never_fits(context_.memory.limit());
+  if (request.body.size() > context_.memory.limit()) throw never_fits(context_.memory.limit());
+  job.memory = std::min(request.body.size() * MemoryBudget::kWorkPerBodyByte, context_.memory.limit());
   job.id = new_request_id();
   job.owner = request.owner;
   job.body = request.body;
@@ -203,7 +233,10 @@ Response JobRoutes::submit(const Call& call) const {
     throw HttpError(422, "idempotency_key_reused", "this Idempotency-Key was sent with another request");
   jobs().wake();
 
-  const auto record = ask([&] { return jobs().store().find(submission.id); });
+  // A new job is shown as it was stored, so that no failure from here on can hide it from its client.
+  const auto record = submission.kind == Submission::Kind::kNew
+                          ? new_record(job, submission)
+                          : ask([&] { return jobs().store().find(submission.id); });
   if (!record) throw HttpError(410, "result_expired", "the job of this Idempotency-Key is gone");
   Response response = json_response(job_json(*record));
   response.status = 202;

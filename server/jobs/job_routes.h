@@ -41,6 +41,9 @@ class JobRoutes {
 
  private:
   JobService& jobs() const;
+  /// Checks what can be known of a request before it is worked on.
+  /// Errors: remesh::Error; HttpError - there is no memory for the check.
+  void check(const api::Request& request) const;
   JobRecord find_own(const Call& call) const;
   Response list(const Call& call) const;
   Response show(const Call& call) const;

@@ -8,6 +8,7 @@
 #include "server/http/error_response.h"
 #include "server/http/exchange.h"
 #include "server/jobs/job_request.h"
+#include "server/jobs/store_deadline.h"
 #include "server/observe/log.h"
 #include "server/work/work.h"
 
@@ -20,7 +21,7 @@ constexpr std::chrono::seconds kPoll{5};
 constexpr std::chrono::milliseconds kPause{250};
 constexpr std::chrono::milliseconds kMaxBetweenLooks{1000};
 /// How long cancelled work may take to stop.
-constexpr std::chrono::seconds kStopPatience{3};
+constexpr std::chrono::milliseconds kStopPatience{1500};
 
 /// The error of a job that found no memory or threads in its last attempt. The status 500 says that trying again is
 /// of no use, unlike a 503.
@@ -132,9 +133,11 @@ void JobRunner::claim_until_stopped() {
       } else {
         wake_.wait(Clock::now() + kPause);
       }
+    } catch (const StoreError&) {
+      wake_.wait(Clock::now() + kPause);  // the store's observer has logged it
     } catch (const std::exception& error) {
-      log::write(log::Level::kWarning, "cannot claim jobs", {{"error", std::string(error.what())}});
-      wake_.wait(Clock::now() + kPause);
+      log::write(log::Level::kError, "cannot claim jobs", {{"error", std::string(error.what())}});
+      wake_.wait(Clock::now() + kPoll);
     }
     wake_.clear();
   }
@@ -180,13 +183,36 @@ void JobRunner::hold(Claim claim) {
 // ---- the lease
 
 void JobRunner::renew_all() {
+  // Where one row is locked, the others still get their turn.
+  const SharedStoreDeadline deadline(Clock::now() + settings_.store_timeout);
+  return_late();
   for (const std::shared_ptr<Held>& held : held()) {
     if (held->started.load() <= Clock::now() - settings_.job_timeout) held->running->control.expire();
     try {
       renew(*held);
-    } catch (const StoreError& error) {
-      log::write(log::Level::kWarning, "cannot renew a lease",
+    } catch (const StoreError&) {
+      // The store's observer has logged it. The lease does not age while the store is away.
+    } catch (const DataError& error) {
+      log::write(log::Level::kError, "cannot renew a lease",
                  {{"job", held->claim.id}, {"error", std::string(error.what())}});
+    }
+  }
+}
+
+void JobRunner::return_late() {
+  std::vector<Return> late;
+  {
+    const std::lock_guard lock(mutex_);
+    late.swap(late_returns_);
+  }
+  while (!late.empty()) {
+    try {
+      try_to(late.back());
+      late.pop_back();
+    } catch (const StoreError&) {
+      const std::lock_guard lock(mutex_);
+      late_returns_.insert(late_returns_.end(), late.begin(), late.end());
+      return;
     }
   }
 }
@@ -287,8 +313,12 @@ std::optional<JobOutcome> JobRunner::outcome_of_failure(Held& held, const std::e
       give_back(held, JobStore::Attempt::kDoesNotCount, "shutdown");
       return std::nullopt;
     }
-    if (error.code == Code::kCancelled && eviction == Eviction::kAmongOthers)
-      told = std::make_exception_ptr(out_of_memory());
+    if (error.code == Code::kCancelled && eviction == Eviction::kAmongOthers) {
+      // Others had a part in it. With the memory that it was seen to take reserved, if need be all, it has its chance.
+      const std::uint64_t estimate = std::min(held.running->next_estimate(held.claim.memory), memory_.limit());
+      give_back(held, JobStore::Attempt::kDoesNotCount, "out_of_memory", estimate);
+      return std::nullopt;
+    }
     if (error.code == Code::kCancelled && eviction == Eviction::kAlone)
       told = std::make_exception_ptr(never_fits(memory_.limit()));
   } catch (...) {
@@ -311,36 +341,54 @@ void JobRunner::commit_until_stopped() {
     done_changed_.wait(lock, [this] { return committer_may_end_ || !done_.empty(); });
     if (done_.empty()) return;
     const std::shared_ptr<Held> held = done_.front().first;
-    const JobOutcome outcome = std::move(done_.front().second);
+    JobOutcome outcome = std::move(done_.front().second);
     done_.pop_front();
     lock.unlock();
+    bool is_settled = true;
     try {
-      commit(*held, outcome);
+      is_settled = commit(*held, outcome);
     } catch (const std::exception& error) {
       log::write(log::Level::kError, "job left", {{"job", held->claim.id}, {"error", std::string(error.what())}});
     }
-    release(held);
+    if (is_settled) {
+      release(held);
+      lock.lock();
+      continue;
+    }
+    // The result is held in memory until the store is back or the process ends. Others have their turn meanwhile.
+    std::this_thread::sleep_for(kPause);
     lock.lock();
+    done_.emplace_back(held, std::move(outcome));
   }
 }
 
-void JobRunner::commit(Held& held, const JobOutcome& outcome) {
-  for (;;) {
+bool JobRunner::commit(Held& held, JobOutcome& outcome) {
+  for (bool is_storable = true;; is_storable = false) {
     try {
       held.is_committing = true;
       const bool is_done = store_.commit(held.claim, outcome);
       log_end(held, outcome, is_done ? "job committed" : "job refused");
       if (is_done) metrics_.count_job(state_name(outcome.state), outcome.problem_code);
-      return;
-    } catch (const StoreError& error) {
-      // The result is held in memory until the store is back or the process ends.
+      return true;
+    } catch (const StoreError&) {
       held.is_committing = false;
-      log::write(log::Level::kWarning, "cannot commit a job",
-                 {{"job", held.claim.id}, {"error", std::string(error.what())}});
-      if (stopping_ || held.is_lost) return;
-      std::this_thread::sleep_for(kPause);
+      return stopping_ || held.is_lost;
+    } catch (const DataError& error) {
+      // Trying the same again would fail again, so the job ends with an error that any store can take.
+      held.is_committing = false;
+      if (!is_storable) throw;
+      outcome = unstorable(held, error);
     }
   }
+}
+
+JobOutcome JobRunner::unstorable(const Held& held, const DataError& error) {
+  log::write(log::Level::kError, "the job store cannot take the outcome of a job",
+             {{"job", held.claim.id}, {"error", std::string(error.what())}});
+  const HttpError told(500, "internal", "the outcome of this job cannot be stored");
+  Response problem = error_response(std::make_exception_ptr(told), held.claim.id);
+  return JobOutcome{
+      JobState::kFailed, "", "", problem.status, std::move(problem.body), std::move(problem.problem_code)};
 }
 
 void JobRunner::log_end(const Held& held, const JobOutcome& outcome, std::string_view event) {
@@ -353,16 +401,27 @@ void JobRunner::log_end(const Held& held, const JobOutcome& outcome, std::string
   log::write(log::Level::kInfo, event, fields);
 }
 
-void JobRunner::give_back(Held& held, JobStore::Attempt attempt, const char* reason) {
+void JobRunner::give_back(Held& held, JobStore::Attempt attempt, const char* reason,
+                          std::optional<std::uint64_t> memory) {
   held.is_committing = true;
+  const Return wanted{held.claim, attempt, reason, memory};
   try {
-    const bool is_back = store_.give_back(held.claim, attempt);
+    try_to(wanted);
+  } catch (const StoreError&) {
+    const std::lock_guard lock(mutex_);
+    late_returns_.push_back(wanted);
+  }
+}
+
+void JobRunner::try_to(const Return& give_back) {
+  const Claim& claim = give_back.claim;
+  try {
+    const bool is_back = store_.give_back(claim, give_back.attempt, give_back.memory);
     log::write(log::Level::kInfo, is_back ? "job given back" : "job lost",
-               {{"job", held.claim.id}, {"token", held.claim.token}, {"reason", std::string(reason)}});
-    if (is_back) metrics_.count_job_retry(reason);
-  } catch (const StoreError& error) {
-    log::write(log::Level::kWarning, "cannot give a job back",
-               {{"job", held.claim.id}, {"error", std::string(error.what())}});
+               {{"job", claim.id}, {"token", claim.token}, {"reason", give_back.reason}});
+    if (is_back) metrics_.count_job_retry(give_back.reason);
+  } catch (const DataError& error) {
+    log::write(log::Level::kError, "cannot give a job back", {{"job", claim.id}, {"error", std::string(error.what())}});
   }
 }
 

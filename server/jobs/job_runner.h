@@ -15,6 +15,7 @@
 #include <string_view>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "api/service.h"
 #include "server/jobs/job_settings.h"
@@ -38,6 +39,7 @@ struct RunnerSettings {
   std::chrono::milliseconds lease = StoreRules().lease;  ///< renewed when a quarter of it has passed
   /// The longest time that the computation of one job may take.
   std::chrono::milliseconds job_timeout = JobSettings().job_timeout;
+  std::chrono::milliseconds store_timeout = StoreRules().timeout;
 };
 
 class JobRunner {
@@ -62,6 +64,12 @@ class JobRunner {
 
  private:
   struct Held;
+  struct Return {
+    Claim claim;
+    JobStore::Attempt attempt;
+    std::string reason;
+    std::optional<std::uint64_t> memory;
+  };
   enum class Step { kClaimed, kNothing, kNoRoom };
 
   void claim_until_stopped();
@@ -70,14 +78,22 @@ class JobRunner {
   void hold(Claim claim);
   void renew_all();
   void renew(Held& held);
+  /// Gives back what could not be given back while the store was away.
+  void return_late();
+  /// Errors: StoreError.
+  void try_to(const Return& give_back);
   void run(const std::shared_ptr<Held>& held);
   /// Output: nothing if the job has no outcome here, because its claim was lost or it goes back to the queue.
   std::optional<JobOutcome> work_on(Held& held);
   std::optional<JobOutcome> outcome_of_failure(Held& held, const std::exception_ptr& failure);
   void commit_until_stopped();
-  void commit(Held& held, const JobOutcome& outcome);
+  /// Output: false if the store did not answer and the same should be tried again.
+  bool commit(Held& held, JobOutcome& outcome);
+  static JobOutcome unstorable(const Held& held, const DataError& error);
   static void log_end(const Held& held, const JobOutcome& outcome, std::string_view event);
-  void give_back(Held& held, JobStore::Attempt attempt, const char* reason);
+  /// Input: `memory` - as JobStore::give_back.
+  void give_back(Held& held, JobStore::Attempt attempt, const char* reason,
+                 std::optional<std::uint64_t> memory = std::nullopt);
   void release(const std::shared_ptr<Held>& held);
   std::list<std::shared_ptr<Held>> held() const;
 
@@ -97,6 +113,7 @@ class JobRunner {
   /// for the store.
   std::deque<std::pair<std::shared_ptr<Held>, JobOutcome>> done_;
   std::condition_variable done_changed_;
+  std::vector<Return> late_returns_;  ///< claims that could not be given back yet
   bool committer_may_end_ = false;
   std::atomic<std::size_t> claiming_{0};
   std::optional<Periodic> renewals_;

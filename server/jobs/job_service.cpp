@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "server/jobs/outage_log.h"
 #include "server/jobs/sql_store.h"
 #include "server/observe/log.h"
 
@@ -14,6 +15,11 @@ constexpr std::chrono::milliseconds kLook{1000};
 constexpr std::chrono::milliseconds kMaxBetweenUpkeeps{5000};
 /// How often the store is written to even if nothing else happens. The write lets the store remember the time.
 constexpr std::chrono::seconds kTouch{60};
+/// Adding up the sizes of all blobs takes long in a large store.
+constexpr std::chrono::seconds kBetweenSums{5};
+/// How long a stopping daemon waits for its last calls of the store, which give jobs back. The calls of a store that
+/// does not answer end then.
+constexpr std::chrono::milliseconds kLastCalls{1200};
 
 }  // namespace
 
@@ -29,13 +35,16 @@ std::unique_ptr<JobStore> open_store(const JobSettings& settings, Metrics& metri
     }
     driver = make_sqlite_driver(folder + "/jobs.sqlite");
   } else {
-    driver = make_postgres_driver(settings.store);
+    driver = make_postgres_driver(settings.store, settings.rules.timeout);
   }
   std::unique_ptr<BlobFolder> folder;
   if (!settings.blob_dir.empty()) folder = std::make_unique<BlobFolder>(settings.blob_dir);
   return std::make_unique<SqlStore>(
       std::move(driver), settings.rules, std::move(folder),
-      [&metrics](std::string_view op, double seconds, bool failed) { metrics.count_store(op, seconds, failed); });
+      [&metrics, outage = std::make_shared<OutageLog>()](std::string_view op, double seconds, const StoreError* error) {
+        metrics.count_store(op, seconds, error != nullptr);
+        outage->note(op, error);
+      });
 }
 
 JobService::JobService(std::unique_ptr<JobStore> store, const JobSettings& settings, RunnerSettings runner,
@@ -49,8 +58,10 @@ JobService::JobService(std::unique_ptr<JobStore> store, const JobSettings& setti
 void JobService::start() {
   try {
     store_->probe();
-  } catch (const StoreError& error) {
-    log::write(log::Level::kWarning, "the job store does not answer yet", {{"error", std::string(error.what())}});
+  } catch (const StoreUnusable&) {
+    throw;
+  } catch (const StoreError&) {
+    // It may come later, and until then the daemon is not ready.
   }
   looks_.emplace(kLook, [this] { look_after(); });
   if (settings_.role != Role::kServe) runner_.start();
@@ -59,6 +70,7 @@ void JobService::start() {
 void JobService::begin_drain() { runner_.begin_drain(); }
 
 void JobService::stop() {
+  store_->end_calls_at(Clock::now() + kLastCalls);
   runner_.stop();
   looks_.reset();
 }
@@ -88,26 +100,41 @@ void JobService::look_after() {
     }
     if (now >= next_upkeep_) {
       next_upkeep_ = now + std::min(kMaxBetweenUpkeeps, settings_.rules.lease / 8);
-      const Upkeep done = store_->upkeep();
-      metrics_.count_job_retry("worker_crashed", done.retried);
-      metrics_.count_job("failed", "worker_crashed", done.crashed);
-      metrics_.count_job("failed", "timeout", done.timed_out);
-      metrics_.count_job("expired", "", done.expired);
-      if (done.retried + done.crashed > 0) {
-        log::write(log::Level::kWarning, "workers crashed or stopped while they had jobs",
-                   {{"retried", std::int64_t{done.retried}}, {"failed", std::int64_t{done.crashed}}});
-      }
-      if (done.retried > 0) runner_.wake();
+      tell(store_->upkeep());
+    }
+    if (now >= next_sum_) {
+      stored_bytes_ = store_->stored_bytes();
+      next_sum_ = now + kBetweenSums;
     }
     const QueueStatistics statistics = store_->statistics();
     const std::lock_guard lock(mutex_);
     statistics_ = statistics;
-  } catch (const StoreError& error) {
-    if (std::exchange(was_well_, false))
-      log::write(log::Level::kError, "the job store fails", {{"error", std::string(error.what())}});
-    return;
+  } catch (const StoreError&) {
+    // The store's observer has logged it.
+  } catch (const DataError& error) {
+    log::write(log::Level::kError, "the job store holds damaged data", {{"error", std::string(error.what())}});
   }
-  if (!std::exchange(was_well_, true)) log::write(log::Level::kInfo, "the job store answers again");
+}
+
+void JobService::tell(const Upkeep& done) {
+  metrics_.count_job_retry("worker_crashed", done.retried);
+  metrics_.count_job("failed", "worker_crashed", done.crashed);
+  metrics_.count_job("failed", "timeout", done.timed_out);
+  metrics_.count_job("failed", "internal", done.damaged);
+  metrics_.count_job("expired", "", done.expired);
+  if (done.retried + done.crashed > 0) {
+    log::write(log::Level::kWarning, "workers crashed or stopped while they had jobs",
+               {{"retried", std::int64_t{done.retried}}, {"failed", std::int64_t{done.crashed}}});
+  }
+  if (done.damaged > 0) {
+    log::write(log::Level::kError, "jobs failed because their rows in the store were damaged",
+               {{"failed", std::int64_t{done.damaged}}});
+  }
+  if (!done.error.empty() && Clock::now() >= next_complaint_) {
+    next_complaint_ = Clock::now() + OutageLog::kPeriod;
+    log::write(log::Level::kError, "the job store holds damaged data", {{"error", done.error}});
+  }
+  if (done.retried > 0) runner_.wake();
 }
 
 }  // namespace remesh::server::jobs

@@ -26,17 +26,22 @@ class JobService {
   JobService(std::unique_ptr<JobStore> store, const JobSettings& settings, RunnerSettings runner, WorkerPool& pool,
              RequestRegistry& registry, MemoryBudget& memory, Metrics& metrics, KeepOperation operation);
 
+  /// Errors: StoreUnusable.
   void start();
   void begin_drain();
   bool is_idle() const { return runner_.is_idle(); }
   void stop();
 
   JobStore& store() { return *store_; }
+  /// The deadline that all calls of a request share if it begins to ask the store now.
+  Clock::time_point deadline() const { return Clock::now() + settings_.rules.timeout; }
   bool is_well() const { return store_->is_well(); }
   /// True if the queue has reached its largest permitted length.
   bool is_full() const { return statistics().queued >= settings_.max_queued; }
   /// Counts of the whole store, which may be a second or two old.
   QueueStatistics statistics() const;
+  /// The bytes of all inputs and results, as of some seconds ago.
+  std::uint64_t stored_bytes() const { return stored_bytes_; }
   /// Tells the runner that a job was submitted here, so that it need not wait for the store to say so.
   void wake();
   /// Cancels a job in the store and here. If the job has ended already, its stored blobs are removed instead.
@@ -44,6 +49,8 @@ class JobService {
 
  private:
   void look_after();
+  /// Counts and logs what upkeep has changed.
+  void tell(const Upkeep& done);
 
   const std::unique_ptr<JobStore> store_;
   const JobSettings settings_;
@@ -53,7 +60,9 @@ class JobService {
   QueueStatistics statistics_;
   Clock::time_point next_upkeep_{};
   Clock::time_point next_touch_{};
-  bool was_well_ = true;
+  Clock::time_point next_sum_{};
+  std::atomic<std::uint64_t> stored_bytes_{0};
+  Clock::time_point next_complaint_{};
   std::optional<Periodic> looks_;
 };
 

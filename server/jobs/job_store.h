@@ -33,6 +33,25 @@ class StoreError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// The store has no room for what was to be written. Reading and deleting go on.
+class StoreFull : public StoreError {
+ public:
+  using StoreError::StoreError;
+};
+
+/// The daemon must not use this store, whenever it is asked. An operator has to change something.
+class StoreUnusable : public StoreError {
+ public:
+  using StoreError::StoreError;
+};
+
+/// The store works, but it cannot take these values, or its rows hold values that nobody can have written there. This is
+/// an error of one job, not of the store.
+class DataError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
 /// A stored input or result is gone or damaged and cannot be recovered. This is an error of one job, not of the
 /// store.
 class BlobLost : public std::runtime_error {
@@ -48,6 +67,10 @@ struct StoreRules {
   std::chrono::milliseconds history{86'400'000};     ///< how long an expired job is remembered
   std::chrono::milliseconds queue_timeout{86'400'000};
   std::chrono::milliseconds idempotency_ttl{86'400'000};
+  /// How long a call waits for a store that does not answer.
+  std::chrono::milliseconds timeout{5'000};
+  std::uint64_t max_stored = 0;            ///< bytes of all inputs and results together; 0: no limit
+  std::uint64_t max_stored_per_owner = 0;  ///< the same for the jobs of one API key
 };
 
 /// A key that a client sends again when it repeats a request, and the digest of that request.
@@ -67,7 +90,8 @@ struct NewJob {
 
 struct Submission {
   enum class Kind { kNew, kRepeated, kKeyReused } kind = Kind::kNew;
-  std::string id;  ///< the new or repeated job; for kKeyReused the job that the key belongs to
+  std::string id;               ///< the new or repeated job; for kKeyReused the job that the key belongs to
+  std::int64_t created_ms = 0;  ///< for kNew
 };
 
 /// The right to work on a job until the lease ends.
@@ -117,6 +141,8 @@ struct Upkeep {
   int timed_out = 0;  ///< jobs that waited too long
   int expired = 0;    ///< results that expired
   int forgotten = 0;  ///< jobs that were removed
+  int damaged = 0;    ///< jobs failed because their rows were damaged
+  std::string error;  ///< what kept some of the changes from being made, although the store works; empty if nothing did
 };
 
 struct QueueStatistics {
@@ -131,7 +157,10 @@ class JobStore {
  public:
   virtual ~JobStore() = default;
 
-  /// Submits a job. Once this returns, the job survives the death of every process and of the host.
+  /// Submits a job. Once this returns, the job survives the death of every process and of the host. If nobody can tell
+  /// whether the job was stored, it is withdrawn as soon as the store answers, unless it has an idempotency key: with
+  /// the key, the client can ask again.
+  /// Errors: also StoreFull.
   virtual Submission submit(const NewJob& job) = 0;
   /// Claims the next job that needs at most `max_memory` bytes. Owners take turns; the jobs of one owner come in
   /// order of submission.
@@ -153,8 +182,9 @@ class JobStore {
   virtual bool commit(const Claim& claim, const JobOutcome& outcome) = 0;
   enum class Attempt { kCounts, kDoesNotCount };
   /// Returns the job to the queue.
+  /// Input:  `memory` - a better estimate of the memory that the work takes.
   /// Output: as `renew`.
-  virtual bool give_back(const Claim& claim, Attempt attempt) = 0;
+  virtual bool give_back(const Claim& claim, Attempt attempt, std::optional<std::uint64_t> memory = std::nullopt) = 0;
 
   virtual std::optional<JobRecord> find(const std::string& id) = 0;
   /// Lists the jobs of one owner, the newest first.
@@ -170,10 +200,15 @@ class JobStore {
   /// may call this.
   virtual Upkeep upkeep() = 0;
   virtual QueueStatistics statistics() = 0;
+  /// The bytes of all inputs and results.
+  virtual std::uint64_t stored_bytes() = 0;
   /// Writes a small value, to find out whether the store accepts writes.
   virtual void probe() = 0;
   /// False until the first successful write. After an error it is false until the next successful write.
   virtual bool is_well() const = 0;
+
+  /// Ends all calls that wait for the store, and those to come, at the given time, because the daemon stops.
+  virtual void end_calls_at(Clock::time_point time) = 0;
 
   /// Waits until `wake` is set, until there may be a job to claim, or until the given time.
   virtual void wait_for_work(const Event& wake, Clock::time_point until) = 0;

@@ -3,16 +3,26 @@
 
 #include <algorithm>
 #include <array>
+#include <new>
+#include <sstream>
 #include <stdexcept>
 #include <utility>
 
 #include "server/jobs/database.h"
+#include "server/jobs/row_values.h"
+#include "server/jobs/store_clock.h"
 
 namespace remesh::server::jobs {
 namespace {
 
-/// How long to wait for an answer. It is longer than any statement may take.
-constexpr std::chrono::seconds kPatience{20};
+/// The interval in which a waiting call looks whether the daemon stops.
+constexpr std::chrono::milliseconds kLook{50};
+/// The store's clock goes on by at most this much without a daemon that keeps it.
+constexpr std::chrono::milliseconds kMaxStep{15'000};
+/// If the clock was not kept for so long, no daemon was running.
+constexpr std::chrono::minutes kUnkept{1};
+/// The server's clock now, in milliseconds.
+constexpr const char* kWall = "(extract(epoch FROM clock_timestamp()) * 1000)::bigint";
 constexpr const char* kChannel = "remeshd_jobs";
 /// Takes the advisory lock under which the schema is created. The number is arbitrary, but nobody else may use it.
 constexpr const char* kSchemaLock = "SELECT pg_advisory_xact_lock(7270150413)";
@@ -29,33 +39,120 @@ std::string one_line(const char* message) {
   return text;
 }
 
-Connected open_connection(const std::string& url) {
-  // Settings in the URL take precedence: later values win, and the URL is expanded at its position, which is last.
-  const std::array<const char*, 9> names{"application_name",    "connect_timeout",  "keepalives_idle",
-                                         "keepalives_interval", "keepalives_count", "tcp_user_timeout",
-                                         "client_encoding",     "dbname",           nullptr};
-  const std::array<const char*, 9> values{"remeshd", "5", "10", "5", "3", "15000", "UTF8", url.c_str(), nullptr};
-  Connected connection(::PQconnectdbParams(names.data(), values.data(), /*expand_dbname=*/1), ::PQfinish);
-  if (::PQstatus(connection.get()) != CONNECTION_OK)
-    throw ConnectionBroken(one_line(::PQerrorMessage(connection.get())));
+/// One of the hosts that a connection string names.
+struct Host {
+  std::string name, address, port;
+};
+
+std::vector<std::string> list_entries(const char* list) {
+  std::vector<std::string> entries;
+  std::istringstream text(list == nullptr ? "" : list);
+  for (std::string entry; std::getline(text, entry, ',');) entries.push_back(entry);
+  return entries;
+}
+
+/// Output: empty if the string names at most one host.
+/// Errors: std::invalid_argument - libpq cannot parse the string.
+std::vector<Host> hosts_of(const std::string& url) {
+  char* reason = nullptr;
+  const std::unique_ptr<PQconninfoOption, void (*)(PQconninfoOption*)> options(::PQconninfoParse(url.c_str(), &reason),
+                                                                               ::PQconninfoFree);
+  if (!options) {
+    const std::string text = one_line(reason);
+    ::PQfreemem(reason);
+    throw std::invalid_argument(text);
+  }
+  std::vector<std::string> names, addresses, ports;
+  for (const PQconninfoOption* option = options.get(); option->keyword != nullptr; ++option) {
+    const std::string_view keyword = option->keyword;
+    if (keyword == "host") names = list_entries(option->val);
+    if (keyword == "hostaddr") addresses = list_entries(option->val);
+    if (keyword == "port") ports = list_entries(option->val);
+  }
+  std::vector<Host> hosts(std::max(names.size(), addresses.size()));
+  if (hosts.size() < 2) return {};
+  for (std::size_t i = 0; i < hosts.size(); ++i) {
+    if (i < names.size()) hosts[i].name = names[i];
+    if (i < addresses.size()) hosts[i].address = addresses[i];
+    if (!ports.empty()) hosts[i].port = ports[std::min(i, ports.size() - 1)];
+  }
+  return hosts;
+}
+
+/// Connects without blocking, since libpq's own time limit counts whole seconds and for each host anew.
+Connected begin_connection(const std::string& url, const Host& host, const StoreDeadline& deadline) {
+  // Later values win, and the URL is expanded at its position. So settings in the URL take precedence over those before
+  // it, and the host over the URL's list of hosts. Empty values count as absent.
+  const std::array<const char*, 11> names{"application_name",
+                                          "keepalives_idle",
+                                          "keepalives_interval",
+                                          "keepalives_count",
+                                          "tcp_user_timeout",
+                                          "client_encoding",
+                                          "dbname",
+                                          "host",
+                                          "hostaddr",
+                                          "port",
+                                          nullptr};
+  const bool is_one_of_many = !host.name.empty() || !host.address.empty();
+  const auto chosen = [&](const std::string& value) { return is_one_of_many ? value.c_str() : nullptr; };
+  const std::array<const char*, 11> values{
+      "remeshd",         "10",   "5", "3", "15000", "UTF8", url.c_str(), chosen(host.name), chosen(host.address),
+      chosen(host.port), nullptr};
+  Connected connection(::PQconnectStartParams(names.data(), values.data(), /*expand_dbname=*/1), ::PQfinish);
+  if (!connection) throw std::bad_alloc();
+  PostgresPollingStatusType step = PGRES_POLLING_WRITING;
+  while (step != PGRES_POLLING_OK) {
+    if (step == PGRES_POLLING_FAILED || ::PQstatus(connection.get()) == CONNECTION_BAD)
+      throw ConnectionBroken(one_line(::PQerrorMessage(connection.get())));
+    if (deadline.is_over()) throw StoreError("the server does not answer");
+    const short events = step == PGRES_POLLING_READING ? POLLIN : POLLOUT;
+    pollfd entry{::PQsocket(connection.get()), events, 0};
+    if (::poll(&entry, 1, static_cast<int>(deadline.left(kLook).count())) > 0) step = ::PQconnectPoll(connection.get());
+  }
   return connection;
+}
+
+Connected open_connection(const std::string& url, const StoreDeadline& deadline) {
+  const std::vector<Host> hosts = hosts_of(url);
+  if (hosts.empty()) return begin_connection(url, Host{}, deadline);
+  // A host that does not answer leaves time for the others.
+  for (std::size_t i = 0;; ++i) {
+    try {
+      const auto left = deadline.left(std::chrono::minutes(1)) / static_cast<int>(hosts.size() - i);
+      return begin_connection(url, hosts[i], deadline.sooner(Clock::now() + left));
+    } catch (const StoreError&) {
+      if (i + 1 == hosts.size()) throw;
+    }
+  }
 }
 
 class PostgresDatabase final : public Database {
  public:
-  explicit PostgresDatabase(const std::string& url) : connection_(open_connection(url)) {
+  PostgresDatabase(const std::string& url, std::chrono::milliseconds timeout, const StoreDeadline& deadline)
+      : Database(deadline), connection_(open_connection(url, deadline)) {
     ::PQsetnonblocking(connection_.get(), 1);  // sending continues while waiting for the answer
     ::PQsetNoticeProcessor(
         connection_.get(), [](void*, const char*) {}, nullptr);
-    run("SET statement_timeout = '15s'", {}, Result::kText);
-    run("SET lock_timeout = '10s'", {}, Result::kText);
-    run("SET idle_in_transaction_session_timeout = '60s'", {}, Result::kText);
+    check_encoding();
+    // The role or the database may have other defaults. The server ends a wait for a lock before it ends the statement,
+    // so that the reason is told.
+    const std::string milliseconds = std::to_string(timeout.count());
+    const std::string for_locks = std::to_string(std::max<std::int64_t>(1, timeout.count() * 4 / 5));
+    for (const std::string& setting :
+         {"SET statement_timeout = " + milliseconds, "SET lock_timeout = " + for_locks,
+          std::string("SET idle_in_transaction_session_timeout = '60s'"),
+          std::string("SET default_transaction_isolation = 'read committed'"),
+          std::string("SET default_transaction_deferrable = off"), std::string("SET row_security = on")}) {
+      run(setting.c_str(), {}, Result::kText);
+    }
     // An accepted job must be on the disk, whatever the server's setting is. Stronger settings are not changed.
     run("SELECT set_config('synchronous_commit', 'on', false) WHERE current_setting('synchronous_commit') = 'off'", {},
         Result::kText);
   }
 
   Rows run(const char* sql, const Values& parameters, Result result) override {
+    if (is_stuck_) throw ConnectionBroken("the connection is not usable any more");
     std::vector<std::string> texts;
     texts.reserve(parameters.size());  // so that pointers into it stay valid
     std::vector<const char*> values;
@@ -82,7 +179,7 @@ class PostgresDatabase final : public Database {
     return rows_of(answer.get());
   }
 
-  void begin() override { run("BEGIN", {}, Result::kText); }
+  void begin() override { run("BEGIN ISOLATION LEVEL READ COMMITTED", {}, Result::kText); }
   void commit() override {
     if (::PQsendQuery(connection_.get(), "COMMIT") != 1)
       throw ConnectionBroken(one_line(::PQerrorMessage(connection_.get())));
@@ -95,26 +192,40 @@ class PostgresDatabase final : public Database {
     if (std::string_view(::PQcmdStatus(answer.get())) != "COMMIT") throw StoreError("the transaction was rolled back");
   }
   void roll_back() noexcept override {
-    if (!is_stuck_ && ::PQstatus(connection_.get()) == CONNECTION_OK)
-      ::PQclear(::PQexec(connection_.get(), "ROLLBACK"));
+    if (is_stuck_ || ::PQstatus(connection_.get()) != CONNECTION_OK) return;
+    try {
+      run("ROLLBACK", {}, Result::kText);
+    } catch (const std::exception&) {
+      is_stuck_ = true;  // the next statement finds the connection unusable
+    }
   }
   void announce() override { run("SELECT pg_notify($1, '')", {std::string_view(kChannel)}, Result::kText); }
 
+  bool is_usable() const override { return !is_stuck_ && ::PQstatus(connection_.get()) == CONNECTION_OK; }
+  PGconn* handle() const { return connection_.get(); }
+
  private:
+  /// A database in another encoding cannot store all names and problems. One without an encoding stores all bytes.
+  void check_encoding() const {
+    const char* const encoding = ::PQparameterStatus(connection_.get(), "server_encoding");
+    const std::string_view name = encoding == nullptr ? "" : encoding;
+    if (name == "UTF8" || name == "SQL_ASCII") return;
+    throw StoreUnusable("the database has the encoding " + std::string(name) +
+                        ", which cannot store all text: create it with the encoding UTF8");
+  }
+
   /// Waits like libpq does, but with a deadline: a server that does not answer counts as one that went away.
   /// Errors: StoreError - nobody can tell what became of the statement.
   Answered wait_for_answer() {
-    const Clock::time_point deadline = Clock::now() + kPatience;
     while (::PQisBusy(connection_.get()) == 1) {
       pollfd entry{::PQsocket(connection_.get()), POLLIN, 0};
       // Bytes that are not sent yet must go out too, so it also waits until the socket is writable.
       if (::PQflush(connection_.get()) == 1) entry.events |= POLLOUT;
-      const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now()).count();
-      if (left <= 0) {
+      if (deadline().is_over()) {
         is_stuck_ = true;
         throw StoreError("the server does not answer");
       }
-      ::poll(&entry, 1, static_cast<int>(left));
+      ::poll(&entry, 1, static_cast<int>(deadline().left(kLook).count()));
       if (entry.revents != 0 && ::PQconsumeInput(connection_.get()) != 1) break;
     }
     Answered answer(::PQgetResult(connection_.get()), ::PQclear);
@@ -145,10 +256,16 @@ class PostgresDatabase final : public Database {
 
   [[noreturn]] void fail(const PGresult* answer) const {
     const std::string reason = one_line(::PQerrorMessage(connection_.get()));
-    const char* const state = ::PQresultErrorField(answer, PG_DIAG_SQLSTATE);
-    const bool is_over = ::PQstatus(connection_.get()) != CONNECTION_OK;
+    const char* const field = ::PQresultErrorField(answer, PG_DIAG_SQLSTATE);
+    const std::string_view state = field == nullptr ? "" : field;
+    const std::string_view state_class = state.substr(0, 2);
     // Class 57P means that an administrator ends the server or this connection.
-    if (is_over || (state != nullptr && std::string_view(state).substr(0, 3) == "57P")) throw ConnectionBroken(reason);
+    if (::PQstatus(connection_.get()) != CONNECTION_OK || state.substr(0, 3) == "57P") throw ConnectionBroken(reason);
+    // An unknown table, function or schema.
+    if (state == "42P01" || state == "42883" || state == "3F000") throw SchemaMissing(reason);
+    if (state == "53100") throw StoreFull(reason);
+    // Values that are not valid, that break a rule of the table, or that are too long.
+    if (state_class == "22" || state_class == "23" || state_class == "54") throw DataError(reason);
     throw StoreError(reason);
   }
 
@@ -158,76 +275,114 @@ class PostgresDatabase final : public Database {
 
 class PostgresDriver : public DatabaseDriver {
  public:
-  explicit PostgresDriver(std::string url) : url_(std::move(url)) {
-    char* reason = nullptr;
-    PQconninfoOption* const options = ::PQconninfoParse(url_.c_str(), &reason);
-    if (options == nullptr) {
-      const std::string text = one_line(reason);
-      ::PQfreemem(reason);
-      throw std::invalid_argument(text);
-    }
-    ::PQconninfoFree(options);
+  PostgresDriver(std::string url, std::chrono::milliseconds timeout) : url_(std::move(url)), timeout_(timeout) {
+    hosts_of(url_);
   }
 
-  std::unique_ptr<Database> connect() override { return std::make_unique<PostgresDatabase>(url_); }
+  std::unique_ptr<Database> connect_by(const StoreDeadline& deadline) override {
+    return std::make_unique<PostgresDatabase>(url_, timeout_, deadline);
+  }
   std::string_view skip_locked() const override { return " FOR UPDATE SKIP LOCKED"; }
 
-  std::vector<std::string> schema_statements() const override {
-    return {// It gives the start of the statement, so that all rows of one statement see the same time.
-            "CREATE FUNCTION remeshd_now() RETURNS bigint LANGUAGE sql STABLE AS "
-            "$$ SELECT (extract(epoch FROM statement_timestamp()) * 1000)::bigint $$",
-            // Rows that just fit into a page are neither compressed nor moved out of line. This halves the work for
-            // large blobs.
-            "ALTER TABLE remeshd_blob ALTER COLUMN data SET STORAGE PLAIN",
-            // The table of jobs is small and its rows change often, so it is vacuumed often.
-            "ALTER TABLE remeshd_job SET (fillfactor = 70, autovacuum_vacuum_scale_factor = 0.02, "
-            "autovacuum_vacuum_threshold = 500, autovacuum_analyze_scale_factor = 0.05)"};
+  std::vector<std::string> schema_statements(std::int64_t version) const override {
+    if (version == 1) {
+      return {// It gives the start of the statement, so that all rows of one statement see the same time.
+              "CREATE OR REPLACE FUNCTION remeshd_now() RETURNS bigint LANGUAGE sql STABLE AS "
+              "$$ SELECT (extract(epoch FROM statement_timestamp()) * 1000)::bigint $$",
+              // Rows that just fit into a page are neither compressed nor moved out of line. This halves the work for
+              // large blobs.
+              "ALTER TABLE remeshd_blob ALTER COLUMN data SET STORAGE PLAIN",
+              // The table of jobs is small and its rows change often, so it is vacuumed often.
+              "ALTER TABLE remeshd_job SET (fillfactor = 70, autovacuum_vacuum_scale_factor = 0.02, "
+              "autovacuum_vacuum_threshold = 500, autovacuum_analyze_scale_factor = 0.05)"};
+    }
+    // The store's clock goes on from the time that is kept, and follows the server's clock only as far as it can have
+    // gone since then: daemons keep the time every few seconds. So a server's clock that is set has no effect.
+    const std::string since = "greatest(0, least(wall - wall_ms, " + std::to_string(kMaxStep.count()) + "))";
+    return {"CREATE TABLE remeshd_clock (store_ms bigint NOT NULL, wall_ms bigint NOT NULL)",
+            "INSERT INTO remeshd_clock SELECT wall, wall FROM (SELECT " + std::string(kWall) + " AS wall) AS now",
+            "CREATE OR REPLACE FUNCTION remeshd_now() RETURNS bigint LANGUAGE sql STABLE AS "
+            "$$ SELECT store_ms + " +
+                since +
+                " FROM remeshd_clock, "
+                "(SELECT (extract(epoch FROM statement_timestamp()) * 1000)::bigint AS wall) AS now $$"};
+  }
+  bool has_table(Database& database, std::string_view name) const override {
+    return database.run("SELECT to_regclass($1)", {name}).at(0)[0].has_value();
   }
   void lock_schema(Database& database) const override { database.run(kSchemaLock); }
-  void prepare(Database&) override {}
+  /// Sets the store's clock after a time in which no daemon has kept it.
+  void prepare(Database& database) override {
+    database.run(("UPDATE remeshd_clock SET store_ms = greatest(store_ms, wall), wall_ms = wall FROM (SELECT " +
+                  std::string(kWall) + " AS wall) AS now WHERE wall - wall_ms > $1 AND wall - store_ms < $2")
+                     .c_str(),
+                 {std::int64_t{std::chrono::milliseconds(kUnkept).count()}, std::int64_t{kWrongClock.count()}});
+  }
+  void keep_clock(Database& database) override {
+    Transaction transaction(database);
+    // It goes a tenth faster or slower until it agrees with the server's clock.
+    const std::string since = "greatest(0, least(wall - wall_ms, " + std::to_string(kMaxStep.count()) + "))";
+    const Rows rows =
+        database.run(("UPDATE remeshd_clock SET wall_ms = wall, store_ms = store_ms + " + since + " + greatest(-" +
+                      since + " / 10, least(" + since + " / 10, wall - store_ms - " + since + ")) FROM (SELECT " +
+                      std::string(kWall) + " AS wall) AS now RETURNING wall_ms - store_ms")
+                         .c_str());
+    const std::int64_t behind = rows.empty() ? 0 : integer(rows[0][0]);
+    if (behind > kWrongClock.count() || behind < -kWrongClock.count()) {
+      database.run("UPDATE remeshd_clock SET store_ms = store_ms + $1", {behind});
+      shift_times(database, behind);
+    }
+    transaction.commit();
+  }
   void insert_piece(Database& database, std::string_view job, std::string_view kind, std::int64_t part,
-                    std::string_view bytes) override {
+                    std::string_view bytes, std::uint64_t size) override {
     constexpr std::int64_t kRow = kPiece / kPartsOfPiece;
     const std::int64_t last = std::max<std::int64_t>(0, (static_cast<std::int64_t>(bytes.size()) - 1) / kRow);
     database.run(
-        "INSERT INTO remeshd_blob (job, kind, part, data) SELECT $1, $2, $3::int + i, "
-        "substring($4::bytea FROM i * $5::int + 1 FOR $5::int) FROM generate_series(0, $6::int) AS i",
-        {job, kind, part, Bytes{bytes}, kRow, last});
+        "INSERT INTO remeshd_blob (job, kind, part, data, size) SELECT $1, $2, $3::int + i, "
+        "substring($4::bytea FROM i * $5::int + 1 FOR $5::int), CASE WHEN $3::int + i = 0 THEN $7::bigint END "
+        "FROM generate_series(0, $6::int) AS i",
+        {job, kind, part, Bytes{bytes}, kRow, last, static_cast<std::int64_t>(size)});
   }
+  std::int64_t rows_of_blob(std::int64_t last) const override { return last + 1; }
   void tidy(Database&) override {}  // PostgreSQL does that by itself
 
-  void wait_for_work(const Event& wake, Clock::time_point until) override {
-    if (!listener_ || ::PQstatus(listener_.get()) != CONNECTION_OK) {
-      listener_ = open_connection(url_);
-      const Answered answer(::PQexec(listener_.get(), (std::string("LISTEN ") + kChannel).c_str()), ::PQclear);
-      if (::PQresultStatus(answer.get()) != PGRES_COMMAND_OK) {
-        throw ConnectionBroken(one_line(::PQerrorMessage(listener_.get())));
+  void wait_for_work(const Event& wake, Clock::time_point until, const StoreDeadline& deadline) override {
+    if (!listener_ || ::PQstatus(listener_->handle()) != CONNECTION_OK) {
+      listener_ = std::make_unique<PostgresDatabase>(url_, timeout_, deadline);
+      try {
+        listener_->run((std::string("LISTEN ") + kChannel).c_str(), {}, Database::Result::kText);
+      } catch (const StoreError&) {
+        listener_.reset();
+        throw;
       }
       return;  // nobody heard earlier announcements, so the caller must look at once
     }
-    std::array<pollfd, 2> entries{pollfd{wake.fd(), POLLIN, 0}, pollfd{::PQsocket(listener_.get()), POLLIN, 0}};
+    PGconn* const connection = listener_->handle();
+    std::array<pollfd, 2> entries{pollfd{wake.fd(), POLLIN, 0}, pollfd{::PQsocket(connection), POLLIN, 0}};
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now()).count();
     ::poll(entries.data(), entries.size(), static_cast<int>(std::max<std::int64_t>(left, 0)));
     if (entries[1].revents == 0) return;
-    if (::PQconsumeInput(listener_.get()) == 0) {
-      const std::string reason = one_line(::PQerrorMessage(listener_.get()));
+    if (::PQconsumeInput(connection) == 0) {
+      const std::string reason = one_line(::PQerrorMessage(connection));
       listener_.reset();
       throw ConnectionBroken(reason);
     }
-    while (PGnotify* const heard = ::PQnotifies(listener_.get())) ::PQfreemem(heard);
+    while (PGnotify* const heard = ::PQnotifies(connection)) ::PQfreemem(heard);
   }
 
   std::size_t max_connections() const override { return 8; }
 
  private:
   const std::string url_;
-  Connected listener_{nullptr, ::PQfinish};
+  const std::chrono::milliseconds timeout_;
+  std::unique_ptr<PostgresDatabase> listener_;
 };
 
 }  // namespace
 
-std::unique_ptr<DatabaseDriver> make_postgres_driver(const std::string& url) {
-  return std::make_unique<PostgresDriver>(url);
+std::unique_ptr<DatabaseDriver> make_postgres_driver(const std::string& url, std::chrono::milliseconds timeout) {
+  return std::make_unique<PostgresDriver>(url, timeout);
 }
 
 }  // namespace remesh::server::jobs

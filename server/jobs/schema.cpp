@@ -9,7 +9,7 @@ namespace {
 
 /// Each list holds the statements that lead from the previous version to this one. Never change a version that was
 /// released.
-const std::vector<std::vector<const char*>> kVersions{
+const std::vector<std::vector<std::string>> kVersions{
     {
         "CREATE TABLE remeshd_job ("
         " id text PRIMARY KEY,"
@@ -49,11 +49,23 @@ const std::vector<std::vector<const char*>> kVersions{
         "CREATE INDEX remeshd_idempotency_end ON remeshd_idempotency (expires_ms)",
         "CREATE INDEX remeshd_idempotency_job ON remeshd_idempotency (job)",
     },
+    {
+        // Rows of an older daemon, which may run beside this one for a while, have no values here.
+        "ALTER TABLE remeshd_job ADD COLUMN lease_length_ms bigint",
+        "ALTER TABLE remeshd_job ADD COLUMN queued_ms bigint",  // since when the job has been waiting
+        "ALTER TABLE remeshd_blob ADD COLUMN size bigint",      // of the whole blob; stands in its first row
+        "DROP INDEX remeshd_job_waiting",
+        "CREATE INDEX remeshd_job_waiting ON remeshd_job (coalesce(queued_ms, created_ms)) WHERE state = 'queued'",
+        std::string("CREATE INDEX remeshd_job_damaged ON remeshd_job (id) WHERE ") + kDamagedJob,
+        "CREATE INDEX remeshd_blob_size ON remeshd_blob (job, size) WHERE size IS NOT NULL",
+    },
 };
 
 /// Output: nothing if there are no tables.
-std::optional<std::int64_t> version_of(Database& database) {
-  database.run("CREATE TABLE IF NOT EXISTS remeshd_schema (version int NOT NULL, touched_ms bigint NOT NULL)");
+std::optional<std::int64_t> version_of(Database& database, const DatabaseDriver& driver) {
+  // A role that may not create tables gets an error even if the table exists, so it is asked for first.
+  if (!driver.has_table(database, "remeshd_schema"))
+    database.run("CREATE TABLE remeshd_schema (version int NOT NULL, touched_ms bigint NOT NULL)");
   const Rows rows = database.run("SELECT version FROM remeshd_schema");
   if (rows.empty()) return std::nullopt;
   return std::stoll(rows[0][0].value());
@@ -64,7 +76,7 @@ std::optional<std::int64_t> version_of(Database& database) {
 void bring_schema_up_to_date(Database& database, const DatabaseDriver& driver) {
   Transaction transaction(database);
   driver.lock_schema(database);
-  const std::optional<std::int64_t> found = version_of(database);
+  const std::optional<std::int64_t> found = version_of(database, driver);
   const auto newest = static_cast<std::int64_t>(kVersions.size());
   if (found.value_or(0) > newest) {
     throw StoreError("the store has version " + std::to_string(*found) + ", but this remeshd knows only version " +
@@ -72,10 +84,10 @@ void bring_schema_up_to_date(Database& database, const DatabaseDriver& driver) {
   }
   if (found == newest) return transaction.commit();
   for (std::int64_t version = found.value_or(0); version < newest; ++version) {
-    for (const char* statement : kVersions[static_cast<std::size_t>(version)]) database.run(statement);
+    for (const std::string& statement : kVersions[static_cast<std::size_t>(version)]) database.run(statement.c_str());
+    for (const std::string& statement : driver.schema_statements(version + 1)) database.run(statement.c_str());
   }
   if (!found) {
-    for (const std::string& statement : driver.schema_statements()) database.run(statement.c_str());
     database.run("INSERT INTO remeshd_schema (version, touched_ms) VALUES ($1, 0)", {newest});
   } else {
     database.run("UPDATE remeshd_schema SET version = $1", {newest});

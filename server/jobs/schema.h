@@ -5,9 +5,20 @@
 
 namespace remesh::server::jobs {
 
+/// The condition for rows of jobs that nobody can have written: unknown states, and numbers that would overflow when
+/// they are counted up. An index finds them.
+inline constexpr const char* kDamagedJob =
+    "(id IS NULL OR state NOT IN ('queued', 'running', 'succeeded', 'failed', 'cancelled', 'expired')"
+    " OR memory NOT BETWEEN 0 AND 9000000000000000000 OR token NOT BETWEEN 0 AND 9000000000000000"
+    " OR attempts NOT BETWEEN 0 AND 1000000 OR commits NOT BETWEEN 0 AND 1000000"
+    " OR version NOT BETWEEN 0 AND 9000000000000000 OR turn NOT BETWEEN -9000000000000000 AND 9000000000000000"
+    // SQLite stores fractions in columns of whole numbers.
+    " OR memory <> CAST(memory AS bigint) OR token <> CAST(token AS bigint) OR attempts <> CAST(attempts AS bigint)"
+    " OR commits <> CAST(commits AS bigint) OR version <> CAST(version AS bigint) OR turn <> CAST(turn AS bigint))";
+
 /// Creates the tables, or migrates them to the newest version.
 /// Holds:  many daemons may start at once.
-/// Errors: StoreError - also if a newer remeshd made the tables.
+/// Errors: StoreError - also if a newer remeshd made the tables, or if this role may not make them.
 void bring_schema_up_to_date(Database& database, const DatabaseDriver& driver);
 
 }  // namespace remesh::server::jobs

@@ -2,50 +2,44 @@
 
 #include <algorithm>
 #include <chrono>
-#include <limits>
+#include <cstdlib>
 #include <utility>
 
-#include "api/service.h"
+#include "server/jobs/job_upkeep.h"
+#include "server/jobs/row_values.h"
 #include "server/jobs/schema.h"
 
 namespace remesh::server::jobs {
 namespace {
 
-/// The largest number of rows that one statement of upkeep changes. It is small so that no statement blocks others
-/// for long.
-constexpr std::int64_t kBatch = 100;
-/// Files older than this belong to no running transaction. No transaction takes nearly as long, even if the clocks of
-/// file servers differ.
-constexpr std::chrono::hours kStrayAge{24};
-/// How long an operation waits for a free connection.
-constexpr std::chrono::seconds kPatience{15};
-
-const char* kind_name(BlobKind kind) {
-  switch (kind) {
-    case BlobKind::kInput: return "input";
-    case BlobKind::kMesh: return "mesh";
-    case BlobKind::kReport: return "report";
-  }
-  return "";
+/// A judge that looks at short leases must not count long pauses, see LeaseJudge.
+std::chrono::milliseconds max_pause(const StoreRules& rules) {
+  return std::max<std::chrono::milliseconds>(rules.lease / 4, std::chrono::seconds(2));
 }
 
-std::int64_t integer(const std::optional<std::string>& value) { return std::stoll(value.value()); }
-std::optional<std::int64_t> maybe_integer(const std::optional<std::string>& value) {
-  return value ? std::optional<std::int64_t>(std::stoll(*value)) : std::nullopt;
-}
 std::int64_t signed_bytes(std::uint64_t bytes) {
-  return static_cast<std::int64_t>(std::min<std::uint64_t>(bytes, std::numeric_limits<std::int64_t>::max()));
+  constexpr std::uint64_t kMost = 9'000'000'000'000'000'000;  // see kDamagedJob
+  return static_cast<std::int64_t>(std::min(bytes, kMost));
 }
 
-/// Makes a problem with `{job}` as its request_id. The statements that end jobs, many at once, replace `{job}` by the
-/// id of each job.
-std::string problem_text(int status, const char* code, const char* detail) {
-  api::Problem problem;
-  problem.status = status;
-  problem.code = code;
-  problem.detail = detail;
-  return api::to_response(problem, "{job}").body;
+/// Fills in what a damaged row lacks, so that its job can be shown as one that failed.
+void mend(JobRecord& record) {
+  if (record.state != JobState::kFailed && record.state != JobState::kCancelled) return;
+  constexpr int kFirstError = 400;
+  constexpr int kLastError = 599;
+  if (record.problem_status < kFirstError || record.problem_status > kLastError) record.problem_status = 500;
+  if (!record.problem.empty()) return;
+  record.problem = problem_text(record.problem_status, "internal", "the job's row in the store is damaged");
+  const std::size_t place = record.problem.find("{job}");
+  if (place != std::string::npos) record.problem.replace(place, std::string_view("{job}").size(), record.id);
 }
+
+constexpr const char* kStoredBytes =
+    "SELECT CAST(coalesce(sum(size), 0) AS bigint) FROM remeshd_blob WHERE size IS NOT NULL";
+/// No turn is higher.
+constexpr std::int64_t kMaxTurn = 8'000'000'000'000'000;
+/// No job is tried more often.
+constexpr std::int64_t kMaxAttempts = 1'000'000;
 
 constexpr const char* kRecord =
     "SELECT id, owner, state, stage, fraction, attempts, version, created_ms, started_ms, finished_ms, expires_ms, "
@@ -55,17 +49,18 @@ JobRecord record_of(const Row& row) {
   JobRecord record;
   record.id = row[0].value();
   record.owner = row[1].value();
-  record.state = state_from_name(row[2].value()).value();
+  record.state = state_from_name(row[2].value()).value_or(JobState::kFailed);
   record.stage = row[3].value();
-  record.fraction = std::stod(row[4].value());
-  record.attempts = static_cast<int>(integer(row[5]));
-  record.version = integer(row[6]);
-  record.created_ms = integer(row[7]);
+  record.fraction = std::strtod(row[4].value().c_str(), nullptr);
+  record.attempts = static_cast<int>(std::clamp<std::int64_t>(maybe_integer(row[5]).value_or(0), 0, kMaxAttempts));
+  record.version = maybe_integer(row[6]).value_or(0);
+  record.created_ms = maybe_integer(row[7]).value_or(0);
   record.started_ms = maybe_integer(row[8]);
   record.finished_ms = maybe_integer(row[9]);
   record.expires_ms = maybe_integer(row[10]);
-  record.problem_status = static_cast<int>(integer(row[11]));
+  record.problem_status = static_cast<int>(std::clamp<std::int64_t>(maybe_integer(row[11]).value_or(0), 0, 999));
   record.problem = row[12].value();
+  mend(record);
   return record;
 }
 
@@ -73,141 +68,101 @@ JobRecord record_of(const Row& row) {
 
 SqlStore::SqlStore(std::unique_ptr<DatabaseDriver> driver, const StoreRules& rules, std::unique_ptr<BlobFolder> folder,
                    StoreObserver observer)
-    : driver_(std::move(driver)), rules_(rules), folder_(std::move(folder)), observer_(std::move(observer)) {}
+    : driver_(std::move(driver)),
+      rules_(rules),
+      blobs_(*driver_, std::move(folder), rules.timeout),
+      observer_(std::move(observer)),
+      connections_(*driver_),
+      judge_(max_pause(rules)) {}
 
-// ---- connections
+// ---- operations
 
-std::unique_ptr<Database> SqlStore::take_connection() {
-  std::unique_lock lock(mutex_);
-  const auto is_free = [this] { return !idle_.empty() || open_ < driver_->max_connections(); };
-  if (!returned_.wait_for(lock, kPatience, is_free)) throw StoreError("all connections to the store are in use");
-  if (!idle_.empty()) {
-    std::unique_ptr<Database> database = std::move(idle_.back());
-    idle_.pop_back();
-    return database;
-  }
-  ++open_;
-  const bool has_schema = has_schema_;
-  lock.unlock();
+StoreDeadline SqlStore::deadline() const {
+  return StoreDeadline(SharedStoreDeadline::current(Clock::now() + rules_.timeout), end_);
+}
+
+/// Opening a store needs a little room, too.
+std::unique_ptr<Database> SqlStore::take_connection(const StoreDeadline& until) {
   try {
-    std::unique_ptr<Database> database = driver_->connect();
-    if (!has_schema) make_schema(*database);
-    return database;
-  } catch (...) {
-    return_connection(nullptr);
-    throw;
+    return connections_.take(until);
+  } catch (const StoreFull&) {
+    if (!driver_->release_reserve()) throw;
   }
-}
-
-void SqlStore::make_schema(Database& database) {
-  bring_schema_up_to_date(database, *driver_);
-  driver_->prepare(database);
-  const std::lock_guard lock(mutex_);
-  has_schema_ = true;
-}
-
-/// Input: a null pointer for a connection that is no longer usable.
-void SqlStore::return_connection(std::unique_ptr<Database> database) {
-  {
-    const std::lock_guard lock(mutex_);
-    if (database) {
-      idle_.push_back(std::move(database));
-    } else {
-      --open_;
-    }
-  }
-  returned_.notify_one();
+  return connections_.take(until);
 }
 
 template <typename Operation>
-auto SqlStore::attempt(Operation& operation) {
+auto SqlStore::attempt(Operation& operation, Reserve reserve) {
+  const StoreDeadline until = deadline();
   for (bool may_repeat = true;; may_repeat = false) {
-    std::unique_ptr<Database> database = take_connection();
+    std::unique_ptr<Database> database = take_connection(until);
     try {
       auto result = operation(*database);
-      return_connection(std::move(database));
+      connections_.give(std::move(database));
       return result;
-    } catch (const ConnectionBroken&) {
+    } catch (const ConnectionBroken& error) {
+      if (dynamic_cast<const SchemaMissing*>(&error) != nullptr) connections_.forget_schema();
       database.reset();
-      return_connection(nullptr);
-      if (!may_repeat) throw;
-      // The server was most likely restarted, so the idle connections are dead too.
-      std::vector<std::unique_ptr<Database>> dead;
-      const std::lock_guard lock(mutex_);
-      open_ -= idle_.size();
-      dead.swap(idle_);
+      connections_.give(nullptr);
+      connections_.close_idle();
+      if (!may_repeat || until.is_over()) throw;
+    } catch (const StoreFull&) {
+      connections_.give(std::move(database));
+      if (!may_repeat || reserve == Reserve::kStays || !driver_->release_reserve()) throw;
     } catch (...) {
-      database.reset();
-      return_connection(nullptr);
+      connections_.give(std::move(database));
       throw;
     }
   }
 }
 
 template <typename Operation>
-auto SqlStore::with_database(std::string_view op, Access access, Operation operation) {
+auto SqlStore::with_database(std::string_view op, Access access, Operation operation, Reserve reserve) {
   const Clock::time_point start = Clock::now();
   try {
-    auto result = attempt(operation);
-    note(op, access, start, /*failed=*/false);
+    auto result = attempt(operation, reserve);
+    note(op, access, start, nullptr);
     return result;
-  } catch (const StoreError&) {
-    note(op, access, start, /*failed=*/true);
+  } catch (const StoreFull& error) {
+    // An operation that leaves the reserve alone was refused early, which says nothing about other operations.
+    note(op, reserve == Reserve::kStays ? Access::kRead : access, start, &error);
+    throw;
+  } catch (const StoreError& error) {
+    note(op, access, start, &error);
     throw;
   }
 }
 
-void SqlStore::note(std::string_view op, Access access, Clock::time_point start, bool failed) {
-  if (failed) is_well_ = false;
-  if (!failed && access == Access::kWrite) is_well_ = true;
-  if (observer_) observer_(op, std::chrono::duration<double>(Clock::now() - start).count(), failed);
+void SqlStore::note(std::string_view op, Access access, Clock::time_point start, const StoreError* error) {
+  const Clock::time_point end = Clock::now();
+  const bool reaches_jobs = access == Access::kQueue || access == Access::kWrite;
+  if (error != nullptr) {
+    // A full store can still be read and emptied.
+    if (access == Access::kProbe || dynamic_cast<const StoreFull*>(error) == nullptr) is_well_ = false;
+    if (access != Access::kRead) judge_.note_failed();
+  } else {
+    if (access == Access::kProbe || access == Access::kWrite) is_well_ = true;
+    if (reaches_jobs) judge_.note_reached(start, end);
+  }
+  if (observer_) observer_(op, std::chrono::duration<double>(end - start).count(), error);
+}
+
+void SqlStore::check_is_current(const Database& database) const {
+  if (!driver_->is_current(database)) throw StoreError("the database was replaced by another one just now");
 }
 
 // ---- blobs
 
-void SqlStore::write_blob(Database& database, const std::string& id, BlobKind kind, std::string_view bytes) {
-  const std::string_view name = kind_name(kind);
-  if (folder_) {
-    const std::string file = folder_->write(id, name, bytes);
-    database.run("INSERT INTO remeshd_blob (job, kind, part, file) VALUES ($1, $2, 0, $3)",
-                 {std::string_view(id), name, std::string_view(file)});
-    return;
-  }
-  std::int64_t part = 0;
-  do {
-    const std::string_view piece = bytes.substr(0, DatabaseDriver::kPiece);
-    driver_->insert_piece(database, id, name, part, piece);
-    part += DatabaseDriver::kPartsOfPiece;
-    bytes.remove_prefix(piece.size());
-  } while (!bytes.empty());
-}
-
-std::optional<SqlStore::Blob> SqlStore::find_blob(const std::string& id, BlobKind kind) {
-  return with_database("read", Access::kRead, [&](Database& database) -> std::optional<Blob> {
-    const std::string_view name = kind_name(kind);
-    const Rows blob = database.run("SELECT max(part), max(file) FROM remeshd_blob WHERE job = $1 AND kind = $2",
-                                   {std::string_view(id), name});
-    if (!blob.at(0)[0]) return std::nullopt;
-    if (blob[0][1]) return Blob{"", blob[0][1]};
-    std::string bytes;
-    for (std::int64_t part = 0; part <= integer(blob[0][0]); part += DatabaseDriver::kPartsOfPiece) {
-      const Rows piece = database.run(
-          "SELECT data FROM remeshd_blob WHERE job = $1 AND kind = $2 AND part >= $3 AND part < $4 ORDER BY part",
-          {std::string_view(id), name, part, part + DatabaseDriver::kPartsOfPiece}, Database::Result::kBytes);
-      if (piece.empty()) return std::nullopt;  // it expired meanwhile
-      for (const Row& row : piece) bytes += row[0].value();
-    }
-    return Blob{std::move(bytes), std::nullopt};
-  });
+std::optional<BlobTable::Blob> SqlStore::find_blob(const std::string& id, BlobKind kind) {
+  return with_database("read", Access::kRead, [&](Database& database) { return blobs_.find(database, id, kind); });
 }
 
 /// This runs outside `with_database`: an error of a file says nothing about the health of the store.
 template <typename Question>
 auto SqlStore::ask_folder(const std::string& id, BlobKind kind, Question question) {
-  using Answer = std::optional<decltype(question(*folder_))>;
-  if (!folder_) throw StoreError("the store keeps blobs in a folder: --blob-dir is missing");
+  using Answer = std::optional<decltype(question(blobs_.folder()))>;
   try {
-    return Answer(question(*folder_));
+    return Answer(question(blobs_.folder()));
   } catch (const BlobLost&) {
     if (find_blob(id, kind)) throw;
     return Answer();  // it expired meanwhile
@@ -215,38 +170,18 @@ auto SqlStore::ask_folder(const std::string& id, BlobKind kind, Question questio
 }
 
 std::optional<std::string> SqlStore::read_blob(const std::string& id, BlobKind kind) {
-  std::optional<Blob> blob = find_blob(id, kind);
+  std::optional<BlobTable::Blob> blob = find_blob(id, kind);
   if (!blob) return std::nullopt;
   if (!blob->file) return std::move(blob->bytes);
   return ask_folder(id, kind, [&](const BlobFolder& folder) { return folder.read(*blob->file); });
 }
 
 std::optional<std::uint64_t> SqlStore::blob_size(const std::string& id, BlobKind kind) {
-  const Row blob = with_database("size", Access::kRead, [&](Database& database) {
-    return database
-        .run(
-            "SELECT max(part), max(file), coalesce(sum(length(data)), 0) FROM remeshd_blob WHERE job = $1 AND kind = "
-            "$2",
-            {std::string_view(id), std::string_view(kind_name(kind))})
-        .at(0);
-  });
-  if (!blob[0]) return std::nullopt;
-  if (!blob[1]) return static_cast<std::uint64_t>(integer(blob[2]));
-  return ask_folder(id, kind, [&](const BlobFolder& folder) { return folder.size(*blob[1]); });
-}
-
-std::vector<std::string> SqlStore::delete_blobs(Database& database, const std::string& id, const char* which) {
-  const std::string sql = "DELETE FROM remeshd_blob WHERE job = $1 AND " + std::string(which) + " RETURNING file";
-  std::vector<std::string> files;
-  for (const Row& row : database.run(sql.c_str(), {std::string_view(id)})) {
-    if (row[0]) files.push_back(*row[0]);
-  }
-  return files;
-}
-
-void SqlStore::remove_files(const std::vector<std::string>& files) {
-  if (!folder_) return;
-  for (const std::string& file : files) folder_->remove(file);
+  const std::optional<BlobTable::Size> size =
+      with_database("size", Access::kRead, [&](Database& database) { return blobs_.size(database, id, kind); });
+  if (!size) return std::nullopt;
+  if (!size->file) return size->bytes;
+  return ask_folder(id, kind, [&](const BlobFolder& folder) { return folder.size(*size->file); });
 }
 
 // ---- submission
@@ -275,50 +210,95 @@ std::optional<Submission> SqlStore::find_repeated(Database& database, const NewJ
 /// job, but not before the job that is running now. An owner who was absent therefore gets no credit for that time.
 /// Source: start-time fair queueing (Goyal, Vin, Cheng, Start-time Fair Queueing, 1996), with all jobs of one size.
 std::int64_t SqlStore::next_turn(Database& database, const std::string& owner) {
+  // A damaged turn would be followed by all turns to come, so turns that nobody can have given do not count.
   const Rows now = database.run(
-      "SELECT coalesce((SELECT max(turn) FROM remeshd_job WHERE state = 'running'),"
-      " (SELECT min(turn) FROM remeshd_job WHERE state = 'queued'), (SELECT max(last_turn) FROM remeshd_owner), 0)");
+      "SELECT coalesce((SELECT max(turn) FROM remeshd_job WHERE state = 'running' AND turn BETWEEN 0 AND $1),"
+      " (SELECT min(turn) FROM remeshd_job WHERE state = 'queued' AND turn BETWEEN 0 AND $1),"
+      " (SELECT max(last_turn) FROM remeshd_owner WHERE last_turn BETWEEN 0 AND $1), 0)",
+      {kMaxTurn});
   const Rows turn = database.run(
       "INSERT INTO remeshd_owner (owner, last_turn) VALUES ($1, $2) ON CONFLICT (owner) DO UPDATE "
-      "SET last_turn = CASE WHEN remeshd_owner.last_turn + 1 > excluded.last_turn THEN remeshd_owner.last_turn + 1 "
-      "ELSE excluded.last_turn END RETURNING last_turn",
-      {std::string_view(owner), integer(now.at(0)[0])});
+      "SET last_turn = CASE WHEN remeshd_owner.last_turn BETWEEN excluded.last_turn AND $3 "
+      "THEN remeshd_owner.last_turn + 1 ELSE excluded.last_turn END RETURNING last_turn",
+      {std::string_view(owner), integer(now.at(0)[0]), kMaxTurn});
   return integer(turn.at(0)[0]);
 }
 
+void SqlStore::check_limits(Database& database, const NewJob& job) const {
+  const auto check = [&](std::uint64_t limit, const char* sql, const Values& values, const char* whose) {
+    if (limit == 0) return;
+    const auto stored = static_cast<std::uint64_t>(integer(database.run(sql, values).at(0)[0]));
+    if (job.body.size() > limit || stored > limit - job.body.size())
+      throw StoreFull("the jobs of " + std::string(whose) + " take all the room that they may take");
+  };
+  check(rules_.max_stored, kStoredBytes, {}, "this store");
+  check(rules_.max_stored_per_owner,
+        "SELECT CAST(coalesce(sum(b.size), 0) AS bigint) FROM remeshd_job AS j JOIN remeshd_blob AS b ON b.job = j.id "
+        "WHERE j.owner = $1 AND b.size IS NOT NULL",
+        {std::string_view(job.owner)}, "this API key");
+}
+
+Submission SqlStore::insert(Database& database, const NewJob& job, bool& is_uncertain) {
+  Transaction transaction(database);
+  if (const std::optional<Submission> repeated = find_repeated(database, job)) return *repeated;
+  check_limits(database, job);
+  driver_->check_room(database, job.body.size());
+  blobs_.write(database, job.id, BlobKind::kInput, job.body);
+  const std::int64_t turn = next_turn(database, job.owner);
+  const Rows rows = database.run(
+      "INSERT INTO remeshd_job (id, owner, state, turn, memory, request, created_ms, queued_ms) "
+      "VALUES ($1, $2, 'queued', $3, $4, $5, remeshd_now(), remeshd_now()) RETURNING created_ms",
+      {std::string_view(job.id), std::string_view(job.owner), turn, signed_bytes(job.memory),
+       std::string_view(job.request)});
+  database.announce();
+  is_uncertain = true;
+  transaction.commit();
+  check_is_current(database);
+  return Submission{Submission::Kind::kNew, job.id, integer(rows.at(0)[0])};
+}
+
 Submission SqlStore::submit(const NewJob& job) {
-  return with_database("submit", Access::kWrite, [&](Database& database) {
-    Transaction transaction(database);
-    if (const std::optional<Submission> repeated = find_repeated(database, job)) return *repeated;
-    write_blob(database, job.id, BlobKind::kInput, job.body);
-    const std::int64_t turn = next_turn(database, job.owner);
-    database.run(
-        "INSERT INTO remeshd_job (id, owner, state, turn, memory, request, created_ms) "
-        "VALUES ($1, $2, 'queued', $3, $4, $5, remeshd_now())",
-        {std::string_view(job.id), std::string_view(job.owner), turn, signed_bytes(job.memory),
-         std::string_view(job.request)});
-    database.announce();
-    transaction.commit();
-    return Submission{Submission::Kind::kNew, job.id};
-  });
+  bool is_uncertain = false;
+  try {
+    return with_database(
+        "submit", Access::kWrite, [&](Database& database) { return insert(database, job, is_uncertain); },
+        Reserve::kStays);
+  } catch (const StoreError&) {
+    if (is_uncertain && !job.idempotency) uncertain_.note_submission(job.id);
+    throw;
+  }
 }
 
 // ---- claims
 
-std::optional<Claim> SqlStore::claim(std::string_view worker, std::uint64_t max_memory) {
+std::optional<Claim> SqlStore::claim_next(Database& database, std::string_view worker, std::uint64_t max_memory) {
+  if (uncertain_.has_new()) blobs_.remove_files(uncertain_.undo(database));
+  // No two attempts have the same name. So it can be told later whether this one has claimed a job.
+  const std::string attempt = std::string(worker) + "." + std::to_string(++claims_);
   const std::string sql =
       "UPDATE remeshd_job SET state = 'running', token = token + 1, attempts = attempts + 1, version = version + 1, "
-      "worker = $1, stage = 'read', fraction = 0, started_ms = remeshd_now(), lease_ms = remeshd_now() + $2 "
-      "WHERE id = (SELECT id FROM remeshd_job WHERE state = 'queued' AND memory <= $3 "
-      "ORDER BY turn, created_ms, id LIMIT 1" +
-      std::string(driver_->skip_locked()) + ") RETURNING id, token, attempts, memory, request";
-  return with_database("claim", Access::kRead, [&](Database& database) -> std::optional<Claim> {
-    const Rows rows = database.run(sql.c_str(), {worker, std::int64_t{rules_.lease.count()}, signed_bytes(max_memory)});
-    if (rows.empty()) return std::nullopt;
-    const Row& row = rows[0];
-    return Claim{row[0].value(), integer(row[1]), static_cast<int>(integer(row[2])),
-                 static_cast<std::uint64_t>(integer(row[3])), row[4].value()};
-  });
+      "worker = $1, stage = 'read', fraction = 0, started_ms = remeshd_now(), lease_ms = remeshd_now() + $2, "
+      "lease_length_ms = $2 WHERE id = (SELECT id FROM remeshd_job WHERE state = 'queued' AND memory <= $3 AND NOT " +
+      std::string(kDamagedJob) + " ORDER BY turn, created_ms, id LIMIT 1" + std::string(driver_->skip_locked()) +
+      ") RETURNING id, token, attempts, memory, request, version";
+  Rows rows;
+  try {
+    rows = database.run(sql.c_str(),
+                        {std::string_view(attempt), std::int64_t{rules_.lease.count()}, signed_bytes(max_memory)});
+  } catch (const StoreError&) {
+    uncertain_.note_claim(attempt);
+    throw;
+  }
+  if (rows.empty()) return std::nullopt;
+  const Row& row = rows[0];
+  judge_.see({row[0].value(), integer(row[1]), integer(row[5]), rules_.lease});
+  return Claim{row[0].value(), integer(row[1]), static_cast<int>(integer(row[2])),
+               static_cast<std::uint64_t>(integer(row[3])), row[4].value()};
+}
+
+std::optional<Claim> SqlStore::claim(std::string_view worker, std::uint64_t max_memory) {
+  return with_database("claim", Access::kQueue,
+                       [&](Database& database) { return claim_next(database, worker, max_memory); });
 }
 
 bool SqlStore::renew(const Claim& claim, const Progress& progress) {
@@ -326,7 +306,8 @@ bool SqlStore::renew(const Claim& claim, const Progress& progress) {
     return !database
                 .run(
                     "UPDATE remeshd_job SET stage = $1, fraction = $2, lease_ms = remeshd_now() + $3, "
-                    "version = version + 1 WHERE id = $4 AND token = $5 AND state = 'running' RETURNING id",
+                    "lease_length_ms = $3, version = version + 1 WHERE id = $4 AND token = $5 AND state = 'running' "
+                    "RETURNING id",
                     {std::string_view(progress.stage), progress.fraction, std::int64_t{rules_.lease.count()},
                      std::string_view(claim.id), claim.token})
                 .empty();
@@ -344,7 +325,7 @@ bool SqlStore::holds(const Claim& claim) {
 
 bool SqlStore::commit(const Claim& claim, const JobOutcome& outcome) {
   std::vector<std::string> files;
-  const bool is_done = with_database("commit", Access::kWrite, [&](Database& database) {
+  const auto write = [&](Database& database) {
     const std::string_view state = state_name(outcome.state);
     Transaction transaction(database);
     const Rows ended = database.run(
@@ -361,25 +342,32 @@ bool SqlStore::commit(const Claim& claim, const JobOutcome& outcome) {
                   .empty();
     }
     if (outcome.state == JobState::kSucceeded) {
-      write_blob(database, claim.id, BlobKind::kMesh, outcome.mesh);
-      write_blob(database, claim.id, BlobKind::kReport, outcome.report);
+      driver_->check_room(database, outcome.mesh.size() + outcome.report.size());
+      blobs_.write(database, claim.id, BlobKind::kMesh, outcome.mesh);
+      blobs_.write(database, claim.id, BlobKind::kReport, outcome.report);
     }
-    files = delete_blobs(database, claim.id, "kind = 'input'");
+    files = BlobTable::remove(database, claim.id, "kind = 'input'");
     transaction.commit();
     return true;
-  });
-  remove_files(files);
+  };
+  // A failure is small, and its input makes room.
+  const Reserve reserve = outcome.state == JobState::kSucceeded ? Reserve::kStays : Reserve::kMayBeUsed;
+  const bool is_done = with_database("commit", Access::kWrite, write, reserve);
+  blobs_.remove_files(files);
   return is_done;
 }
 
-bool SqlStore::give_back(const Claim& claim, Attempt attempt) {
+bool SqlStore::give_back(const Claim& claim, Attempt attempt, std::optional<std::uint64_t> memory) {
   return with_database("give_back", Access::kWrite, [&](Database& database) {
     Transaction transaction(database);
     const Rows rows = database.run(
-        "UPDATE remeshd_job SET state = 'queued', token = token + 1, attempts = attempts - $1, version = version + 1, "
-        "lease_ms = NULL, started_ms = NULL, worker = '', stage = 'queued', fraction = 0 "
+        "UPDATE remeshd_job SET state = 'queued', token = token + 1, attempts = CASE WHEN attempts > $1 THEN attempts "
+        "- $1 ELSE 0 END, version = version + 1, "
+        "lease_ms = NULL, started_ms = NULL, worker = '', stage = 'queued', fraction = 0, queued_ms = remeshd_now(), "
+        "memory = $4 "
         "WHERE id = $2 AND token = $3 AND state = 'running' RETURNING id",
-        {std::int64_t{attempt == Attempt::kDoesNotCount ? 1 : 0}, std::string_view(claim.id), claim.token});
+        {std::int64_t{attempt == Attempt::kDoesNotCount ? 1 : 0}, std::string_view(claim.id), claim.token,
+         signed_bytes(memory.value_or(claim.memory))});
     if (rows.empty()) return false;
     database.announce();
     transaction.commit();
@@ -418,11 +406,11 @@ bool SqlStore::cancel(const std::string& id) {
         "problem = replace($2, '{job}', id) WHERE id = $3 AND state IN ('queued', 'running') RETURNING id",
         {std::int64_t{rules_.result_ttl.count()}, std::string_view(problem), std::string_view(id)});
     if (rows.empty()) return false;
-    files = delete_blobs(database, id, "kind = 'input'");
+    files = BlobTable::remove(database, id, "kind = 'input'");
     transaction.commit();
     return true;
   });
-  remove_files(files);
+  blobs_.remove_files(files);
   return was_cancelled;
 }
 
@@ -435,12 +423,12 @@ bool SqlStore::discard(const std::string& id) {
         "WHERE id = $2 AND state = 'succeeded' RETURNING id",
         {std::int64_t{rules_.history.count()}, std::string_view(id)});
     // This also concerns jobs in other final states: the input of a job is still stored if every worker died of it.
-    files = delete_blobs(database, id,
-                         "EXISTS (SELECT 1 FROM remeshd_job WHERE id = $1 AND state NOT IN ('queued', 'running'))");
+    files = BlobTable::remove(
+        database, id, "EXISTS (SELECT 1 FROM remeshd_job WHERE id = $1 AND state NOT IN ('queued', 'running'))");
     transaction.commit();
     return !rows.empty();
   });
-  remove_files(files);
+  blobs_.remove_files(files);
   return was_result;
 }
 
@@ -457,112 +445,46 @@ QueueStatistics SqlStore::statistics() {
   });
 }
 
+std::uint64_t SqlStore::stored_bytes() {
+  return with_database("stored", Access::kRead, [](Database& database) {
+    return static_cast<std::uint64_t>(std::max<std::int64_t>(0, integer(database.run(kStoredBytes).at(0)[0])));
+  });
+}
+
 // ---- upkeep
 
 Upkeep SqlStore::upkeep() {
   std::vector<std::string> files;
-  const Upkeep done = with_database("upkeep", Access::kRead, [&](Database& database) {
-    Upkeep changed;
-    end_abandoned(database, changed);
-    end_waiting(database, changed);
-    expire_results(database, changed, files);
-    forget_jobs(database, changed, files);
-    find_stray_files(database, files);
+  const Upkeep done = with_database("upkeep", Access::kQueue, [&](Database& database) {
+    driver_->keep_clock(database);
+    files = uncertain_.undo(database);
+    JobUpkeep upkeep(database, *driver_, rules_);
+    upkeep.run(judge_);
+    files.insert(files.end(), upkeep.files().begin(), upkeep.files().end());
+    const std::vector<std::string> stray = blobs_.find_stray_files(database, swept_++);
+    files.insert(files.end(), stray.begin(), stray.end());
     driver_->tidy(database);
-    return changed;
+    return upkeep.done();
   });
-  remove_files(files);
+  blobs_.remove_files(files);
   return done;
 }
 
-void SqlStore::end_abandoned(Database& database, Upkeep& done) {
-  static const std::string problem =
-      problem_text(500, "worker_crashed", "every worker that tried this job crashed or was stopped");
-  const std::string sql =
-      "UPDATE remeshd_job SET state = CASE WHEN attempts >= $1 THEN 'failed' ELSE 'queued' END, "
-      "commits = commits + CASE WHEN attempts >= $1 THEN 1 ELSE 0 END, "
-      "finished_ms = CASE WHEN attempts >= $1 THEN remeshd_now() END, "
-      "expires_ms = CASE WHEN attempts >= $1 THEN remeshd_now() + $2 END, "
-      "problem_status = CASE WHEN attempts >= $1 THEN 500 ELSE 0 END, "
-      "problem = CASE WHEN attempts >= $1 THEN replace($3, '{job}', id) ELSE '' END, "
-      "token = token + 1, version = version + 1, lease_ms = NULL, started_ms = NULL, stage = 'queued', fraction = 0 "
-      "WHERE id IN (SELECT id FROM remeshd_job WHERE state = 'running' AND lease_ms < remeshd_now() LIMIT $4" +
-      std::string(driver_->skip_locked()) + ") RETURNING state";
-  Transaction transaction(database);
-  const Rows rows = database.run(
-      sql.c_str(),
-      {std::int64_t{rules_.max_attempts}, std::int64_t{rules_.result_ttl.count()}, std::string_view(problem), kBatch});
-  for (const Row& row : rows) ++(row[0] == "failed" ? done.crashed : done.retried);
-  if (done.retried > 0) database.announce();
-  transaction.commit();
-}
-
-void SqlStore::end_waiting(Database& database, Upkeep& done) {
-  static const std::string problem = problem_text(504, "timeout", "no worker became free for this job in time");
-  const std::string sql =
-      "UPDATE remeshd_job SET state = 'failed', commits = commits + 1, token = token + 1, version = version + 1, "
-      "finished_ms = remeshd_now(), expires_ms = remeshd_now() + $1, problem_status = 504, "
-      "problem = replace($2, '{job}', id) WHERE id IN (SELECT id FROM remeshd_job WHERE state = 'queued' AND "
-      "created_ms < remeshd_now() - $3 LIMIT $4" +
-      std::string(driver_->skip_locked()) + ") RETURNING id";
-  done.timed_out +=
-      static_cast<int>(database
-                           .run(sql.c_str(), {std::int64_t{rules_.result_ttl.count()}, std::string_view(problem),
-                                              std::int64_t{rules_.queue_timeout.count()}, kBatch})
-                           .size());
-}
-
-void SqlStore::expire_results(Database& database, Upkeep& done, std::vector<std::string>& files) {
-  const std::string sql =
-      "UPDATE remeshd_job SET state = 'expired', version = version + 1, expires_ms = remeshd_now() + $1 WHERE id IN "
-      "(SELECT id FROM remeshd_job WHERE state = 'succeeded' AND expires_ms < remeshd_now() LIMIT $2" +
-      std::string(driver_->skip_locked()) + ") RETURNING id";
-  Transaction transaction(database);
-  const Rows rows = database.run(sql.c_str(), {std::int64_t{rules_.history.count()}, kBatch});
-  for (const Row& row : rows) {
-    const std::vector<std::string> more = delete_blobs(database, row[0].value(), "1 = 1");
-    files.insert(files.end(), more.begin(), more.end());
-  }
-  transaction.commit();
-  done.expired += static_cast<int>(rows.size());
-}
-
-void SqlStore::forget_jobs(Database& database, Upkeep& done, std::vector<std::string>& files) {
-  const std::string sql =
-      "DELETE FROM remeshd_job WHERE id IN (SELECT id FROM remeshd_job WHERE "
-      "state IN ('failed', 'cancelled', 'expired') AND expires_ms < remeshd_now() LIMIT $1" +
-      std::string(driver_->skip_locked()) + ") RETURNING id";
-  Transaction transaction(database);
-  const Rows rows = database.run(sql.c_str(), {kBatch});
-  for (const Row& row : rows) {
-    const std::string_view id = row[0].value();
-    const std::vector<std::string> more = delete_blobs(database, row[0].value(), "1 = 1");
-    files.insert(files.end(), more.begin(), more.end());
-    database.run("DELETE FROM remeshd_idempotency WHERE job = $1", {id});
-  }
-  database.run("DELETE FROM remeshd_idempotency WHERE expires_ms < remeshd_now()");
-  transaction.commit();
-  done.forgotten += static_cast<int>(rows.size());
-}
-
-/// Finds files whose transaction was never committed. One part of the folder is searched at each call; all parts are
-/// searched within the hour.
-void SqlStore::find_stray_files(Database& database, std::vector<std::string>& files) {
-  if (!folder_) return;
-  for (const BlobFolder::Found& file : folder_->files_older_than(kStrayAge, swept_++ % BlobFolder::kParts)) {
-    const Rows rows = database.run("SELECT part FROM remeshd_blob WHERE job = $1 AND file = $2",
-                                   {std::string_view(file.job), std::string_view(file.name)});
-    if (rows.empty()) files.push_back(file.name);
-  }
-}
-
 void SqlStore::probe() {
-  with_database("probe", Access::kWrite, [](Database& database) {
+  with_database("probe", Access::kProbe, [](Database& database) {
     database.run("UPDATE remeshd_schema SET touched_ms = remeshd_now()");
     return true;
   });
 }
 
-void SqlStore::wait_for_work(const Event& wake, Clock::time_point until) { driver_->wait_for_work(wake, until); }
+void SqlStore::wait_for_work(const Event& wake, Clock::time_point until) {
+  const Clock::time_point start = Clock::now();
+  try {
+    driver_->wait_for_work(wake, until, deadline());
+  } catch (const StoreError& error) {
+    note("wait", Access::kRead, start, &error);
+    throw;
+  }
+}
 
 }  // namespace remesh::server::jobs

@@ -2,22 +2,24 @@
 #pragma once
 
 #include <atomic>
-#include <condition_variable>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "server/jobs/blob_folder.h"
+#include "server/jobs/blob_table.h"
+#include "server/jobs/connection_pool.h"
 #include "server/jobs/database.h"
 #include "server/jobs/job_store.h"
+#include "server/jobs/lease_judge.h"
+#include "server/jobs/uncertain_writes.h"
 
 namespace remesh::server::jobs {
 
-/// A function that is called after each operation with its name, the seconds it took, and whether it failed.
-using StoreObserver = std::function<void(std::string_view op, double seconds, bool failed)>;
+/// A function that is called after each operation with its name, the seconds it took, and its error or null.
+using StoreObserver = std::function<void(std::string_view op, double seconds, const StoreError* error)>;
 
 class SqlStore : public JobStore {
  public:
@@ -33,39 +35,46 @@ class SqlStore : public JobStore {
   bool renew(const Claim& claim, const Progress& progress) override;
   bool holds(const Claim& claim) override;
   bool commit(const Claim& claim, const JobOutcome& outcome) override;
-  bool give_back(const Claim& claim, Attempt attempt) override;
+  bool give_back(const Claim& claim, Attempt attempt, std::optional<std::uint64_t> memory) override;
   std::optional<JobRecord> find(const std::string& id) override;
   std::vector<JobRecord> list(const std::string& owner, int limit) override;
   bool cancel(const std::string& id) override;
   bool discard(const std::string& id) override;
   Upkeep upkeep() override;
   QueueStatistics statistics() override;
+  std::uint64_t stored_bytes() override;
   void probe() override;
   bool is_well() const override { return is_well_; }
+  void end_calls_at(Clock::time_point time) override { end_.set(time); }
   void wait_for_work(const Event& wake, Clock::time_point until) override;
 
  private:
-  enum class Access { kRead, kWrite };
+  /// What an operation proves if it succeeds.
+  enum class Access {
+    kRead,   ///< nothing
+    kProbe,  ///< that the store can be written
+    kQueue,  ///< that the table of jobs can be written, although nothing may have been written there
+    kWrite,  ///< both
+  };
+
+  /// Whether an operation may use the room that is kept for deletions.
+  enum class Reserve { kMayBeUsed, kStays };
 
   /// Runs `operation` on a connection. If that connection broke before anything was committed, it runs it once more
   /// on a new one.
   template <typename Operation>
-  auto with_database(std::string_view op, Access access, Operation operation);
+  auto with_database(std::string_view op, Access access, Operation operation, Reserve reserve = Reserve::kMayBeUsed);
   template <typename Operation>
-  auto attempt(Operation& operation);
-  void note(std::string_view op, Access access, Clock::time_point start, bool failed);
+  auto attempt(Operation& operation, Reserve reserve);
+  std::unique_ptr<Database> take_connection(const StoreDeadline& until);
+  void note(std::string_view op, Access access, Clock::time_point start, const StoreError* error);
+  StoreDeadline deadline() const;
+  /// Checks that the database is still the one at the store's address. What was committed to another one is lost.
+  /// Errors: StoreError.
+  void check_is_current(const Database& database) const;
 
-  void make_schema(Database& database);
-  std::unique_ptr<Database> take_connection();
-  void return_connection(std::unique_ptr<Database> database);
-
-  /// The bytes of a blob, or the name of the file that holds them.
-  struct Blob {
-    std::string bytes;
-    std::optional<std::string> file;
-  };
   /// Output: as `read_blob`.
-  std::optional<Blob> find_blob(const std::string& id, BlobKind kind);
+  std::optional<BlobTable::Blob> find_blob(const std::string& id, BlobKind kind);
   /// Asks the folder about the file of a blob.
   /// Output: nothing if the blob has expired.
   /// Errors: BlobLost, StoreError.
@@ -73,28 +82,23 @@ class SqlStore : public JobStore {
   auto ask_folder(const std::string& id, BlobKind kind, Question question);
   std::optional<Submission> find_repeated(Database& database, const NewJob& job);
   std::int64_t next_turn(Database& database, const std::string& owner);
-  void write_blob(Database& database, const std::string& id, BlobKind kind, std::string_view bytes);
-  /// Output: the files to remove once the transaction is committed.
-  std::vector<std::string> delete_blobs(Database& database, const std::string& id, const char* which);
-  void remove_files(const std::vector<std::string>& files);
-  void end_abandoned(Database& database, Upkeep& done);
-  void end_waiting(Database& database, Upkeep& done);
-  void expire_results(Database& database, Upkeep& done, std::vector<std::string>& files);
-  void find_stray_files(Database& database, std::vector<std::string>& files);
-  void forget_jobs(Database& database, Upkeep& done, std::vector<std::string>& files);
+  /// Errors: StoreFull - the job would be more than may be stored.
+  void check_limits(Database& database, const NewJob& job) const;
+  Submission insert(Database& database, const NewJob& job, bool& is_uncertain);
+  std::optional<Claim> claim_next(Database& database, std::string_view worker, std::uint64_t max_memory);
 
   const std::unique_ptr<DatabaseDriver> driver_;
   const StoreRules rules_;
-  const std::unique_ptr<BlobFolder> folder_;
+  const BlobTable blobs_;
   const StoreObserver observer_;
+  StoreEnd end_;
+  ConnectionPool connections_;
+  UncertainWrites uncertain_;
+  LeaseJudge judge_;
 
   std::atomic<bool> is_well_{false};
-  std::mutex mutex_;
-  std::condition_variable returned_;
-  std::vector<std::unique_ptr<Database>> idle_;
-  std::size_t open_ = 0;
-  bool has_schema_ = false;
-  std::atomic<int> swept_{0};  ///< number of folder parts searched for stray files so far
+  std::atomic<int> swept_{0};            ///< number of folder parts searched for stray files so far
+  std::atomic<std::int64_t> claims_{0};  ///< number of attempts to claim
 };
 
 }  // namespace remesh::server::jobs

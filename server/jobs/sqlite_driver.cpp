@@ -6,21 +6,30 @@
 
 #include <atomic>
 #include <ctime>
+#include <filesystem>
 #include <fstream>
+#include <optional>
 #include <thread>
 #include <utility>
 
 #include "server/jobs/database.h"
+#include "server/jobs/disk_reserve.h"
+#include "server/jobs/row_values.h"
+#include "server/jobs/store_clock.h"
 
 namespace remesh::server::jobs {
 namespace {
 
-/// How long a connection waits while another one writes, and how long it sleeps between attempts. SQLite's own busy
-/// handler sleeps longer each time, which costs more than most transactions take.
-constexpr std::chrono::seconds kBusyPatience{20};
+/// How long a connection sleeps between attempts while another one writes. SQLite's own busy handler sleeps longer each
+/// time, which costs more than most transactions take.
 constexpr std::chrono::microseconds kBusyNap{1000};
 /// Number of free pages of 4 KiB that stay in the file for later use.
 constexpr std::int64_t kKeptPages = 16384;
+constexpr std::uint64_t kPage = 4096;
+/// A write-ahead log that is longer is written back and cut at the next occasion.
+constexpr std::uint64_t kMaxLog = 8 << 20;
+/// Room for the rows that are written besides a blob.
+constexpr std::uint64_t kSmallWrite = 256 << 10;
 /// Interval between checks whether another process has written.
 constexpr std::chrono::milliseconds kLook{100};
 
@@ -46,9 +55,15 @@ class FileClock {
   std::int64_t now_ms() const { return base_ms_ + milliseconds_of(CLOCK_BOOTTIME); }
   void set_base(std::int64_t base_ms) { base_ms_ = base_ms; }
   /// Computes the base after a restart of the system.
+  /// Input: `last_ms` - the last time stored in the file; 0 if there is none.
   static std::int64_t new_base(std::int64_t last_ms) {
-    return std::max(milliseconds_of(CLOCK_REALTIME), last_ms) - milliseconds_of(CLOCK_BOOTTIME);
+    const std::int64_t wall_ms = milliseconds_of(CLOCK_REALTIME);
+    // If the system's clock was wrong before, all times are shifted when the clock is kept next.
+    const bool was_wrong = last_ms > 0 && wall_ms - last_ms > kWrongClock.count();
+    return (was_wrong ? last_ms : std::max(wall_ms, last_ms)) - milliseconds_of(CLOCK_BOOTTIME);
   }
+  /// How far the system's clock is ahead of this one.
+  std::int64_t behind_ms() const { return milliseconds_of(CLOCK_REALTIME) - now_ms(); }
 
  private:
   std::atomic<std::int64_t> base_ms_{milliseconds_of(CLOCK_REALTIME) - milliseconds_of(CLOCK_BOOTTIME)};
@@ -56,7 +71,8 @@ class FileClock {
 
 class SqliteDatabase final : public Database {
  public:
-  SqliteDatabase(const std::string& path, FileClock& clock) {
+  SqliteDatabase(const std::string& path, FileClock& clock, const StoreDeadline& deadline)
+      : Database(deadline), path_(path) {
     const int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX;
     const int code = ::sqlite3_open_v2(path.c_str(), &handle_, flags, nullptr);
     if (code != SQLITE_OK) {
@@ -71,8 +87,20 @@ class SqliteDatabase final : public Database {
       throw;
     }
     close_to_others(path);
+    file_ = file_at(path);
+    log_ = file_at(path + "-wal");
   }
-  ~SqliteDatabase() override { ::sqlite3_close(handle_); }
+  ~SqliteDatabase() override {
+    ::sqlite3_close(handle_);
+    if (is_current()) return;
+    // SQLite leaves the write-ahead log of a file that was replaced. It must not be applied to the new file.
+    if (log_ && log_ == file_at(path_ + "-wal")) {
+      for (const char* part : {"-wal", "-shm"}) ::unlink((path_ + part).c_str());
+    }
+  }
+
+  /// False if the file was deleted or replaced after it was opened.
+  bool is_current() const { return file_ == file_at(path_); }
 
   Rows run(const char* sql, const Values& parameters, Result) override {
     sqlite3_stmt* prepared = nullptr;
@@ -83,7 +111,7 @@ class SqliteDatabase final : public Database {
     for (;;) {
       const int code = ::sqlite3_step(prepared);
       if (code == SQLITE_DONE) return rows;
-      if (code != SQLITE_ROW) fail(code);
+      if (code != SQLITE_ROW) fail(::sqlite3_extended_errcode(handle_));
       rows.push_back(row_of(prepared));
     }
   }
@@ -104,6 +132,14 @@ class SqliteDatabase final : public Database {
   void announce() override {}
 
  private:
+  /// Identifies a file, whatever its name is.
+  using FileId = std::pair<::dev_t, ::ino_t>;
+  static std::optional<FileId> file_at(const std::string& path) {
+    struct stat status {};
+    if (::stat(path.c_str(), &status) != 0) return std::nullopt;
+    return FileId(status.st_dev, status.st_ino);
+  }
+
   /// Only the owner may read the file, because it holds other people's meshes, whatever the permissions of its folder
   /// are. The mode is set by name: opening and closing the file here would release the locks that SQLite holds on it.
   static void close_to_others(const std::string& path) {
@@ -111,14 +147,17 @@ class SqliteDatabase final : public Database {
   }
 
   void set_up(FileClock& clock) {
-    check(::sqlite3_busy_handler(handle_, nap, nullptr));
+    check(::sqlite3_busy_handler(handle_, nap, this));
     check(::sqlite3_create_function(handle_, "remeshd_now", 0, SQLITE_UTF8 | SQLITE_INNOCUOUS, &clock, give_now,
                                     nullptr, nullptr));
-    // The first pragma affects new files only. It allows freed pages to be returned to the file system.
-    for (const char* pragma : {"PRAGMA auto_vacuum=INCREMENTAL", "PRAGMA journal_mode=WAL", "PRAGMA synchronous=FULL",
-                               "PRAGMA journal_size_limit=67108864", "PRAGMA temp_store=MEMORY"}) {
+    // This allows freed pages to be returned to the file system. It affects new files only, and on others it would wait
+    // for whoever writes.
+    if (run("PRAGMA page_count", {}, Result::kText).at(0).at(0) == "0") set_patiently("PRAGMA auto_vacuum=INCREMENTAL");
+    for (const char* pragma : {"PRAGMA journal_mode=WAL", "PRAGMA synchronous=FULL",
+                               "PRAGMA journal_size_limit=8388608", "PRAGMA temp_store=MEMORY"}) {
       set_patiently(pragma);
     }
+    set_patiently("SELECT count(*) FROM sqlite_master");  // this opens the log
   }
 
   /// If two connections set the journal mode of a new file at once, each may hold a lock that the other waits for.
@@ -129,14 +168,14 @@ class SqliteDatabase final : public Database {
         run(pragma, {}, Result::kText);
         return;
       } catch (const StoreError&) {
-        if (::sqlite3_errcode(handle_) != SQLITE_BUSY || nap(nullptr, naps) == 0) throw;
+        if (::sqlite3_errcode(handle_) != SQLITE_BUSY || nap(this, naps) == 0) throw;
       }
     }
   }
 
   /// Output: 0 if it has waited long enough.
-  static int nap(void*, int naps) {
-    if (naps * kBusyNap > kBusyPatience) return 0;
+  static int nap(void* database, int) {
+    if (static_cast<const SqliteDatabase*>(database)->deadline().is_over()) return 0;
     std::this_thread::sleep_for(kBusyNap);
     return 1;
   }
@@ -182,20 +221,43 @@ class SqliteDatabase final : public Database {
     if (code != SQLITE_OK) fail(code);
   }
   [[noreturn]] void fail(int code) const {
-    throw StoreError(std::string(::sqlite3_errmsg(handle_)) + " (" + ::sqlite3_errstr(code) + ")");
+    const std::string reason = std::string(::sqlite3_errmsg(handle_)) + " (" + ::sqlite3_errstr(code) + ")";
+    constexpr int kPrimary = 0xff;  // the rest of a code says more about it
+    switch (code & kPrimary) {
+      case SQLITE_FULL: throw StoreFull(reason);
+      case SQLITE_TOOBIG:
+      case SQLITE_CONSTRAINT:
+      case SQLITE_MISMATCH: throw DataError(reason);
+      default: break;
+    }
+    // The file that SQLite maps must have room before it is mapped.
+    if (code == SQLITE_IOERR_SHMSIZE) throw StoreFull(reason);
+    if (reason.find("no such table") != std::string::npos) throw SchemaMissing(reason);
+    throw StoreError(reason);
   }
 
+  const std::string path_;
+  std::optional<FileId> file_;
+  std::optional<FileId> log_;
   sqlite3* handle_ = nullptr;
 };
 
 class SqliteDriver : public DatabaseDriver {
  public:
-  explicit SqliteDriver(std::string path) : path_(std::move(path)) {}
+  explicit SqliteDriver(std::string path)
+      : path_(std::move(path)), reserve_(std::filesystem::path(path_).parent_path().string()) {}
 
-  std::unique_ptr<Database> connect() override { return std::make_unique<SqliteDatabase>(path_, clock_); }
+  std::unique_ptr<Database> connect_by(const StoreDeadline& deadline) override { return open(deadline); }
+  bool is_current(const Database& database) const override {
+    return static_cast<const SqliteDatabase&>(database).is_current();
+  }
   std::string_view skip_locked() const override { return ""; }
-  std::vector<std::string> schema_statements() const override {
+  std::vector<std::string> schema_statements(std::int64_t version) const override {
+    if (version != 1) return {};
     return {"CREATE TABLE remeshd_clock (boot text NOT NULL, base_ms bigint NOT NULL)"};
+  }
+  bool has_table(Database& database, std::string_view name) const override {
+    return !database.run("SELECT name FROM sqlite_master WHERE type = 'table' AND name = $1", {name}).empty();
   }
   void lock_schema(Database&) const override {}  // BEGIN IMMEDIATE has locked it already
   void prepare(Database& database) override {
@@ -214,24 +276,54 @@ class SqliteDriver : public DatabaseDriver {
     clock_.set_base(base);
   }
 
-  void insert_piece(Database& database, std::string_view job, std::string_view kind, std::int64_t part,
-                    std::string_view bytes) override {
-    database.run("INSERT INTO remeshd_blob (job, kind, part, data) VALUES ($1, $2, $3, $4)",
-                 {job, kind, part, Bytes{bytes}});
+  void keep_clock(Database& database) override {
+    if (const Rows kept = database.run("SELECT base_ms FROM remeshd_clock"); !kept.empty())
+      clock_.set_base(integer(kept[0][0]));  // another process may have changed it
+    const std::int64_t behind = clock_.behind_ms();
+    if (behind <= kWrongClock.count() && behind >= -kWrongClock.count()) return;
+    Transaction transaction(database);
+    database.run("UPDATE remeshd_clock SET base_ms = base_ms + $1", {behind});
+    shift_times(database, behind);
+    const Rows base = database.run("SELECT base_ms FROM remeshd_clock");
+    transaction.commit();
+    if (!base.empty()) clock_.set_base(integer(base[0][0]));
   }
+
+  void check_room(Database& database, std::uint64_t bytes) const override {
+    // The bytes are written to the log first, and then to the file, where free pages are used again.
+    const std::uint64_t pages = bytes + bytes / 8 + kSmallWrite;
+    const auto free = static_cast<std::uint64_t>(integer(database.run("PRAGMA freelist_count").at(0)[0])) * kPage;
+    reserve_.check_room(pages + (pages > free ? pages - free : 0));
+  }
+  bool release_reserve() const override { return reserve_.release(); }
+
+  void insert_piece(Database& database, std::string_view job, std::string_view kind, std::int64_t part,
+                    std::string_view bytes, std::uint64_t size) override {
+    database.run("INSERT INTO remeshd_blob (job, kind, part, data, size) VALUES ($1, $2, $3, $4, nullif($5, -1))",
+                 {job, kind, part, Bytes{bytes}, part == 0 ? static_cast<std::int64_t>(size) : -1});
+  }
+  std::int64_t rows_of_blob(std::int64_t last) const override { return last / kPartsOfPiece + 1; }
 
   void tidy(Database& database) override {
-    // Free pages are reused. Only if there are many of them does the file shrink, a little at a time.
-    const std::int64_t free_pages = std::stoll(database.run("PRAGMA freelist_count").at(0).at(0).value());
-    if (free_pages > kKeptPages) database.run("PRAGMA incremental_vacuum(4096)");
+    // Free pages are reused, and so is the log. Only if they are large, or other files need the room, do the files
+    // shrink, a little at a time.
+    const bool is_scarce = reserve_.is_scarce();
+    const std::int64_t free_pages = integer(database.run("PRAGMA freelist_count").at(0)[0]);
+    if (free_pages > (is_scarce ? 0 : kKeptPages)) database.run("PRAGMA incremental_vacuum(4096)");
+    if (log_size() > (is_scarce ? 0 : kMaxLog)) database.run("PRAGMA wal_checkpoint(TRUNCATE)");
+    reserve_.keep();
   }
 
-  void wait_for_work(const Event& wake, Clock::time_point until) override {
+  void wait_for_work(const Event& wake, Clock::time_point until, const StoreDeadline& deadline) override {
     // Only one thread waits at a time, because the daemon has one thread that claims.
-    if (!watcher_) watcher_ = connect();
+    if (watcher_ && !watcher_->is_current()) watcher_.reset();
+    if (!watcher_) watcher_ = open(deadline);
+    watcher_->set_deadline(deadline);
     do {
       if (wake.wait(std::min(until, Clock::now() + kLook))) return;
-      const std::string version = watcher_->run("PRAGMA data_version").at(0).at(0).value();
+      if (!watcher_->is_current()) return watcher_.reset();
+      watcher_->extend_deadline(kLook);
+      const std::string version = watcher_->run("PRAGMA data_version", {}, Database::Result::kText).at(0).at(0).value();
       if (std::exchange(version_, version) != version) return;
     } while (Clock::now() < until);
   }
@@ -239,9 +331,18 @@ class SqliteDriver : public DatabaseDriver {
   std::size_t max_connections() const override { return 8; }
 
  private:
+  std::uint64_t log_size() const {
+    struct stat status {};
+    return ::stat((path_ + "-wal").c_str(), &status) == 0 ? static_cast<std::uint64_t>(status.st_size) : 0;
+  }
+  std::unique_ptr<SqliteDatabase> open(const StoreDeadline& deadline) {
+    return std::make_unique<SqliteDatabase>(path_, clock_, deadline);
+  }
+
   const std::string path_;
+  const DiskReserve reserve_;
   FileClock clock_;
-  std::unique_ptr<Database> watcher_;
+  std::unique_ptr<SqliteDatabase> watcher_;
   std::string version_;
 };
 

@@ -3,15 +3,17 @@
 #include <pthread.h>
 #include <spdlog/async.h>
 #include <spdlog/pattern_formatter.h>
-#include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <iterator>
 #include <memory>
 #include <utility>
 
+#include "server/observe/log_sink.h"
 #include "server/observe/niceness.h"
 
 namespace remesh::server::log {
@@ -75,24 +77,54 @@ void let_others_first() {
   be_nice();
 }
 
-/// The logger and the thread that writes for it. The logger is destroyed after the thread.
+/// How long the end of the process waits for lines that are not written yet.
+constexpr std::chrono::milliseconds kLastLines{500};
+/// How often the log tells that lines were dropped.
+constexpr std::chrono::seconds kBetweenLosses{10};
+
+/// The logger and the thread that writes for it.
 struct Writing {
-  std::shared_ptr<spdlog::async_logger> logger;
+  Writing()
+      : sink(std::make_shared<LogSink>(STDERR_FILENO)),
+        thread(std::make_shared<spdlog::details::thread_pool>(kMaxWaiting, 1, let_others_first)),
+        logger(std::make_shared<spdlog::async_logger>("remeshd", sink, thread,
+                                                      spdlog::async_overflow_policy::overrun_oldest)) {}
+  /// Ends the thread before the logger, which its lines refer to.
+  ~Writing() {
+    sink->end_at(std::chrono::steady_clock::now() + kLastLines);
+    thread.reset();
+  }
+
+  std::shared_ptr<LogSink> sink;
   std::shared_ptr<spdlog::details::thread_pool> thread;
+  std::shared_ptr<spdlog::async_logger> logger;
 };
 
-spdlog::logger& logger() {
-  static const Writing writing = [] {
-    auto thread = std::make_shared<spdlog::details::thread_pool>(kMaxWaiting, 1, let_others_first);
-    auto made = std::make_shared<spdlog::async_logger>("remeshd", std::make_shared<spdlog::sinks::stderr_sink_mt>(),
-                                                       thread, spdlog::async_overflow_policy::overrun_oldest);
-    made->flush_on(spdlog::level::info);
-    return Writing{std::move(made), std::move(thread)};
-  }();
-  return *writing.logger;
+Writing& writing() {
+  static Writing writing;
+  return writing;
+}
+
+spdlog::logger& logger() { return *writing().logger; }
+
+/// Tells how many lines were dropped since this was told last.
+void tell_losses() {
+  static std::atomic<std::uint64_t> told{0};
+  static std::atomic<std::chrono::steady_clock::time_point> next{};
+  const std::uint64_t lost = dropped_lines();
+  if (lost == told) return;
+  const auto now = std::chrono::steady_clock::now();
+  if (auto due = next.load(); now < due || !next.compare_exchange_strong(due, now + kBetweenLosses)) return;
+  const std::uint64_t before = told.exchange(lost);
+  if (lost <= before) return;
+  const std::vector<Field> fields{{"lines", static_cast<std::int64_t>(lost - before)}};
+  logger().log(spdlog::level::warn,
+               render(active_format, "lines of the log were dropped, because nobody took them", fields));
 }
 
 }  // namespace
+
+std::uint64_t dropped_lines() { return writing().sink->dropped() + writing().thread->overrun_counter(); }
 
 void set_up(Format format, Level level) {
   active_format = format;
@@ -132,6 +164,7 @@ bool is_written(Level level) { return logger().should_log(spdlog_level(level)); 
 
 void write(Level level, std::string_view event, const std::vector<Field>& fields) {
   if (!is_written(level)) return;
+  tell_losses();
   logger().log(spdlog_level(level), render(active_format, event, fields));
 }
 

@@ -21,6 +21,9 @@ struct Field {
 /// Sets up the log. Until then it writes text from level info on.
 void set_up(Format format, Level level);
 
+/// The number of lines that were dropped since the start, because standard error took them too slowly.
+std::uint64_t dropped_lines();
+
 /// True if an event of this level is written.
 bool is_written(Level level);
 

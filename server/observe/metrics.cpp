@@ -239,6 +239,8 @@ std::string Metrics::text(const Gauges& gauges) const {
   now.gauge("remeshd_workers_busy", "Threads of requests that compute.", static_cast<double>(gauges.busy));
   now.gauge("remeshd_memory_reserved_bytes", "Memory that requests have reserved.",
             static_cast<double>(gauges.memory_reserved));
+  now.counter("remeshd_log_lines_dropped_total", "Lines of the log that nobody took in time.",
+              static_cast<double>(gauges.log_lines_dropped));
   now.gauge("remeshd_ready", "1 while new work is taken.", gauges.is_ready ? 1 : 0);
   if (gauges.has_jobs) {
     now.gauge("remeshd_jobs_queued", "Jobs that wait for a worker, in the whole store.",
@@ -247,6 +249,8 @@ std::string Metrics::text(const Gauges& gauges) const {
               static_cast<double>(gauges.jobs_running));
     now.gauge("remeshd_job_oldest_queued_seconds", "How long the oldest waiting job has waited.",
               gauges.job_oldest_queued_s);
+    now.gauge("remeshd_jobs_stored_bytes", "Bytes of the inputs and results of jobs, in the whole store.",
+              static_cast<double>(gauges.jobs_stored_bytes));
   }
   now.gauge("process_start_time_seconds", "Start of the process since the epoch.", families_->start_seconds);
   now.process();

@@ -19,11 +19,13 @@ struct Gauges {
   int workers = 0;
   std::size_t busy = 0;
   std::uint64_t memory_reserved = 0;
+  std::uint64_t log_lines_dropped = 0;
   bool is_ready = false;
-  bool has_jobs = false;  ///< true if the next three members are known
+  bool has_jobs = false;  ///< true if the members that follow are known
   std::int64_t jobs_queued = 0;
   std::int64_t jobs_running = 0;
   double job_oldest_queued_s = 0;
+  std::uint64_t jobs_stored_bytes = 0;
 };
 
 /// All members may be called from any thread. Clients cannot make labels take arbitrarily many values.

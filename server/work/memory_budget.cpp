@@ -6,21 +6,31 @@ namespace remesh::server {
 
 std::uint64_t MemoryBudget::used_by_others(std::uint64_t reserved, std::uint64_t own) const {
   if (reserved <= own) return 0;
-  return std::max<std::uint64_t>(reserved, resident_) - own;
+  return std::max<std::uint64_t>(reserved, used_) - own;
 }
 
 std::uint64_t MemoryBudget::available() const { return limit_ - std::min(limit_, used_by_others(reserved_, 0)); }
 
 void MemoryShare::hold_body(std::uint64_t held, std::uint64_t expected) {
-  const std::uint64_t most = std::max(held, expected);
-  if (most > budget_.limit_ / per_byte_) throw never_fits(budget_.limit_);
-  const std::uint64_t wanted = std::max(bytes_, held * per_byte_);
-  const std::uint64_t at_most = std::max(bytes_, most * per_byte_);
+  const std::uint64_t limit = budget_.limit_;
+  const std::uint64_t body = std::max(held, expected);
+  if (body > limit) throw never_fits(limit);
+  const auto with_work = [&](std::uint64_t bytes) { return bytes > limit / per_byte_ ? limit : bytes * per_byte_; };
+  if (!try_reserve(std::max(bytes_, with_work(held)), std::max(bytes_, with_work(body)))) throw out_of_memory();
+}
+
+bool MemoryShare::try_hold(std::uint64_t bytes) {
+  const std::uint64_t wanted = std::min(bytes, budget_.limit_);
+  return try_reserve(wanted, wanted);
+}
+
+bool MemoryShare::try_reserve(std::uint64_t wanted, std::uint64_t needed) {
   std::uint64_t reserved = budget_.reserved_;
   do {
-    if (budget_.used_by_others(reserved, bytes_) + at_most > budget_.limit_) throw out_of_memory();
+    if (budget_.used_by_others(reserved, bytes_) + needed > budget_.limit_) return false;
   } while (!budget_.reserved_.compare_exchange_weak(reserved, reserved - bytes_ + wanted));
   note(wanted);
+  return true;
 }
 
 void MemoryShare::resize(std::uint64_t bytes) {

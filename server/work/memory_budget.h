@@ -25,16 +25,22 @@ class MemoryShare {
 
   /// Reserves the memory for a body of which `held` bytes are buffered, including the work on it. It also checks that
   /// a body of `expected` bytes would fit now, but does not reserve that yet: a client that announces much and sends
-  /// little must not shut out others.
-  /// Errors: HttpError 413 `mesh_too_large` - more than the whole budget; 503 `out_of_memory` - more than is free
-  ///         now.
+  /// little must not shut out others. The work may take less than is estimated, so never more than the whole budget is
+  /// reserved.
+  /// Errors: HttpError 413 `mesh_too_large` - the bytes of the body alone are more than the whole budget; 503
+  ///         `out_of_memory` - more than is free now.
   void hold_body(std::uint64_t held, std::uint64_t expected);
+  /// Reserves exactly so many bytes, but not more than the whole budget.
+  /// Output: false if they are not free now; the reservation then stays as it was.
+  bool try_hold(std::uint64_t bytes);
   /// Reduces the reservation to the size of the answer, once the work is done.
   void hold_answer(std::uint64_t bytes) { resize(bytes); }
 
   std::uint64_t bytes() const { return bytes_; }
 
  private:
+  /// Reserves `wanted` bytes if `needed` bytes, of which they are a part, are free.
+  bool try_reserve(std::uint64_t wanted, std::uint64_t needed);
   void resize(std::uint64_t bytes);
   /// Stores the new size. The budget's sum must include it already.
   void note(std::uint64_t bytes);
@@ -65,10 +71,10 @@ class MemoryBudget {
   std::size_t holders() const { return holders_; }
   /// The number of bytes that could be reserved now.
   std::uint64_t available() const;
-  /// Tells the budget how much memory the process really takes. If that is more than is reserved, it counts instead.
+  /// Tells the budget how much memory is really in use. If that is more than is reserved, it counts instead.
   /// It does not count while nobody has reserved anything: otherwise an idle process could refuse for ever a request
   /// that `never_fits` lets through.
-  void note_resident(std::uint64_t bytes) { resident_ = bytes; }
+  void note_used(std::uint64_t bytes) { used_ = bytes; }
 
  private:
   friend class MemoryShare;
@@ -79,7 +85,7 @@ class MemoryBudget {
 
   const std::uint64_t limit_;
   std::atomic<std::uint64_t> reserved_{0};
-  std::atomic<std::uint64_t> resident_{0};
+  std::atomic<std::uint64_t> used_{0};
   std::atomic<std::size_t> holders_{0};
 };
 

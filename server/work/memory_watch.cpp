@@ -17,40 +17,72 @@ namespace {
 constexpr std::chrono::milliseconds kPatience{500};
 /// Free memory that the allocator may retain.
 constexpr std::uint64_t kSlack = 64 << 20;
+/// Measuring walks through all free blocks, so it is not done at every look.
+constexpr std::chrono::milliseconds kBetweenMeasurements{100};
+/// Returning memory holds up everybody who allocates.
+constexpr std::chrono::milliseconds kBetweenTrims{250};
+
+/// The share of the budget beyond which free memory is returned although requests are computing.
+constexpr std::uint64_t high_share(std::uint64_t limit) { return limit / 10 * 8; }
+
+/// The bytes that are allocated now, in all arenas and in blocks of their own.
+std::uint64_t allocated_memory() {
+  const struct mallinfo2 state = ::mallinfo2();
+  return state.uordblks + state.hblkhd;
+}
 
 }  // namespace
 
 MemoryWatch::MemoryWatch(MemoryBudget& budget, RequestRegistry& registry, std::chrono::milliseconds period)
-    : budget_(budget), registry_(registry), looks_(period, [this] { look(api::resident_memory()); }) {}
+    : budget_(budget), registry_(registry), looks_(period, [this] { measure_and_look(); }) {}
 
-void MemoryWatch::look(std::uint64_t resident) {
-  budget_.note_resident(resident);
-  const std::vector<std::shared_ptr<RunningRequest>> computing = registry_.computing();
-  if (resident > last_resident_ && !computing.empty()) {
-    // Nobody can tell which request has grown. But the one that is always there when memory grows soon stands out.
-    const std::uint64_t share = (resident - last_resident_) / computing.size();
-    for (const auto& request : computing) request->growth += share;
+void MemoryWatch::measure_and_look() {
+  std::uint64_t resident = api::resident_memory();
+  std::uint64_t used = used_of(resident);
+  const bool is_idle = registry_.computing().empty();
+  const bool has_much_free = is_idle ? resident > resident_after_trim_ + kSlack : resident > used + kSlack;
+  const Clock::time_point now = Clock::now();
+  if (has_much_free && (is_idle || resident > high_share(budget_.limit())) && now >= next_trim_) {
+    ::malloc_trim(0);
+    next_trim_ = now + kBetweenTrims;
+    resident = resident_after_trim_ = api::resident_memory();
+    next_measurement_ = {};
+    used = used_of(resident);
   }
-  last_resident_ = resident;
-
-  if (computing.empty()) {
-    give_back(resident);
-  } else if (resident > budget_.limit() && Clock::now() > patience_until_) {
-    const auto largest = *std::max_element(computing.begin(), computing.end(),
-                                           [](const auto& a, const auto& b) { return a->growth < b->growth; });
-    log::write(log::Level::kWarning, "over the memory budget, ending the largest request",
-               {{"id", largest->id}, {"resident", static_cast<std::int64_t>(resident)}});
-    // Other holders of memory may be waiting, sending or buffered. With them gone there may be room for this request.
-    largest->evict(/*was_alone=*/computing.size() == 1 && budget_.holders() <= 1);
-    patience_until_ = Clock::now() + kPatience;
-  }
+  // What cannot be returned, because small blocks in use are between the free ones, is in use as well.
+  look(resident > budget_.limit() ? resident : used);
 }
 
-/// Returns memory to the system that the allocator has retained. There is time for that between requests.
-void MemoryWatch::give_back(std::uint64_t resident) {
-  if (resident <= resident_after_trim_ + kSlack) return;
-  ::malloc_trim(0);
-  resident_after_trim_ = api::resident_memory();
+std::uint64_t MemoryWatch::used_of(std::uint64_t resident) {
+  // Code, stacks and what the system keeps for the process are resident, too, but are no matter of the allocator.
+  constexpr std::uint64_t kBesides = 32 << 20;
+  if (resident < budget_.limit() / 4) return resident;
+  if (Clock::now() >= next_measurement_) {
+    const std::uint64_t allocated = allocated_memory() + kBesides;
+    free_ = resident - std::min(resident, allocated);
+    next_measurement_ = Clock::now() + kBetweenMeasurements;
+  }
+  return resident - std::min(resident, free_);
+}
+
+void MemoryWatch::look(std::uint64_t used) {
+  budget_.note_used(used);
+  const std::vector<std::shared_ptr<RunningRequest>> computing = registry_.computing();
+  if (used > last_used_ && !computing.empty()) {
+    // Nobody can tell which request has grown. But the one that is always there when memory grows soon stands out.
+    const std::uint64_t share = (used - last_used_) / computing.size();
+    for (const auto& request : computing) request->growth += share;
+  }
+  last_used_ = used;
+  if (computing.empty() || used <= budget_.limit() || Clock::now() <= patience_until_) return;
+  const auto largest = *std::max_element(computing.begin(), computing.end(), [](const auto& a, const auto& b) {
+    return a->growth.load() < b->growth.load();
+  });
+  log::write(log::Level::kWarning, "over the memory budget, ending the largest request",
+             {{"id", largest->id}, {"used", static_cast<std::int64_t>(used)}});
+  // Other holders of memory may be waiting, sending or buffered. With them gone there may be room for this request.
+  largest->evict(/*was_alone=*/computing.size() == 1 && budget_.holders() <= 1);
+  patience_until_ = Clock::now() + kPatience;
 }
 
 }  // namespace remesh::server

@@ -1,5 +1,6 @@
-/// Watches the memory that the process really takes, since no estimate from a body's size can be certain. When it
-/// exceeds the budget, the request with the largest growth is ended.
+/// Watches the memory that the process really takes, since no estimate from a body's size can be certain. Memory that
+/// the allocator has free does not count, and is returned to the system before the process takes more than the budget.
+/// If that is not enough, the request with the largest growth is ended.
 #pragma once
 
 #include <chrono>
@@ -18,15 +19,20 @@ class MemoryWatch {
   MemoryWatch(MemoryBudget& budget, RequestRegistry& registry, std::chrono::milliseconds period = kPeriod);
 
   /// Performs one check with the given memory in use. It is public for tests.
-  void look(std::uint64_t resident);
+  void look(std::uint64_t used);
 
  private:
-  void give_back(std::uint64_t resident);
+  void measure_and_look();
+  /// Output: the memory of the process without what the allocator has free.
+  std::uint64_t used_of(std::uint64_t resident);
 
   MemoryBudget& budget_;
   RequestRegistry& registry_;
-  std::uint64_t last_resident_ = 0;
+  std::uint64_t last_used_ = 0;
+  std::uint64_t free_ = 0;  ///< free memory of the allocator at the last measurement
+  Clock::time_point next_measurement_{};
   std::uint64_t resident_after_trim_ = 0;
+  Clock::time_point next_trim_{};
   Clock::time_point patience_until_{};
   Periodic looks_;
 };

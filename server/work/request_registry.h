@@ -1,6 +1,7 @@
 /// The requests that compute or wait for the pool. Other requests find them by their id to watch or cancel them.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <functional>
 #include <map>
@@ -43,8 +44,15 @@ struct RunningRequest {
 
   enum class Eviction { kNone, kAmongOthers, kAlone };
   std::atomic<Eviction> eviction{Eviction::kNone};
-  /// This request's estimated share in the growth of the process's memory; only MemoryWatch uses it.
-  std::uint64_t growth = 0;
+  /// This request's estimated share in the growth of the process's memory; only MemoryWatch changes it.
+  std::atomic<std::uint64_t> growth{0};
+
+  /// The memory to reserve before work that was ended because of its memory is tried again.
+  /// Input: `reserved` - the memory that was reserved for it.
+  std::uint64_t next_estimate(std::uint64_t reserved) const {
+    // It had not finished growing, and each attempt must come nearer to the truth.
+    return std::max(growth + growth / 4, reserved + reserved / 2);
+  }
 };
 
 /// Formats the progress of a request: `{"id": ..., "stage": ..., "fraction": ..., "elapsed_s": ...}`

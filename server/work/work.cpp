@@ -1,5 +1,6 @@
 #include "server/work/work.h"
 
+#include <algorithm>
 #include <exception>
 #include <memory>
 #include <mutex>
@@ -16,6 +17,8 @@ namespace {
 /// How long cancelled work may take to stop. After this the request is answered, and the result of the work is
 /// dropped.
 constexpr std::chrono::seconds kStopPatience{2};
+/// How often a request that waits for memory looks whether there is some.
+constexpr std::chrono::milliseconds kMemoryLook{25};
 /// Bodies up to this size count as small meshes, of some ten thousand faces.
 constexpr std::size_t kSmallBody = 1 << 20;
 
@@ -33,7 +36,7 @@ class Job {
     input_.accept = request.header("accept");
     input_.query = std::move(request.query);
     input_.body = body_;
-    input_.release_body = [this] { body_ = Body(); };
+    input_.release_body = [this] { body_.rest(); };  // it may be needed for another attempt
   }
 
   void run() {
@@ -51,7 +54,6 @@ class Job {
     } catch (...) {
       failure = std::current_exception();
     }
-    body_ = Body();  // the operation may not have released it
     running_->is_computing = false;
     {
       const std::lock_guard lock(mutex_);
@@ -76,6 +78,16 @@ class Job {
     const std::lock_guard lock(mutex_);
     timing.queue = milliseconds_between(running_->start, *started_);
     timing.work = milliseconds_between(*started_, ended_);
+  }
+  /// Gives the request its parts back, so that the work can be tried again.
+  /// Output: false if the work has not ended, so that it still uses them.
+  bool give_back(Request& request) {
+    const std::lock_guard lock(mutex_);
+    if (!is_done_) return false;
+    request.body = std::move(body_);
+    request.body.seal();
+    request.query = std::move(input_.query);
+    return true;
   }
   api::Response take_response() {
     const std::lock_guard lock(mutex_);
@@ -119,14 +131,18 @@ api::Response wait_for_stop(Job& job, RunningRequest& running) {
   return job.take_response();
 }
 
+Connection::HalfClosed half_closed(const Request& request) {
+  return request.minor_version >= 1 ? Connection::HalfClosed::kIsAsked : Connection::HalfClosed::kIsGone;
+}
+
 /// Waits until the task is done or must be stopped.
+/// Input: `end` - the latest time for its end, if it is tried again.
 api::Response wait_for(Job& job, RunningRequest& running, WorkerPool& pool, WorkerPool::Ticket ticket,
-                       const WorkLimits& limits, Request& request, Connection& connection) {
-  const auto half_closed =
-      request.minor_version >= 1 ? Connection::HalfClosed::kIsAsked : Connection::HalfClosed::kIsGone;
+                       const WorkLimits& limits, Request& request, Connection& connection, Clock::time_point end) {
+  const auto time_is_over = [&](Clock::time_point start) { return std::min(start + limits.api.request_timeout, end); };
   for (;;) {
-    const Clock::time_point until = job.started().value_or(running.start) + limits.api.request_timeout;
-    const Connection::Wake wake = connection.wait(&running.changed, until, half_closed);
+    const Clock::time_point until = time_is_over(job.started().value_or(running.start));
+    const Connection::Wake wake = connection.wait(&running.changed, until, half_closed(request));
     running.changed.clear();
     if (job.is_done()) {
       job.tell_times(request.timing);
@@ -142,10 +158,52 @@ api::Response wait_for(Job& job, RunningRequest& running, WorkerPool& pool, Work
     if (!running.control.is_stopped()) {
       // The task may have started just now, and then it has its full time before it.
       const std::optional<Clock::time_point> started = job.started();
-      if (!started || Clock::now() < *started + limits.api.request_timeout) continue;
+      if (!started || Clock::now() < time_is_over(*started)) continue;
       running.control.expire();
     }
     return wait_for_stop(job, running);
+  }
+}
+
+/// The work was stopped because all requests together took too much memory. It may be tried again.
+struct StoppedForMemory {
+  std::uint64_t estimate;  ///< the bytes to reserve for the next attempt
+};
+
+/// Waits until there is so much memory, and reserves it. Meanwhile the request reserves nothing.
+/// Errors: HttpError 503 - the time is over; remesh::Error - the client is gone or has cancelled the request.
+void wait_for_memory(std::uint64_t bytes, RunningRequest& running, Request& request, Connection& connection,
+                     Clock::time_point end) {
+  request.memory->hold_answer(0);
+  while (!request.memory->try_hold(bytes)) {
+    const Clock::time_point until = std::min(end, Clock::now() + kMemoryLook);
+    if (connection.wait(&running.changed, until, half_closed(request)) == Connection::Wake::kClientGone)
+      running.control.cancel();
+    running.changed.clear();
+    running.control.check();
+    if (Clock::now() >= end) throw out_of_memory();
+  }
+}
+
+/// Does the work once.
+/// Errors: those of the work; StoppedForMemory.
+api::Response run_once(WorkerPool& pool, const std::shared_ptr<RunningRequest>& running, const WorkLimits& limits,
+                       const Operation& operation, Request& request, Connection& connection, Clock::time_point end) {
+  const JobSize size = size_of_job(request.body.size());
+  const auto job = std::make_shared<Job>(request, limits, operation, running);
+  const std::optional<WorkerPool::Ticket> ticket = pool.try_submit([job] { job->run(); }, size);
+  if (!ticket) throw overloaded();
+  try {
+    return wait_for(*job, *running, pool, *ticket, limits, request, connection, end);
+  } catch (const Error& error) {
+    if (error.code != Code::kCancelled) throw;
+    switch (running->eviction.load()) {
+      case RunningRequest::Eviction::kNone: throw;
+      case RunningRequest::Eviction::kAlone: throw never_fits(limits.memory_budget);
+      case RunningRequest::Eviction::kAmongOthers: break;
+    }
+    if (!request.memory || !job->give_back(request)) throw out_of_memory();
+    throw StoppedForMemory{running->next_estimate(request.memory->bytes())};
   }
 }
 
@@ -159,23 +217,17 @@ HttpError overloaded() {
 
 api::Response run_in_pool(WorkerPool& pool, RequestRegistry& registry, const WorkLimits& limits,
                           const Operation& operation, Request& request, Connection& connection) {
-  const RequestRegistry::Entry running = registry.add(request.id, request.owner);
-  request.id = running->id;
-  const JobSize size = size_of_job(request.body.size());
-  const auto job = std::make_shared<Job>(request, limits, operation, running.get());
-  const std::optional<WorkerPool::Ticket> ticket = pool.try_submit([job] { job->run(); }, size);
-  if (!ticket) throw overloaded();
-
-  try {
-    return wait_for(*job, *running.get(), pool, *ticket, limits, request, connection);
-  } catch (const Error& error) {
-    if (error.code != Code::kCancelled) throw;
-    switch (running->eviction.load()) {
-      case RunningRequest::Eviction::kNone: throw;
-      case RunningRequest::Eviction::kAmongOthers: throw out_of_memory();
-      case RunningRequest::Eviction::kAlone: throw never_fits(limits.memory_budget);
+  const Clock::time_point end_of_retries = Clock::now() + limits.api.request_timeout;
+  Clock::time_point end = Clock::time_point::max();
+  for (std::optional<std::uint64_t> estimate;; end = end_of_retries) {
+    const RequestRegistry::Entry running = registry.add(request.id, request.owner);
+    request.id = running->id;
+    if (estimate) wait_for_memory(*estimate, *running.get(), request, connection, end);
+    try {
+      return run_once(pool, running.get(), limits, operation, request, connection, end);
+    } catch (const StoppedForMemory& stopped) {
+      estimate = stopped.estimate;
     }
-    throw;
   }
 }
 

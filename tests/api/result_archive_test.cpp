@@ -187,5 +187,31 @@ TEST(result_archive, a_request_is_checked_before_its_mesh_is_read) {
   EXPECT_EQ(code(coded), "") << "it is decompressed where it is read";
 }
 
+TEST(result_archive, json_is_checked_for_its_form_and_its_options_before_it_is_worked_on) {
+  const auto code = [](std::string_view body, const std::string& content_type = "application/json") {
+    Request asked = request(body);
+    asked.content_type = content_type;
+    try {
+      check_remesh(asked, {});
+      if (!has_json_mesh(asked, {})) return std::string("no JSON");
+      check_json(asked, {});
+    } catch (const Error& error) {
+      return std::string(error_name(error));
+    }
+    return std::string();
+  };
+  const std::string mesh = R"({"vertices": [[0,0,0],[1,0,0],[0,1,0]], "faces": [[0,1,2]]})";
+  EXPECT_EQ(code(mesh), "");
+  EXPECT_EQ(code(mesh, ""), "") << "found by its content";
+  EXPECT_EQ(code(R"({"mesh": )" + mesh + R"(, "options": {"max_area": 1}})"), "");
+  EXPECT_EQ(code(R"({"mesh": )" + mesh + R"(, "options": {"refin": 1}})"), "unknown_option");
+  EXPECT_EQ(code(R"({"options": {"max_area": -1}, "mesh": )" + mesh + "}"), "invalid_option");
+  EXPECT_EQ(code(R"({"mesh": )" + mesh + R"(, "options": {"format": "dwg"}})"), "invalid_option");
+  for (std::size_t length = 1; length < mesh.size(); ++length)
+    EXPECT_EQ(code(mesh.substr(0, length)), "malformed_json") << length;
+  EXPECT_EQ(code(R"({"vertices": [[0,0,0]], "faces": [[0,1,2]]})"), "") << "an error of the mesh is for the job";
+  EXPECT_EQ(code("v 0 0 0", "model/obj"), "no JSON");
+}
+
 }  // namespace
 }  // namespace remesh::api

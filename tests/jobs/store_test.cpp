@@ -568,11 +568,12 @@ TEST_P(store, a_store_is_not_well_before_it_was_written_to) {
 
 TEST_P(store, a_store_of_a_newer_version_is_not_touched) {
   submit(*open());
+  const std::string version = *driver()->connect()->run("SELECT version FROM remeshd_schema").at(0)[0];
   driver()->connect()->run("UPDATE remeshd_schema SET version = 1000");
   const auto store = open();
   EXPECT_THROW(store->probe(), StoreError);
   EXPECT_FALSE(store->is_well());
-  driver()->connect()->run("UPDATE remeshd_schema SET version = 1");
+  driver()->connect()->run(("UPDATE remeshd_schema SET version = " + version).c_str());
   store->probe();
   EXPECT_TRUE(store->is_well());
 }

@@ -24,7 +24,7 @@ inline std::string code_of(const Answer& answer) {
 }
 
 /// Does what the body says. "block" blocks until the stub is released or told to stop, and "deaf" blocks until it is
-/// released only. "throw", "no memory", "line 3" and an empty body end with an error each. For any other body, the
+/// released only. "hungry" takes 512 MiB the first time, and ends when it is told to stop. "throw", "no memory", "line 3" and an empty body end with an error each. For any other body, the
 /// answer describes the request.
 class Stub {
  public:
@@ -46,6 +46,15 @@ class Stub {
         control.check();
       }
     }
+    if (body == "hungry" && hungry++ == 0) {
+      const std::string much(512 << 20, 'x');  // once, as if the work took it
+      while (!released) {
+        std::this_thread::sleep_for(milliseconds(2));
+        if (!control.is_stopped()) continue;
+        ++stopped;
+        control.check();
+      }
+    }
     api::Response response;
     response.content_type = "model/obj";
     response.body = std::to_string(body.size()) + " " + request.content_type + " " + request.accept;
@@ -53,7 +62,7 @@ class Stub {
     return response;
   }
 
-  std::atomic<int> calls{0}, blocked{0}, stopped{0};
+  std::atomic<int> calls{0}, blocked{0}, stopped{0}, hungry{0};
   std::atomic<bool> released{false};
 };
 

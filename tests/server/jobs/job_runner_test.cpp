@@ -206,5 +206,66 @@ TEST_F(runner, an_input_that_is_missing_fails_its_job) {
   EXPECT_EQ(ended(id).problem_status, 500);
 }
 
+TEST_F(runner, a_run_that_is_stopped_for_memory_goes_back_with_a_better_estimate) {
+  start(2);
+  const std::string id = submit("block", 1000);
+  ASSERT_TRUE(eventually([&] { return registry_.computing().size() == 1; }));
+  const std::shared_ptr<RunningRequest> running = registry_.computing().front();
+  running->growth = 400'000;
+  running->evict(/*was_alone=*/false);
+  ASSERT_TRUE(eventually([&] { return calls_ == 2; }));
+  released_ = true;
+  const JobRecord job = ended(id);
+  EXPECT_EQ(job.state, JobState::kSucceeded);
+  EXPECT_EQ(job.attempts, 1) << "the first run does not count";
+  const auto memory = make_sqlite_driver(folder_ / "jobs.sqlite")->connect()->run("SELECT memory FROM remeshd_job");
+  EXPECT_EQ(memory.at(0)[0], "500000") << "what it was seen to take, and a quarter more";
+}
+
+TEST_F(runner, a_run_that_takes_too_much_memory_alone_fails) {
+  start();
+  const std::string id = submit("block");
+  ASSERT_TRUE(eventually([&] { return registry_.computing().size() == 1; }));
+  registry_.computing().front()->evict(/*was_alone=*/true);
+  const JobRecord job = ended(id);
+  EXPECT_EQ(job.problem_status, 413);
+  EXPECT_EQ(job.attempts, 1);
+}
+
+TEST_F(runner, an_outcome_that_the_store_cannot_take_fails_its_job_and_no_other) {
+  const std::string bad = submit("bad"), good = submit("good");
+  make_sqlite_driver(folder_ / "jobs.sqlite")
+      ->connect()
+      ->run(
+          "CREATE TRIGGER refuse BEFORE UPDATE ON remeshd_job WHEN new.problem LIKE '%empty_mesh%' "
+          "BEGIN SELECT RAISE(ABORT, 'no'); END");
+  start();
+  EXPECT_EQ(ended(good).state, JobState::kSucceeded);
+  const JobRecord job = ended(bad);
+  EXPECT_EQ(job.state, JobState::kFailed);
+  EXPECT_EQ(job.problem_status, 500);
+}
+
+TEST_F(runner, an_outage_is_no_attempt_and_takes_no_job_from_its_worker) {
+  settings_.lease = milliseconds(800);
+  start();
+  const std::string id = submit("block");
+  ASSERT_TRUE(reaches(id, JobState::kRunning));
+  {
+    // While another process holds the lock, nothing can be renewed or committed.
+    const auto driver = make_sqlite_driver(folder_ / "jobs.sqlite");
+    const auto other = driver->connect();
+    other->begin();
+    other->run("UPDATE remeshd_schema SET touched_ms = 0");
+    released_ = true;
+    std::this_thread::sleep_for(milliseconds(1200));
+    EXPECT_EQ(store_->find(id)->state, JobState::kRunning);
+    other->roll_back();
+  }
+  const JobRecord job = ended(id);
+  EXPECT_EQ(job.state, JobState::kSucceeded);
+  EXPECT_EQ(job.attempts, 1);
+}
+
 }  // namespace
 }  // namespace remesh::server::jobs

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <memory>
+#include <vector>
+
 #include "api/machine_limits.h"
 #include "server/work/memory_watch.h"
 #include "tests/server/stub_service.h"
@@ -23,7 +27,7 @@ int status_of(MemoryShare& share, std::uint64_t held, std::uint64_t expected) {
 TEST(memory_budget, what_can_never_fit_differs_from_what_does_not_fit_now) {
   MemoryBudget budget(1000 * kFactor);
   const auto first = budget.open_share();
-  EXPECT_EQ(status_of(*first, 0, 1001), 413);
+  EXPECT_EQ(status_of(*first, 0, 1000 * kFactor + 1), 413);
   EXPECT_EQ(status_of(*first, 600, 600), 200);
   EXPECT_EQ(budget.reserved(), 600 * kFactor);
   const auto second = budget.open_share();
@@ -31,6 +35,35 @@ TEST(memory_budget, what_can_never_fit_differs_from_what_does_not_fit_now) {
   EXPECT_EQ(status_of(*second, 400, 400), 200);
   EXPECT_EQ(status_of(*first, 601, 601), 503);
   EXPECT_EQ(budget.reserved(), 1000 * kFactor);
+}
+
+TEST(memory_budget, a_body_whose_estimate_is_more_than_the_budget_runs_alone) {
+  MemoryBudget budget(1000 * kFactor);
+  auto large = budget.open_share();
+  EXPECT_EQ(status_of(*large, 1001, 1001), 200) << "the work may take less than is estimated";
+  EXPECT_EQ(budget.reserved(), budget.limit());
+  const auto small = budget.open_share();
+  EXPECT_EQ(status_of(*small, 1, 1), 503);
+  large.reset();
+  EXPECT_EQ(status_of(*small, 1, 1), 200);
+  large = budget.open_share();
+  EXPECT_EQ(status_of(*large, 0, 1001), 503) << "now it is the one that waits";
+}
+
+TEST(memory_budget, an_estimate_is_reserved_as_a_whole_or_not_at_all) {
+  MemoryBudget budget(1000);
+  const auto other = budget.open_share(1);
+  other->hold_body(600, 600);
+  const auto share = budget.open_share(1);
+  EXPECT_FALSE(share->try_hold(500));
+  EXPECT_EQ(budget.reserved(), 600u);
+  EXPECT_TRUE(share->try_hold(400));
+  EXPECT_EQ(budget.reserved(), 1000u);
+  EXPECT_TRUE(share->try_hold(100)) << "less than before";
+  EXPECT_EQ(budget.reserved(), 700u);
+  other->hold_answer(0);
+  EXPECT_TRUE(share->try_hold(5000)) << "never more than all";
+  EXPECT_EQ(budget.reserved(), 1000u);
 }
 
 TEST(memory_budget, an_announced_length_takes_nothing_until_it_comes) {
@@ -57,15 +90,15 @@ TEST(memory_budget, what_is_really_in_use_counts_where_it_is_more) {
   const auto other = budget.open_share();
   other->hold_body(1, 1);
   const auto share = budget.open_share();
-  budget.note_resident(900 * kFactor);
+  budget.note_used(900 * kFactor);
   EXPECT_EQ(status_of(*share, 101, 101), 503);
-  budget.note_resident(0);
+  budget.note_used(0);
   EXPECT_EQ(status_of(*share, 101, 101), 200);
 }
 
 TEST(memory_budget, an_idle_process_takes_whatever_it_does_not_refuse_for_ever) {
   MemoryBudget budget(1000 * kFactor);
-  budget.note_resident(900 * kFactor);
+  budget.note_used(900 * kFactor);
   EXPECT_EQ(budget.available(), 1000 * kFactor);
   const auto share = budget.open_share();
   EXPECT_EQ(status_of(*share, 0, 1000), 200);
@@ -145,6 +178,46 @@ TEST_F(memory, work_that_takes_too_much_is_ended_and_told_why) {
   const Answer answer = client->answer();
   EXPECT_EQ(answer.status, 413);  // it was alone: coming again would not help
   EXPECT_EQ(code_of(answer), "mesh_too_large");
+}
+
+TEST_F(memory, work_that_is_stopped_among_others_is_tried_again_within_its_time) {
+  config_.max_running = 2;
+  config_.memory_budget = api::resident_memory() + (400 << 20);
+  start();
+  auto other = start_blocking();
+  RawClient client(port_);
+  client.send(post_text("/v1/remesh", "hungry"));
+  EXPECT_TRUE(eventually([&] { return stub_.stopped == 1; }));
+  EXPECT_EQ(stub_.hungry, 1);
+  other.reset();  // now there is room for what it was seen to take
+  EXPECT_EQ(client.answer().status, 200);
+  EXPECT_EQ(stub_.hungry, 2);
+}
+
+TEST(memory_watch, free_memory_of_the_allocator_is_returned_before_anybody_is_ended) {
+  log::set_up(log::Format::kText, log::Level::kError);
+  constexpr std::size_t kBlock = 64 << 10;
+  constexpr std::size_t kBlocks = 6000;
+  const auto use_and_free = [] {
+    std::vector<std::unique_ptr<char[]>> blocks;
+    for (std::size_t i = 0; i < kBlocks; ++i) {
+      blocks.push_back(std::make_unique<char[]>(kBlock));
+      std::fill_n(blocks.back().get(), kBlock, 'x');
+    }
+    // The last blocks stay, so that the allocator cannot return the others by itself.
+    blocks.erase(blocks.begin(), blocks.end() - 10);
+    return blocks;
+  };
+  const std::uint64_t before = api::resident_memory();
+  const auto last = use_and_free();
+  ASSERT_GT(api::resident_memory(), before + kBlock * kBlocks / 2) << "the allocator keeps free memory";
+  MemoryBudget budget(before + kBlock * kBlocks / 2);
+  RequestRegistry registry;
+  const auto request = registry.add("");
+  request->is_computing = true;
+  const MemoryWatch watch(budget, registry, milliseconds(5));
+  EXPECT_TRUE(eventually([&] { return api::resident_memory() < budget.limit(); }));
+  EXPECT_EQ(request->eviction, RunningRequest::Eviction::kNone);
 }
 
 }  // namespace

@@ -1,0 +1,116 @@
+#include "server/jobs/blob_table.h"
+
+#include <chrono>
+
+#include "server/jobs/row_values.h"
+
+namespace remesh::server::jobs {
+namespace {
+
+/// Files older than this belong to no running transaction. No transaction takes nearly as long, even if the clocks of
+/// file servers differ.
+constexpr std::chrono::hours kStrayAge{24};
+
+const char* kind_name(BlobKind kind) {
+  switch (kind) {
+    case BlobKind::kInput: return "input";
+    case BlobKind::kMesh: return "mesh";
+    case BlobKind::kReport: return "report";
+  }
+  return "";
+}
+
+BlobLost lost(const std::string& id, std::string_view kind) {
+  return BlobLost("a part of the " + std::string(kind) + " of job " + id + " is missing in the store");
+}
+
+}  // namespace
+
+void BlobTable::write(Database& database, const std::string& id, BlobKind kind, std::string_view bytes) const {
+  const std::string_view name = kind_name(kind);
+  const std::uint64_t size = bytes.size();
+  if (folder_) {
+    const std::string file = folder_->write(id, name, bytes);
+    database.run("INSERT INTO remeshd_blob (job, kind, part, file, size) VALUES ($1, $2, 0, $3, $4)",
+                 {std::string_view(id), name, std::string_view(file), static_cast<std::int64_t>(size)});
+    return;
+  }
+  std::int64_t part = 0;
+  do {
+    const std::string_view piece = bytes.substr(0, DatabaseDriver::kPiece);
+    driver_.insert_piece(database, id, name, part, piece, size);
+    database.extend_deadline(timeout_);
+    part += DatabaseDriver::kPartsOfPiece;
+    bytes.remove_prefix(piece.size());
+  } while (!bytes.empty());
+}
+
+std::optional<BlobTable::Blob> BlobTable::find(Database& database, const std::string& id, BlobKind kind) const {
+  const std::string_view name = kind_name(kind);
+  const Row blob = database
+                       .run("SELECT max(part), max(file), max(size) FROM remeshd_blob WHERE job = $1 AND kind = $2",
+                            {std::string_view(id), name})
+                       .at(0);
+  if (!blob[0]) return std::nullopt;
+  if (blob[1]) return Blob{"", blob[1]};
+  const std::int64_t last = integer(blob[0]);
+  std::string bytes;
+  for (std::int64_t part = 0; part <= last; part += DatabaseDriver::kPartsOfPiece) {
+    const Rows piece = database.run(
+        "SELECT data FROM remeshd_blob WHERE job = $1 AND kind = $2 AND part >= $3 AND part < $4 ORDER BY part",
+        {std::string_view(id), name, part, part + DatabaseDriver::kPartsOfPiece}, Database::Result::kBytes);
+    database.extend_deadline(timeout_);
+    if (piece.empty()) break;
+    for (const Row& row : piece) bytes += row[0].value_or("");
+  }
+  // An old daemon has stored no size. Then only the rows in the middle are certain to be there.
+  if (blob[2] && bytes.size() == static_cast<std::uint64_t>(integer(blob[2]))) return Blob{std::move(bytes), {}};
+  const Rows rows = database.run("SELECT count(*), max(part) FROM remeshd_blob WHERE job = $1 AND kind = $2",
+                                 {std::string_view(id), name});
+  if (!rows.at(0)[1]) return std::nullopt;  // it expired meanwhile
+  if (blob[2] || integer(rows[0][0]) != driver_.rows_of_blob(last)) throw lost(id, name);
+  return Blob{std::move(bytes), {}};
+}
+
+std::optional<BlobTable::Size> BlobTable::size(Database& database, const std::string& id, BlobKind kind) const {
+  const Row blob = database
+                       .run(
+                           "SELECT max(part), max(file), coalesce(sum(length(data)), 0) FROM remeshd_blob "
+                           "WHERE job = $1 AND kind = $2",
+                           {std::string_view(id), std::string_view(kind_name(kind))})
+                       .at(0);
+  if (!blob[0]) return std::nullopt;
+  return Size{static_cast<std::uint64_t>(integer(blob[2])), blob[1]};
+}
+
+std::vector<std::string> BlobTable::remove(Database& database, const std::string& id, const char* condition) {
+  const std::string sql = "DELETE FROM remeshd_blob WHERE job = $1 AND " + std::string(condition) + " RETURNING file";
+  std::vector<std::string> files;
+  for (const Row& row : database.run(sql.c_str(), {std::string_view(id)})) {
+    if (row[0]) files.push_back(*row[0]);
+  }
+  return files;
+}
+
+const BlobFolder& BlobTable::folder() const {
+  if (!folder_) throw StoreError("the store keeps blobs in a folder: --blob-dir is missing");
+  return *folder_;
+}
+
+void BlobTable::remove_files(const std::vector<std::string>& files) const {
+  if (!folder_) return;
+  for (const std::string& file : files) folder_->remove(file);
+}
+
+std::vector<std::string> BlobTable::find_stray_files(Database& database, int part) const {
+  std::vector<std::string> files;
+  if (!folder_) return files;
+  for (const BlobFolder::Found& file : folder_->files_older_than(kStrayAge, part % BlobFolder::kParts)) {
+    const Rows rows = database.run("SELECT part FROM remeshd_blob WHERE job = $1 AND file = $2",
+                                   {std::string_view(file.job), std::string_view(file.name)});
+    if (rows.empty()) files.push_back(file.name);
+  }
+  return files;
+}
+
+}  // namespace remesh::server::jobs

@@ -1,0 +1,54 @@
+#include "server/jobs/disk_reserve.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <sys/statvfs.h>
+#include <unistd.h>
+
+#include <algorithm>
+
+#include "server/http/units.h"
+#include "server/jobs/job_store.h"
+
+namespace remesh::server::jobs {
+namespace {
+
+constexpr std::uint64_t kMaxReserve = 8 << 20;
+constexpr std::uint64_t kShare = 20;  ///< the reserve is at most this part of the volume
+
+}  // namespace
+
+DiskReserve::Room DiskReserve::room() const {
+  struct statvfs volume {};
+  // Without an answer there is no limit: writing then tells whether there is room.
+  if (::statvfs(folder_.c_str(), &volume) != 0) return {~std::uint64_t{0} / 2, 0};
+  const std::uint64_t block = volume.f_frsize;
+  return {volume.f_bavail * block, std::min(kMaxReserve, volume.f_blocks * block / kShare)};
+}
+
+void DiskReserve::keep() const noexcept {
+  const Room now = room();
+  struct stat status {};
+  if (::stat(path_.c_str(), &status) == 0 && static_cast<std::uint64_t>(status.st_size) >= now.reserve) return;
+  if (now.free < 3 * now.reserve) return;
+  const int file = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, S_IRUSR | S_IWUSR);
+  if (file < 0) return;
+  const bool is_kept = ::posix_fallocate(file, 0, static_cast<off_t>(now.reserve)) == 0;
+  ::close(file);
+  if (!is_kept) ::unlink(path_.c_str());
+}
+
+bool DiskReserve::release() const noexcept { return ::unlink(path_.c_str()) == 0; }
+
+void DiskReserve::check_room(std::uint64_t bytes) const {
+  const Room now = room();
+  if (now.free / 2 >= now.reserve && now.free - now.reserve >= bytes) return;
+  throw StoreFull("the volume of " + folder_ + " has " + format_bytes(now.free) + " left");
+}
+
+bool DiskReserve::is_scarce() const {
+  const Room now = room();
+  return now.free < 8 * now.reserve;
+}
+
+}  // namespace remesh::server::jobs

@@ -1,0 +1,38 @@
+/// A file that keeps some room on a volume. Deleting jobs needs a little room itself, and on a full volume there would
+/// be none.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+namespace remesh::server::jobs {
+
+class DiskReserve {
+ public:
+  /// Input: `folder` - a folder on the volume. The size of the reserve is 8 MiB, or a twentieth of a smaller volume.
+  explicit DiskReserve(const std::string& folder) : folder_(folder), path_(folder + "/reserve") {}
+
+  /// Makes the file if it does not exist and the volume has plenty of room for it.
+  void keep() const noexcept;
+  /// Removes the file, so that its room can be used.
+  /// Output: true if there was one.
+  bool release() const noexcept;
+
+  /// Checks that the volume has so much room besides what is to stay free for deletions.
+  /// Errors: StoreFull.
+  void check_room(std::uint64_t bytes) const;
+  /// True if there is so little room that unused room in files should be returned.
+  bool is_scarce() const;
+
+ private:
+  struct Room {
+    std::uint64_t free = 0;
+    std::uint64_t reserve = 0;  ///< the size that the file should have
+  };
+  Room room() const;
+
+  const std::string folder_;
+  const std::string path_;
+};
+
+}  // namespace remesh::server::jobs

@@ -1,0 +1,164 @@
+#include "server/jobs/job_upkeep.h"
+
+#include <array>
+#include <functional>
+
+#include "api/service.h"
+#include "server/jobs/blob_table.h"
+#include "server/jobs/row_values.h"
+#include "server/jobs/schema.h"
+
+namespace remesh::server::jobs {
+namespace {
+
+/// The largest number of rows that one statement of upkeep changes. It is small so that no statement blocks others
+/// for long.
+constexpr std::int64_t kBatch = 100;
+
+}  // namespace
+
+std::string problem_text(int status, const char* code, const char* detail) {
+  api::Problem problem;
+  problem.status = status;
+  problem.code = code;
+  problem.detail = detail;
+  return api::to_response(problem, "{job}").body;
+}
+
+std::vector<LeaseJudge::Sign> running_jobs(Database& database, std::chrono::milliseconds usual_lease) {
+  std::vector<LeaseJudge::Sign> signs;
+  for (const Row& row :
+       database.run("SELECT id, token, version, lease_length_ms FROM remeshd_job WHERE state = 'running'")) {
+    // A lease that nobody can have given would keep the job of a dead worker for ever.
+    std::int64_t lease = maybe_integer(row[3]).value_or(0);
+    if (lease <= 0 || lease > std::chrono::milliseconds(std::chrono::hours(24)).count()) lease = usual_lease.count();
+    signs.push_back({row[0].value(), integer(row[1]), integer(row[2]), std::chrono::milliseconds(lease)});
+  }
+  return signs;
+}
+
+void JobUpkeep::run(LeaseJudge& judge) {
+  const Clock::time_point asked = Clock::now();
+  const auto end_damaged_first = [&] {
+    end_damaged();
+    judge.note_reached(asked, Clock::now());  // so time has passed for the leases that are judged next
+  };
+  const std::array<std::function<void()>, 5> steps{end_damaged_first, [&] { end_abandoned(judge); },
+                                                   [this] { end_waiting(); }, [this] { expire_results(); },
+                                                   [this] { forget_jobs(); }};
+  for (const std::function<void()>& step : steps) {
+    try {
+      step();
+    } catch (const DataError& error) {
+      done_.error = error.what();
+    }
+  }
+}
+
+void JobUpkeep::end_damaged() {
+  static const std::string problem =
+      problem_text(500, "internal", "the job's row in the store was damaged, so the job cannot run");
+  // A job that has ended stays as it is. Only its numbers are mended, so that it can expire.
+  static const std::string ends = "state NOT IN ('succeeded', 'failed', 'cancelled', 'expired')";
+  static const std::string sql =
+      "UPDATE remeshd_job SET memory = 0, token = 0, attempts = 1, turn = 0, version = 1, lease_ms = NULL, "
+      "commits = 1, fraction = 1, stage = 'done', "
+      "finished_ms = CASE WHEN " +
+      ends +
+      " THEN remeshd_now() ELSE finished_ms END, "
+      "expires_ms = CASE WHEN " +
+      ends +
+      " THEN remeshd_now() + $1 ELSE expires_ms END, "
+      "problem_status = CASE WHEN " +
+      ends +
+      " THEN 500 ELSE problem_status END, "
+      "problem = CASE WHEN " +
+      ends +
+      " THEN replace($2, '{job}', id) ELSE problem END, "
+      "state = CASE WHEN " +
+      ends + " THEN 'failed' ELSE state END WHERE " + kDamagedJob + " RETURNING state";
+  for (const Row& row :
+       database_.run(sql.c_str(), {std::int64_t{rules_.result_ttl.count()}, std::string_view(problem)})) {
+    if (row[0] == "failed") ++done_.damaged;
+  }
+}
+
+void JobUpkeep::end_abandoned(LeaseJudge& judge) {
+  std::int64_t changed = 0;
+  for (const LeaseJudge::Sign& sign : judge.judge(running_jobs(database_, rules_.lease))) {
+    if (++changed > kBatch) return;
+    requeue_or_fail(sign);
+  }
+}
+
+void JobUpkeep::requeue_or_fail(const LeaseJudge::Sign& sign) {
+  static const std::string problem =
+      problem_text(500, "worker_crashed", "every worker that tried this job crashed or was stopped");
+  const std::string sql =
+      "UPDATE remeshd_job SET state = CASE WHEN attempts >= $1 THEN 'failed' ELSE 'queued' END, "
+      "commits = commits + CASE WHEN attempts >= $1 THEN 1 ELSE 0 END, "
+      "finished_ms = CASE WHEN attempts >= $1 THEN remeshd_now() END, "
+      "expires_ms = CASE WHEN attempts >= $1 THEN remeshd_now() + $2 END, "
+      "problem_status = CASE WHEN attempts >= $1 THEN 500 ELSE 0 END, "
+      "problem = CASE WHEN attempts >= $1 THEN replace($3, '{job}', id) ELSE '' END, queued_ms = remeshd_now(), "
+      "token = token + 1, version = version + 1, lease_ms = NULL, started_ms = NULL, stage = 'queued', fraction = 0 "
+      "WHERE id IN (SELECT id FROM remeshd_job WHERE id = $4 AND token = $5 AND version = $6 AND state = 'running'" +
+      std::string(driver_.skip_locked()) + ") RETURNING state";
+  Transaction transaction(database_);
+  const Rows rows =
+      database_.run(sql.c_str(), {std::int64_t{rules_.max_attempts}, std::int64_t{rules_.result_ttl.count()},
+                                  std::string_view(problem), std::string_view(sign.id), sign.token, sign.version});
+  for (const Row& row : rows) ++(row[0] == "failed" ? done_.crashed : done_.retried);
+  if (done_.retried > 0) database_.announce();
+  transaction.commit();
+}
+
+void JobUpkeep::end_waiting() {
+  static const std::string problem = problem_text(504, "timeout", "no worker became free for this job in time");
+  const std::string sql =
+      "UPDATE remeshd_job SET state = 'failed', commits = commits + 1, token = token + 1, version = version + 1, "
+      "finished_ms = remeshd_now(), expires_ms = remeshd_now() + $1, problem_status = 504, "
+      "problem = replace($2, '{job}', id) WHERE id IN (SELECT id FROM remeshd_job WHERE state = 'queued' AND "
+      "coalesce(queued_ms, created_ms) < remeshd_now() - $3 LIMIT $4" +
+      std::string(driver_.skip_locked()) + ") RETURNING id";
+  done_.timed_out +=
+      static_cast<int>(database_
+                           .run(sql.c_str(), {std::int64_t{rules_.result_ttl.count()}, std::string_view(problem),
+                                              std::int64_t{rules_.queue_timeout.count()}, kBatch})
+                           .size());
+}
+
+void JobUpkeep::expire_results() {
+  const std::string sql =
+      "UPDATE remeshd_job SET state = 'expired', version = version + 1, expires_ms = remeshd_now() + $1 WHERE id IN "
+      "(SELECT id FROM remeshd_job WHERE state = 'succeeded' AND expires_ms < remeshd_now() LIMIT $2" +
+      std::string(driver_.skip_locked()) + ") RETURNING id";
+  Transaction transaction(database_);
+  const Rows rows = database_.run(sql.c_str(), {std::int64_t{rules_.history.count()}, kBatch});
+  for (const Row& row : rows) remove_blobs(row[0].value());
+  transaction.commit();
+  done_.expired += static_cast<int>(rows.size());
+}
+
+void JobUpkeep::forget_jobs() {
+  const std::string sql =
+      "DELETE FROM remeshd_job WHERE id IN (SELECT id FROM remeshd_job WHERE "
+      "state IN ('failed', 'cancelled', 'expired') AND expires_ms < remeshd_now() LIMIT $1" +
+      std::string(driver_.skip_locked()) + ") RETURNING id";
+  Transaction transaction(database_);
+  const Rows rows = database_.run(sql.c_str(), {kBatch});
+  for (const Row& row : rows) {
+    remove_blobs(row[0].value());
+    database_.run("DELETE FROM remeshd_idempotency WHERE job = $1", {std::string_view(row[0].value())});
+  }
+  database_.run("DELETE FROM remeshd_idempotency WHERE expires_ms < remeshd_now()");
+  transaction.commit();
+  done_.forgotten += static_cast<int>(rows.size());
+}
+
+void JobUpkeep::remove_blobs(const std::string& id) {
+  const std::vector<std::string> more = BlobTable::remove(database_, id, "1 = 1");
+  files_.insert(files_.end(), more.begin(), more.end());
+}
+
+}  // namespace remesh::server::jobs

@@ -1,0 +1,19 @@
+/// What both kinds of databases need for their clocks.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+
+#include "server/jobs/database.h"
+
+namespace remesh::server::jobs {
+
+/// A store's clock that differs from the system's by more than this was set while one of them was wrong. The difference
+/// is too large to wait until it is gone.
+constexpr std::chrono::milliseconds kWrongClock = std::chrono::hours(24) * 30;
+
+/// Shifts all times in the store by so many milliseconds. So a clock can be set right without that jobs seem to have
+/// waited, or results to be out of date.
+void shift_times(Database& database, std::int64_t by_ms);
+
+}  // namespace remesh::server::jobs

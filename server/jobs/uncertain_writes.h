@@ -1,0 +1,43 @@
+/// Writes of which nobody knows whether the store has done them, because its answer did not come. They are undone once
+/// the store answers again, so that a client that was told "try again" has no job that runs, and no job waits for a
+/// worker that does not know of its claim.
+#pragma once
+
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "server/jobs/blob_table.h"
+#include "server/jobs/database.h"
+
+namespace remesh::server::jobs {
+
+class UncertainWrites {
+ public:
+  void note_submission(const std::string& id) { note({id, Kind::kSubmission, std::nullopt}); }
+  /// Input: `worker` - the name under which the claim was made, which no other claim has.
+  void note_claim(const std::string& worker) { note({worker, Kind::kClaim, std::nullopt}); }
+
+  /// True if there are writes that `undo` has not looked for yet.
+  bool has_new() const;
+  /// Undoes those writes that have been done. A server that was frozen may do one after it has answered again, so each
+  /// is looked for again for a while.
+  /// Output: the files to remove.
+  std::vector<std::string> undo(Database& database);
+
+ private:
+  enum class Kind { kSubmission, kClaim };
+  struct Write {
+    std::string key;
+    Kind kind;
+    std::optional<Clock::time_point> last_look;  ///< set at the first look
+  };
+
+  void note(Write write);
+
+  mutable std::mutex mutex_;
+  std::vector<Write> writes_;
+};
+
+}  // namespace remesh::server::jobs

@@ -1,0 +1,400 @@
+"""The daemon under pressure: stores that do not answer, clocks that jump, disks and memory that run out, logs that nobody
+reads: pressure.py REMESHD [--short] [--store sqlite|postgres] [CASE]...
+
+Prints a table. --short makes outages last seconds in place of a minute. Exit code 77: nothing of what was asked for is
+possible on this machine.
+"""
+
+import argparse
+import contextlib
+import http.client
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import traceback
+
+from daemons import (CONTINUE, ENDLESS, FINAL, QUICK, SECOND, SHORT, SQUARE, STOP, Daemon, Store, ask, can_use, result_of,
+                     state_of, submit, wait_for, wait_for_state, with_clock)
+
+PATIENCE = int(os.environ.get("REMESHD_PATIENCE", "1"))
+# No request may take longer than this, whatever the store does.
+ANSWER_S = 10 * PATIENCE
+DRAIN_S = 2
+# A daemon ends this long after its drain time at the latest.
+END_S = 2 * PATIENCE
+
+
+class Impossible(Exception):
+    """This machine cannot do the case."""
+
+
+def expect(condition, text):
+    if not condition:
+        raise AssertionError(text)
+
+
+class Run:
+    """What a case needs, and what it found out."""
+
+    def __init__(self, program, kind, is_short):
+        self.program, self.kind, self.is_short = program, kind, is_short
+        self.found = []
+
+    def tell(self, text):
+        self.found.append(text)
+
+    @contextlib.contextmanager
+    def daemon(self, store, *flags, prefix=(), lease="5s"):
+        daemon = Daemon(self.program, [*store.flags, "--workers", "1", "--max-running", "1", "--job-lease", lease,
+                                       "--drain-time", f"{DRAIN_S}s", *flags], prefix=prefix).start()
+        try:
+            yield daemon
+        finally:
+            daemon.kill()
+
+    def asked(self, port, method, target, body=None, fields=None):
+        """An answer in time."""
+        start = time.monotonic()
+        answer = ask(port, method, target, body, fields, timeout=4 * ANSWER_S)
+        took = time.monotonic() - start
+        expect(took < ANSWER_S, f"{method} {target} was answered after {took:.1f} s")
+        return answer
+
+    def stops(self, daemon):
+        start = time.monotonic()
+        daemon.process.send_signal(signal.SIGTERM)
+        daemon.process.wait(timeout=60)
+        took = time.monotonic() - start
+        expect(took < DRAIN_S + END_S, f"SIGTERM took {took:.1f} s")
+        self.tell(f"stop {took:.1f} s")
+
+
+def accepted(answer):
+    expect(answer.status == 202, f"a job is accepted: {answer.status} {answer.body[:200]}")
+    return answer.json()["id"]
+
+
+def expect_done(daemon, job):
+    """One attempt, one commit."""
+    done = wait_for_state(daemon.port, job, *FINAL, seconds=60 * PATIENCE)
+    expect(done["state"] == "succeeded", f"{done['state']}: {done['problem']}")
+    expect(done["attempts"] == 1, f"{done['attempts']} attempts")
+    return done
+
+
+@contextlib.contextmanager
+def locked(store):
+    """Another process holds a lock, so that nothing can be written."""
+    if store.postgres:
+        command = [f"{store.postgres.programs}/psql", "-qX", store.postgres.url]
+        with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, cwd="/") as psql:
+            psql.stdin.write("BEGIN; LOCK TABLE remeshd_job IN EXCLUSIVE MODE; SELECT 'locked';\n")
+            psql.stdin.flush()
+            while "locked" not in psql.stdout.readline():
+                pass
+            try:
+                yield
+            finally:
+                psql.stdin.write("ROLLBACK;\n")
+                psql.stdin.close()
+        return
+    import sqlite3  # pylint: disable=import-outside-toplevel
+    with contextlib.closing(sqlite3.connect(os.path.join(store.folder, "jobs.sqlite"), timeout=30,
+                                            isolation_level=None)) as database:
+        database.execute("BEGIN IMMEDIATE")
+        yield
+        database.execute("ROLLBACK")
+
+
+@contextlib.contextmanager
+def frozen(store):
+    if not store.postgres:
+        raise Impossible("SQLite has no server")
+    os.killpg(store.postgres.process.pid, STOP)
+    try:
+        yield
+    finally:
+        os.killpg(store.postgres.process.pid, CONTINUE)
+
+
+@contextlib.contextmanager
+def stopped(store):
+    if not store.postgres:
+        raise Impossible("SQLite has no server")
+    store.postgres.kill()
+    try:
+        yield
+    finally:
+        store.postgres.start()
+
+
+def during(run, store, trouble, seconds):
+    """A job that runs while there is trouble is done once, and so is one that waits; requests are answered meanwhile."""
+    with run.daemon(store, "--store-timeout", "1s") as daemon:
+        running = accepted(submit(daemon.port, SECOND))
+        wait_for_state(daemon.port, running, "running", "succeeded")
+        waiting = accepted(submit(daemon.port))
+        refused = 0
+        with trouble(store):
+            end = time.monotonic() + seconds
+            while time.monotonic() < end:
+                answer = run.asked(daemon.port, "POST", f"/v1/jobs?{QUICK}", SQUARE)
+                expect(answer.status in (202, 503), f"POST: {answer.status}")
+                refused += answer.status == 503
+                expect(run.asked(daemon.port, "GET", "/livez").status == 200, "/livez")
+                expect(run.asked(daemon.port, "GET", f"/v1/jobs/{running}").status in (200, 503), "GET")
+                time.sleep(0.2)
+        expect(refused, "the store could be written")
+        run.tell(f"{refused} POSTs refused")
+        for job in (running, waiting):
+            expect_done(daemon, job)
+        # What was refused does not run.
+        rows = wait_for(lambda: (rows := store.query("SELECT state, count(*) FROM remeshd_job GROUP BY state"))
+                        and all(state == "succeeded" for state, _ in rows) and rows, seconds=30 * PATIENCE)
+        expect(int(rows[0][1]) == 2, f"{rows} where two jobs were accepted")
+        warnings = [line for line in daemon.lines if line.get("event") == "the job store fails"]
+        expect(len(warnings) <= 2 + seconds / 60, f"{len(warnings)} warnings")
+        # Stopping does not wait for the store.
+        accepted(submit(daemon.port, ENDLESS))
+        wait_for(lambda: daemon.metric("remeshd_requests_running") == 1)
+        with trouble(store):
+            run.stops(daemon)
+        store.query("DELETE FROM remeshd_job")
+
+
+def case_lock(run, store):
+    during(run, store, locked, 3 if run.is_short else 60)
+
+
+def case_frozen(run, store):
+    during(run, store, frozen, 3 if run.is_short else 60)
+
+
+def case_outage(run, store):
+    """Outages longer than the lease, again and again."""
+    if not store.postgres:
+        raise Impossible("SQLite has no server")
+    length, count = (1.5, 3) if run.is_short else (8, 6)
+    lease = "1s" if run.is_short else "5s"
+    with run.daemon(store, "--store-timeout", "1s", lease=lease) as first, \
+            run.daemon(store, "--store-timeout", "1s", lease=lease) as second:
+        jobs = [accepted(submit(first.port, ENDLESS)) for _ in range(2)]
+        for job in jobs:
+            wait_for_state(first.port, job, "running")
+        for _ in range(count):
+            with stopped(store):
+                time.sleep(length)
+            wait_for(lambda: ask(first.port, "GET", "/readyz").status == 200, seconds=30)
+            time.sleep(length / 2)
+        for job in jobs:
+            record = state_of(first.port, job)
+            expect((record["state"], record["attempts"]) == ("running", 1), f"{record['state']}, {record['attempts']} attempts")
+        # A dead worker is still missed.
+        holder = first if first.logged("job claimed", job=jobs[0]) else second
+        other = second if holder is first else first
+        ask(other.port, "DELETE", f"/v1/jobs/{jobs[1]}")
+        holder.kill()
+        start = time.monotonic()
+        wait_for(lambda: other.logged("job claimed", job=jobs[0]), seconds=30 * PATIENCE)
+        run.tell(f"{count} outages, a dead worker's job taken over after {time.monotonic() - start:.1f} s")
+        ask(other.port, "DELETE", f"/v1/jobs/{jobs[0]}")
+
+
+def case_lost(run, store):
+    """The database is replaced by an empty one."""
+    with run.daemon(store) as daemon:
+        old = accepted(submit(daemon.port))
+        expect_done(daemon, old)
+        if store.postgres:
+            store.query("DROP SCHEMA public CASCADE; CREATE SCHEMA public")
+        else:
+            for part in ("", "-wal", "-shm"):
+                pathlib.Path(store.folder, f"jobs.sqlite{part}").unlink(missing_ok=True)
+        start = time.monotonic()
+        job = accepted(wait_for(lambda: (answer := run.asked(daemon.port, "POST", f"/v1/jobs?{QUICK}", SQUARE)).status == 202
+                                and answer, seconds=ANSWER_S))
+        run.tell(f"again after {time.monotonic() - start:.1f} s")
+        expect_done(daemon, job)
+        expect(run.asked(daemon.port, "GET", f"/v1/jobs/{old}").status == 404, "a job of the lost database")
+
+
+def case_log(run, store):
+    """Standard error is a pipe that nobody reads."""
+    reading, writing = os.pipe()
+    os.set_blocking(writing, False)
+    with contextlib.suppress(BlockingIOError):
+        while os.write(writing, b"x" * 4096):
+            pass
+    os.set_blocking(writing, True)
+    daemon = Daemon(run.program, [*store.flags, "--drain-time", f"{DRAIN_S}s"])
+    try:
+        daemon.process = subprocess.Popen([*daemon.command, "--bind", f"127.0.0.1:{daemon.port}"], stderr=writing,
+                                          env=daemon.environment)
+        wait_for(daemon.answers, 30)
+        requests = 2000 if run.is_short else 20000
+        connection = http.client.HTTPConnection("127.0.0.1", daemon.port, timeout=30)
+        with contextlib.closing(connection):
+            for _ in range(requests):
+                connection.request("GET", "/livez")
+                connection.getresponse().read()
+        run.tell(f"{requests} requests")
+        run.stops(daemon)
+    finally:
+        daemon.process.kill()
+        daemon.process.wait()
+        os.close(reading)
+        os.close(writing)
+
+
+@contextlib.contextmanager
+def volume(size):
+    folder = tempfile.mkdtemp(prefix="remeshd-volume-")
+    mounted = subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "remeshd-test", folder], check=False,
+                             capture_output=True).returncode == 0
+    try:
+        if not mounted:
+            raise Impossible("no file system can be mounted here")
+        yield folder
+    finally:
+        if mounted:
+            subprocess.run(["umount", "-l", folder], check=True)
+        shutil.rmtree(folder, ignore_errors=True)
+
+
+def fill(path):
+    with contextlib.suppress(OSError), path.open("wb", buffering=0) as file:
+        while True:
+            file.write(bytes(4096))
+
+
+def case_disk(run, store):
+    """A small volume is filled by jobs, and by another's file."""
+    if store.postgres:
+        raise Impossible("the server's volume is its own matter")
+    with volume("24m" if run.is_short else "200m") as folder, Store("sqlite", folder) as small:
+        with run.daemon(small) as daemon:
+            mesh = SQUARE + b"#" * 400_000
+            jobs = []
+            while (answer := run.asked(daemon.port, "POST", f"/v1/jobs?{SHORT}", mesh)).status == 202:
+                jobs.append(accepted(answer))
+            expect((answer.status, answer.code()) == (507, "storage_full"), f"{answer.status} {answer.code()}")
+            expect("retry-after" in answer.headers, "Retry-After")
+            run.tell(f"{len(jobs)} jobs, then 507")
+            for job in jobs:
+                expect_done(daemon, job)
+            fill(pathlib.Path(folder, "filler"))
+            daemon.kill()
+            daemon.start()  # on the full volume
+            for job in jobs:
+                expect(run.asked(daemon.port, "GET", f"/v1/jobs/{job}").status == 200, "GET on a full volume")
+            for job in jobs[1:]:
+                answer = run.asked(daemon.port, "DELETE", f"/v1/jobs/{job}")
+                expect(answer.status == 204, f"DELETE on a full volume: {answer.status} {answer.body[:200]}")
+            expect(result_of(daemon.port, jobs[0]).status == 200, "what was kept can be read")
+            pathlib.Path(folder, "filler").unlink()
+            start = time.monotonic()
+            job = accepted(wait_for(lambda: (answer := submit(daemon.port, SHORT, mesh)).status == 202 and answer,
+                                    seconds=10 * PATIENCE))
+            run.tell(f"again after {time.monotonic() - start:.1f} s")
+            expect_done(daemon, job)
+
+
+def case_clock(run, store):
+    """A daemon whose clock is ten years ahead, then behind, then right."""
+    ahead, behind = with_clock("+3650d"), with_clock("-3650d")
+    if ahead is None:
+        raise Impossible("there is no libfaketime (Debian: faketime)")
+    jobs = []
+    for prefix in (ahead, behind, ()):
+        with run.daemon(store, prefix=prefix) as daemon:
+            jobs.append(accepted(submit(daemon.port)))
+            expect_done(daemon, jobs[-1])
+            for job in jobs:
+                expect(state_of(daemon.port, job)["state"] == "succeeded", "no result expires")
+            if not prefix:
+                year = time.gmtime().tm_year
+                wait_for(lambda: state_of(daemon.port, jobs[-1])["created_at"].startswith(str(year)), seconds=10 * PATIENCE)  # pylint: disable=cell-var-from-loop
+    run.tell("10 years ahead, behind, and right")
+
+
+def case_memory(run, store):
+    """Jobs that each fit the budget, all at once: each succeeds in one attempt."""
+    length = "0.0016" if run.is_short else "0.0008"
+    count = 3 if run.is_short else 6
+    budget = "400MiB" if run.is_short else "1GiB"
+    daemon = Daemon(run.program, [*store.flags, "--workers", "2", "--max-running", "2", "--memory-budget", budget])
+    most = [0]
+    stopping = threading.Event()
+
+    def watch():
+        limit = {"400MiB": 400 << 20, "1GiB": 1 << 30}[budget]
+        while not stopping.wait(0.05):
+            with contextlib.suppress(OSError, IndexError):
+                text = pathlib.Path(f"/proc/{daemon.process.pid}/statm").read_text(encoding="ascii")
+                most[0] = max(most[0], int(text.split()[1]) * 4096 / limit)
+
+    try:
+        daemon.start()
+        watcher = threading.Thread(target=watch)
+        watcher.start()
+        jobs = [accepted(submit(daemon.port, f"max_edge_length={length}")) for _ in range(count)]
+        done = [wait_for_state(daemon.port, job, *FINAL, seconds=120 * PATIENCE) for job in jobs]
+        expect(all(job["state"] == "succeeded" for job in done), f"{[(job['state'], job['problem']) for job in done]}")
+        expect(all(job["attempts"] == 1 for job in done), f"{[job['attempts'] for job in done]} attempts")
+        back = len(daemon.logged("job given back"))
+        run.tell(f"{count} jobs, {back} put back, resident at most {most[0]:.2f} of the budget")
+        expect(most[0] < 1.1, f"resident at most {most[0]:.2f} of the budget")
+    finally:
+        stopping.set()
+        daemon.kill()
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("program")
+    parser.add_argument("cases", nargs="*")
+    parser.add_argument("--short", action="store_true")
+    parser.add_argument("--store", choices=("sqlite", "postgres"))
+    arguments = parser.parse_args()
+    program = os.path.abspath(arguments.program)
+    cases = {name[len("case_"):]: case for name, case in globals().items() if name.startswith("case_")}
+    for name in arguments.cases:
+        if name not in cases:
+            parser.error(f"there is no case {name}; the cases are {', '.join(cases)}")
+    rows, failures, done = [], 0, 0
+    for kind in [arguments.store] if arguments.store else ["sqlite", "postgres"]:
+        if not can_use(kind):
+            rows.append((kind, "all", "SKIPPED", "there is no PostgreSQL (Debian: postgresql-15)"))
+            continue
+        for name in arguments.cases or cases:
+            run = Run(program, kind, arguments.short)
+            start = time.monotonic()
+            outcome = "ok"
+            try:
+                with Store(kind) as store:
+                    cases[name](run, store)
+                done += 1
+            except Impossible as reason:
+                outcome, run.found = "SKIPPED", [str(reason)]
+            except Exception as failure:  # pylint: disable=broad-except
+                traceback.print_exc()
+                failures += 1
+                outcome, run.found = "FAILED", [*run.found, str(failure)]
+            rows.append((kind, name, f"{outcome} ({time.monotonic() - start:.1f} s)", "; ".join(run.found)))
+            print("  ".join(rows[-1]), flush=True)
+    print("\n| store | case | outcome | figures |\n| --- | --- | --- | --- |")
+    for row in rows:
+        print("| " + " | ".join(row) + " |")
+    if not done and not failures:
+        return 77
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
