@@ -23,7 +23,7 @@ class LeaseJudge {
   ///        itself was stopped or had no time, and so may have been the others.
   explicit LeaseJudge(std::chrono::milliseconds max_pause) : max_pause_(max_pause) {}
 
-  /// What a row says about a running job.
+  /// The part of a running job's row that shows whether its worker lives.
   struct Sign {
     std::string id;
     std::int64_t token = 0;

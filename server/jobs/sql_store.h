@@ -49,7 +49,7 @@ class SqlStore : public JobStore {
   void wait_for_work(const Event& wake, Clock::time_point until) override;
 
  private:
-  /// What an operation proves if it succeeds.
+  /// The facts that an operation proves if it succeeds.
   enum class Access {
     kRead,   ///< nothing
     kProbe,  ///< that the store can be written
@@ -57,7 +57,7 @@ class SqlStore : public JobStore {
     kWrite,  ///< both
   };
 
-  /// Whether an operation may use the room that is kept for deletions.
+  /// The room that is kept for deletions may be used by some operations only.
   enum class Reserve { kMayBeUsed, kStays };
 
   /// Runs `operation` on a connection. If that connection broke before anything was committed, it runs it once more

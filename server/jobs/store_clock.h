@@ -1,4 +1,4 @@
-/// What both kinds of databases need for their clocks.
+/// The parts that the clocks of both kinds of databases have in common.
 #pragma once
 
 #include <chrono>

@@ -49,7 +49,7 @@ void MemoryWatch::measure_and_look() {
     next_measurement_ = {};
     used = used_of(resident);
   }
-  // What cannot be returned, because small blocks in use are between the free ones, is in use as well.
+  // If memory cannot be returned, because small blocks in use are between the free ones, it counts as in use.
   look(resident > budget_.limit() ? resident : used);
 }
 

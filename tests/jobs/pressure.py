@@ -361,7 +361,7 @@ def main():
     parser.add_argument("cases", nargs="*")
     parser.add_argument("--short", action="store_true")
     parser.add_argument("--store", choices=("sqlite", "postgres"))
-    arguments = parser.parse_args()
+    arguments = parser.parse_intermixed_args()
     program = os.path.abspath(arguments.program)
     cases = {name[len("case_"):]: case for name, case in globals().items() if name.startswith("case_")}
     for name in arguments.cases:
