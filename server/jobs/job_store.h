@@ -45,8 +45,8 @@ class StoreUnusable : public StoreError {
   using StoreError::StoreError;
 };
 
-/// The store works, but it cannot take these values, or its rows hold values that nobody can have written there. This is
-/// an error of one job, not of the store.
+/// The store works, but it cannot take these values, or its rows hold values that nobody can have written there. This
+/// is an error of one job, not of the store.
 class DataError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
