@@ -101,17 +101,16 @@ Format choose_output_format(std::optional<Format> option, std::string_view accep
   const MediaRange* anything = find_range(ranges, "*/*");
   const double weight_of_others = ranges.empty() ? 1 : anything == nullptr ? 0 : anything->weight;
 
-  // Formats are ranked by weight. With equal weights, a named format ranks before one that only "*/*" permits. A
-  // weight of 0 is never chosen.
-  using Rank = std::pair<double, bool>;
+  // The first format of the largest weight is taken. Since the input's format is the first candidate, it wins where
+  // "*/*" has the largest weight, even if another format is named with the same weight: many clients name one kind
+  // before "*/*" and mean nothing by it. A weight of 0 is never chosen.
   std::optional<Format> best;
-  Rank best_rank{0, true};
+  double best_weight = 0;
   for (const Format format : candidates) {
-    const std::optional<double> weight = weight_for(ranges, format);
-    const Rank rank{weight.value_or(weight_of_others), weight.has_value()};
-    if (rank <= best_rank) continue;
+    const double weight = weight_for(ranges, format).value_or(weight_of_others);
+    if (weight <= best_weight) continue;
     best = format;
-    best_rank = rank;
+    best_weight = weight;
   }
   if (best) return *best;
   throw Error(Code::kNotAcceptable, Stage::kRead,
