@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <string>
-#include <utility>
+#include <tuple>
 #include <vector>
 
 #include "api/text.h"
@@ -93,24 +93,21 @@ Format choose_input_format(std::optional<Format> named, std::string_view content
 Format choose_output_format(std::optional<Format> option, std::string_view accept, Format input) {
   if (option) return *option;
   const std::vector<MediaRange> ranges = parse_accept(accept);
-  // The input's format comes first, so that it wins a tie.
-  std::vector<Format> candidates{input};
-  for (const Format format : kFormats) {
-    if (format != input) candidates.push_back(format);
-  }
   const MediaRange* anything = find_range(ranges, "*/*");
   const double weight_of_others = ranges.empty() ? 1 : anything == nullptr ? 0 : anything->weight;
 
-  // The first format of the largest weight is taken. Since the input's format is the first candidate, it wins where
-  // "*/*" has the largest weight, even if another format is named with the same weight: many clients name one kind
-  // before "*/*" and mean nothing by it. A weight of 0 is never chosen.
+  // Formats are ranked by weight. With equal weights, the input's format comes first, even if only "*/*" permits it and
+  // another one is named: many clients name one kind before "*/*" and mean nothing by it. Of the others, a named format
+  // ranks before one that only "*/*" permits. A weight of 0 is never chosen.
+  using Rank = std::tuple<double, bool, bool>;
   std::optional<Format> best;
-  double best_weight = 0;
-  for (const Format format : candidates) {
-    const double weight = weight_for(ranges, format).value_or(weight_of_others);
-    if (weight <= best_weight) continue;
+  Rank best_rank{0, true, true};
+  for (const Format format : kFormats) {
+    const std::optional<double> weight = weight_for(ranges, format);
+    const Rank rank{weight.value_or(weight_of_others), format == input, weight.has_value()};
+    if (rank <= best_rank) continue;
     best = format;
-    best_weight = weight;
+    best_rank = rank;
   }
   if (best) return *best;
   throw Error(Code::kNotAcceptable, Stage::kRead,

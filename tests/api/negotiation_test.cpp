@@ -70,7 +70,7 @@ TEST(negotiation, anything_counts_as_absent) {
   EXPECT_EQ(output("application/json, text/plain, */*"), Format::kObj) << "this is the default of axios";
   EXPECT_EQ(output("model/stl, */*", Format::kPly), Format::kPly);
   EXPECT_EQ(output("model/stl, */*;q=0.9", Format::kPly), Format::kStl);
-  EXPECT_EQ(output("model/ply;q=0.5, model/stl, */*", Format::kPly), Format::kStl);
+  EXPECT_EQ(output("application/x-ply;q=0.5, model/stl, */*", Format::kPly), Format::kStl);
 }
 
 TEST(negotiation, the_heaviest_of_the_named_is_taken) {
