@@ -410,6 +410,11 @@ class Run {
           .with_limit(max);
   }
 
+  void run_check(const CheckedAgainst& against) {
+    report_.verified = check(candidate_, against, control_);
+    refiner_->take_check(report_.verified.search_steps);
+  }
+
   /// Runs the independent check of the promises. The check computes what it needs of the surface itself, or verifies
   /// it.
   void check_candidate() {
@@ -431,12 +436,12 @@ class Run {
         refiner_->measure_sizes(patched(), known.patches, candidate.triangulated, candidate.refinement);
         prepared_.release_adjacency();
       };
-    report_.verified = check(candidate_, against, control_);
+    run_check(against);
     if (report_.verified.all_true() ||
         !separate_new_vertices(with_cuts(), candidate_.triangulated, candidate_.refinement, control_))
       return;
     assemble(candidate_, with_cuts(), asked_goals(), control_);
-    report_.verified = check(candidate_, against, control_);
+    run_check(against);
   }
 
   /// Marks for each face of the input, or empty as long as none is marked. They outlast a step of the ladder, after

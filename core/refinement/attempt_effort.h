@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/work_bound.h"
+#include "core/geometry/self_intersections.h"
 
 namespace remesh {
 
@@ -36,6 +37,9 @@ class AttemptEffort {
     last_ = triangles;
     work_.take(triangles);
   }
+  /// Takes the steps of the search for intersections in the check of an attempt. If they are far more than usual, only
+  /// a few attempts are made.
+  void take_check(std::uint64_t steps) { checks_ += steps; }
   /// The last attempt failed by the number of its faces alone, so it does not count.
   void give_back_last() {
     const std::uint64_t others = work_.taken() - std::exchange(last_, 0);
@@ -78,14 +82,20 @@ class AttemptEffort {
   enum class Order { kAll, kNothingYet, kRest, kGivenUp };
   /// An attempt with fewer triangles is not worth while.
   static constexpr std::uint64_t kMinAttempt = 1 << 10;
+  /// The searches for intersections in all checks together take as many steps as this number of searches in failed
+  /// results of the largest size.
+  static constexpr std::uint64_t kChecks = 4;
 
   WorkBound bound() const { return WorkBound(kWorkOfAttempts.steps(0, max_faces_)); }
-  bool is_spent() const { return work_.left() < kMinAttempt; }
+  bool is_spent() const {
+    return work_.left() < kMinAttempt || checks_ > kChecks * SearchLimits::few_steps_for(max_faces_);
+  }
 
   std::uint64_t max_faces_;
   WorkBound work_;
-  std::uint64_t last_ = 0;  ///< the work of the last attempt
-  bool is_any_wrong_;       ///< a result has failed the check
+  std::uint64_t last_ = 0;    ///< the work of the last attempt
+  std::uint64_t checks_ = 0;  ///< the steps of searches
+  bool is_any_wrong_;         ///< a result has failed the check
   Order order_ = Order::kAll;
 };
 

@@ -52,6 +52,8 @@ class GoalRefinement {
   bool has_goals() const;
   /// Returns the number of triangles that all attempts so far have refined.
   std::uint64_t work_taken() const { return effort_.taken(); }
+  /// Takes the steps of the search for intersections in the check of a result.
+  void take_check(std::uint64_t steps) { effort_.take_check(steps); }
   /// Tells whether some patches are curved. These have to be refined even if there is no other goal.
   void set_curved(bool are_any_curved) {
     are_any_curved_ = are_any_curved;

@@ -19,7 +19,6 @@
 
 #include "server/jobs/sql_store.h"
 #include "server/work/request_registry.h"
-#include "tests/support/sanitizer.h"
 #include "tests/support/time_limit.h"
 
 namespace remesh::server::jobs {
@@ -264,11 +263,18 @@ TEST_P(store, a_job_that_takes_too_much_memory_is_left_to_others) {
   EXPECT_EQ(store->claim("worker", 1000).value().id, large);
 }
 
+TEST_P(store, a_lease_that_has_not_run_out_is_the_worker_s) {
+  const auto store = open();
+  submit(*store);
+  const Claim held = claim(*store);
+  EXPECT_EQ(store->upkeep().retried, 0);
+  EXPECT_TRUE(store->holds(held));
+}
+
 TEST_P(store, a_lease_that_runs_out_gives_the_job_to_another_and_the_first_is_refused) {
   const auto store = open(rules_with_lease(milliseconds(100)));
   const std::string id = submit(*store);
   const Claim first = claim(*store);
-  EXPECT_EQ(store->upkeep().retried, 0);
   wait(milliseconds(200));
   EXPECT_EQ(store->upkeep().retried, 1);
   const Claim second = claim(*store);
@@ -283,12 +289,13 @@ TEST_P(store, a_lease_that_runs_out_gives_the_job_to_another_and_the_first_is_re
 }
 
 TEST_P(store, a_lease_that_is_renewed_stays_and_tells_progress) {
-  const auto store = open(rules_with_lease(milliseconds(400)));
+  // A call may take a fifth of a second on a busy machine, so that a lease has room for many.
+  const auto store = open(rules_with_lease(milliseconds(3000)));
   const std::string id = submit(*store);
   const Claim held = claim(*store);
   std::int64_t version = store->find(id)->version;
   for (int i = 0; i < 8; ++i) {
-    wait(milliseconds(100));
+    wait(milliseconds(400));
     EXPECT_TRUE(store->renew(held, {"refinement", i / 10.0}));
     EXPECT_EQ(store->upkeep().retried, 0);
     EXPECT_GT(store->find(id)->version, version);
@@ -450,22 +457,40 @@ TEST_P(store, a_key_whose_time_is_over_may_be_used_again) {
   EXPECT_NE(second.id, first.id);
 }
 
-TEST_P(store, results_expire_and_are_forgotten_later) {
-  StoreRules rules;
-  constexpr int kPatience = kIsSanitized ? 20 : 1;
-  rules.result_ttl = milliseconds(kPatience * 50);
-  rules.history = milliseconds(kPatience * 200);
-  const auto store = open(rules);
+TEST_P(store, a_result_stays_for_its_time) {
+  const auto store = open();
   const std::string id = submit(*store);
   store->commit(claim(*store), success());
   EXPECT_EQ(store->upkeep().expired, 0);
-  wait(milliseconds(kPatience * 100));
+  EXPECT_EQ(store->read_blob(id, BlobKind::kMesh), "mesh");
+}
+
+TEST_P(store, a_result_expires_and_its_job_is_remembered) {
+  StoreRules rules;
+  rules.result_ttl = milliseconds(50);
+  const auto store = open(rules);
+  const std::string id = submit(*store);
+  store->commit(claim(*store), success());
+  wait(milliseconds(100));
   EXPECT_EQ(store->upkeep().expired, 1);
   EXPECT_EQ(state(*store, id), JobState::kExpired);
   EXPECT_EQ(store->read_blob(id, BlobKind::kMesh), std::nullopt);
   EXPECT_EQ(files(), 0u);
-  wait(milliseconds(kPatience * 300));
-  EXPECT_EQ(store->upkeep().forgotten, 1);
+  EXPECT_EQ(store->upkeep().forgotten, 0);
+}
+
+TEST_P(store, an_expired_job_is_forgotten_later) {
+  StoreRules rules;
+  rules.result_ttl = milliseconds(50);
+  rules.history = milliseconds(50);
+  const auto store = open(rules);
+  const std::string id = submit(*store);
+  store->commit(claim(*store), success());
+  wait(milliseconds(100));
+  int forgotten = store->upkeep().forgotten;
+  wait(milliseconds(100));
+  forgotten += store->upkeep().forgotten;
+  EXPECT_EQ(forgotten, 1);
   EXPECT_EQ(store->find(id), std::nullopt);
 }
 
