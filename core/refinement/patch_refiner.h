@@ -64,8 +64,8 @@ class PatchRefiner {
   /// Returns how many steps above the bound were taken since the last call.
   std::uint64_t take_above_bound() { return above_bound_ - std::exchange(above_bound_told_, above_bound_); }
 
-  /// Works until nothing is left to do, until `quota` more triangles (in all patches) would be made, or until the turn's
-  /// steps are spent.
+  /// Works until nothing is left to do, until `quota` more triangles (in all patches) would be made, or until the
+  /// turn's steps are spent.
   void run(std::uint64_t quota, RefinementProgress& progress);
 
   /// Where there are sizes, removes points from a patch that is done, as PatchThinner says. It looks at the points that

@@ -20,6 +20,7 @@
 #include "tests/support/refined_checks.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"
+#include "tests/support/time_limit.h"
 
 namespace remesh {
 namespace {
