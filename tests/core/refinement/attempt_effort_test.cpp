@@ -5,7 +5,8 @@
 namespace remesh {
 namespace {
 
-/// Returns after how many attempts with so many triangles, and steps of the search in each check, the effort is used up.
+/// Returns after how many attempts the effort is used up.
+/// Input: the triangles of each attempt, and the steps of the search in its check.
 int attempts_until_used_up(std::uint64_t triangles, std::uint64_t steps) {
   AttemptEffort effort(20'000, 0);
   int attempts = 0;
