@@ -9,7 +9,7 @@
 namespace remesh {
 namespace {
 
-TEST(steps_above_bounds, a_patch_gets_more_than_an_even_share_and_all_together_no_more_than_there_are) {
+TEST(steps_above_bounds, a_patch_gets_more_than_an_even_share_until_none_are_left) {
   for (const std::size_t patches : {1, 7, 1000}) {
     StepsAboveBounds steps;
     std::uint64_t taken = 0, rounds = 0;
