@@ -209,7 +209,7 @@ class Run {
 
   void prepare() {
     // Nothing of the last attempt is needed any more.
-    const std::uint64_t taken = refiner_ ? refiner_->work_taken() : 0;
+    const AttemptEffort::Taken taken = refiner_ ? refiner_->work_taken() : AttemptEffort::Taken();
     const double floor = refiner_ ? refiner_->goals().min_edge_length : 0;
     refiner_.reset();
     candidate_.clear();
@@ -410,6 +410,7 @@ class Run {
           .with_limit(max);
   }
 
+  /// Checks the result once, and counts the work of the check.
   void run_check(const CheckedAgainst& against) {
     report_.verified = check(candidate_, against, control_);
     refiner_->take_check(report_.verified.search_steps);
@@ -491,7 +492,7 @@ class Run {
   /// Remembers which faces are frozen if it took much work to find them.
   void keep_frozen() {
     const bool are_of_these = refiner_->frozen().size() == partition_.patches.count();
-    if (refiner_->work_taken() < kWorkBeforeFrozenStay || !are_of_these) return;
+    if (refiner_->work_taken().triangles < kWorkBeforeFrozenStay || !are_of_these) return;
     std::vector<PatchId> frozen;
     for (std::uint32_t p = 0; p < partition_.patches.count(); ++p)
       if (refiner_->frozen()[PatchId(p)] != 0) frozen.push_back(PatchId(p));

@@ -133,6 +133,7 @@ class Explanation {
     return std::isfinite(result_.goals.max_edge_length) || std::isfinite(result_.goals.max_area);
   }
 
+  /// Predicts the faces of a result, and counts the places at which this looks at sizes.
   double predict(const Goals& goals) {
     const std::uint64_t triangles = result_.input_triangles;
     const bool do_sizes_vary = goals.proximity > 0 || goals.gradation > 0;
@@ -324,7 +325,7 @@ class Explanation {
   double allowed_ = 0;
   double scale_ = 1;  ///< the faces there are over those that are predicted
   double max_worth_telling_ = 0;
-  std::uint64_t places_ = 0;  ///< at which predictions have looked at sizes
+  std::uint64_t places_ = 0;  ///< the number of places at which predictions have looked at sizes
   std::vector<Remedy> remedies_;
 };
 

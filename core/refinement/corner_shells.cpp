@@ -46,8 +46,8 @@ constexpr double kMinRest = 0.5;
 constexpr std::uint64_t kMaxStops = 1 << 20, kMinStops = 1 << 10, kStopsPerFace = 8;
 
 std::size_t max_stops_of(std::size_t sides, std::uint64_t max_faces) {
-  if (max_faces >= kMaxStops * std::max<std::size_t>(sides, 1)) return kMaxStops;
-  return std::clamp(kStopsPerFace * max_faces / std::max<std::size_t>(sides, 1), kMinStops, kMaxStops);
+  const std::uint64_t faces = std::min(max_faces / std::max<std::size_t>(sides, 1), kMaxStops);
+  return std::clamp(kStopsPerFace * faces, kMinStops, kMaxStops);
 }
 
 /// Returns how far apart the sides of a corner are at the distance 1 from it.

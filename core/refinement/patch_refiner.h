@@ -57,15 +57,15 @@ class PatchRefiner {
   /// Output: True if a point was put into any of them.
   bool split_edges(std::span<const std::uint32_t> half_edges, RunControl& control);
 
-  /// Lets the patch take so many steps above the bound on its work (kWorkOfPatch) in this turn. It must be called in
-  /// each turn. With none, the patch gives up where it goes on and is above its bound: the triangles that wait stay as
+  /// Lets the patch take so many steps above the bound on its work (kWorkOfPatch) in this turn. After these, the turn
+  /// ends. With none, or if this is not called, the patch gives up above its bound: the triangles that wait stay as
   /// they are, with the reason kEffort.
   void allow_above_bound(std::uint64_t steps);
   /// Returns how many steps above the bound were taken since the last call.
   std::uint64_t take_above_bound() { return above_bound_ - std::exchange(above_bound_told_, above_bound_); }
 
-  /// Works until nothing is left to do, until `quota` more triangles (in all patches) would be made, or until the turn's
-  /// steps are spent.
+  /// Works until nothing is left to do, until `quota` more triangles (in all patches) would be made, or until the
+  /// turn's steps are spent.
   void run(std::uint64_t quota, RefinementProgress& progress);
 
   /// Where there are sizes, removes points from a patch that is done, as PatchThinner says. It looks at the points that
@@ -109,8 +109,10 @@ class PatchRefiner {
   const PatchSizes sizes_;
   RefinerScratch* scratch_;  ///< only during a turn
   WorkingPatch patch_;
-  WorkBound work_;                                                                  ///< the steps of all turns
-  std::uint64_t above_bound_ = 0, above_bound_told_ = 0, allowed_above_bound_ = 0;  ///< steps
+  WorkBound work_;  ///< the steps of all turns
+  /// The steps above the bound: those that were taken, those of which take_above_bound has told, and those after which
+  /// the turn ends.
+  std::uint64_t above_bound_ = 0, above_bound_told_ = 0, allowed_above_bound_ = 0;
   bool is_turn_spent_ = false;
   std::uint32_t first_refined_;  ///< the number of vertices when refinement began
 };

@@ -19,6 +19,7 @@
 #include "core/refinement/patch_refiner.h"
 #include "core/refinement/refined_patches.h"
 #include "core/refinement/segment_cuts.h"
+#include "core/refinement/steps_above_bounds.h"
 
 namespace remesh {
 namespace {
@@ -241,7 +242,7 @@ class Rounds {
       const PatchId p = barrier_.dirty[i];
       return refiners_[p] ? refiners_[p]->waiting() : meshes()[p].mesh.triangle_count();
     });
-    above_bound_of_turn_ = above_bounds_.of_turn(barrier_.dirty.size());
+    above_bounds_.begin_round(barrier_.dirty.size());
     for_each_in(by_work, [&](std::uint32_t i) {
       control_.check();
       if (!budget_.is_too_much_made()) take_turn(barrier_.dirty[i], budget_.share(i));
@@ -259,7 +260,7 @@ class Rounds {
                                          cuts_.all(), std::min(share, budget_.max_made()), scratch, control_);
     else
       refiner->begin_turn(scratch);
-    refiner->allow_above_bound(above_bound_of_turn_);
+    refiner->allow_above_bound(above_bounds_.of_turn());
     // A refiner that begins with points of its own numbers its edges anew. So its chords are left for the next pass,
     // which finds them again.
     if (const auto chords = std::exchange(chords_.of_patch[p], {}); !chords.empty())
@@ -375,21 +376,6 @@ class Rounds {
     std::vector<SegmentId> impossible;  ///< segments that had to be cut where rounding left no room, ascending
   };
 
-  /// The steps that patches may still take above their bounds, all together.
-  class AboveBounds {
-   public:
-    /// Returns how many of them each patch of a round may take. It is 0 as soon as none are left.
-    std::uint64_t of_turn(std::size_t patches) const {
-      if (left_ == 0) return 0;
-      constexpr std::uint64_t kUneven = 4, kMin = 1 << 13;
-      return std::max(kMin, kUneven * left_ / std::max<std::size_t>(1, patches));
-    }
-    void take(std::uint64_t steps) { left_ -= std::min(left_, steps); }
-
-   private:
-    std::uint64_t left_ = kWorkAboveBounds;
-  };
-
   const RefinementInput& input_;
   const Criteria criteria_;
   TriangulatedPatches& triangulated_;
@@ -398,8 +384,7 @@ class Rounds {
   SegmentTable segments_;
   SegmentCuts cuts_;
   FaceBudget budget_;
-  AboveBounds above_bounds_;
-  std::uint64_t above_bound_of_turn_ = 0;  ///< the steps above its bound that a patch may take in this round
+  StepsAboveBounds above_bounds_;
   PatchRefiners refiners_;
   /// There is one per thread. Parallel loops inside a turn do not run another patch's turn meanwhile
   /// (core/base/parallel.h).

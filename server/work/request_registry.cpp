@@ -25,13 +25,13 @@ RequestRegistry::Entry RequestRegistry::add(const std::string& id, const std::st
   for (auto request = std::make_shared<RunningRequest>(id, owner);;
        request = std::make_shared<RunningRequest>(new_request_id(), owner)) {
     const std::lock_guard lock(mutex_);
-    if (running_.emplace(std::pair(owner, request->id), request).second) return Entry(*this, std::move(request));
+    if (running_.emplace(Key(request->owner, request->id), request).second) return Entry(*this, std::move(request));
   }
 }
 
 std::shared_ptr<RunningRequest> RequestRegistry::find(const std::string& id, const std::string& owner) const {
   const std::lock_guard lock(mutex_);
-  const auto found = running_.find({owner, id});
+  const auto found = running_.find(Key(owner, id));
   return found == running_.end() ? nullptr : found->second;
 }
 
@@ -52,7 +52,7 @@ void RequestRegistry::cancel_all() {
 void RequestRegistry::remove(RunningRequest& request) {
   request.has_ended = true;
   const std::lock_guard lock(mutex_);
-  running_.erase({request.owner, request.id});
+  running_.erase(Key(request.owner, request.id));
 }
 
 bool is_request_id(std::string_view text) {

@@ -90,8 +90,10 @@ class RequestRegistry {
   void remove(RunningRequest& request);
 
   mutable std::mutex mutex_;
-  /// The requests by their owner and id.
-  std::map<std::pair<std::string, std::string>, std::shared_ptr<RunningRequest>> running_;
+  /// The requests by their owner and id. The keys are views of the requests' own strings, so that a request can be
+  /// removed where memory has run out.
+  using Key = std::pair<std::string_view, std::string_view>;
+  std::map<Key, std::shared_ptr<RunningRequest>> running_;
 };
 
 /// True if a client may choose this text as an id: 16 to 64 URL-safe characters.

@@ -16,24 +16,18 @@ namespace remesh {
 
 /// The patches of a mesh with the segments between them, and the cuts that sizes alone ask for. Sizes are uniform.
 struct PatchSubject {
-  /// No segment is cut oftener than about `max_faces` times before refinement.
-  explicit PatchSubject(const PolygonMesh& mesh, const Options& options = {}, std::uint64_t max_faces = Goals::kNoLimit)
+  explicit PatchSubject(const PolygonMesh& mesh, const Options& options = {})
       : chain(mesh),
-        goals(with_limit(goals_of(options, 1), max_faces)),
+        goals(goals_of(options, 1)),
         sizes(goals.max_edge_length),
         criteria(goals, sizes),
         table(chain.surface, chain.triangulated, IdVector<PatchId, std::uint8_t>(chain.meshes.size()), sizes, goals,
               chain.control),
         cuts(table.size()) {
     table.plan_cuts(chain.triangulated, sizes, goals, chain.control);
-    for (std::uint32_t s = 0; s < table.size(); ++s)
-      cuts[SegmentId(s)] = table.size_cuts(SegmentId(s), sizes, max_faces);
+    for (std::uint32_t s = 0; s < table.size(); ++s) cuts[SegmentId(s)] = table.size_cuts(SegmentId(s), sizes);
   }
 
-  static Goals with_limit(Goals goals, std::uint64_t max_faces) {
-    goals.max_faces = max_faces;
-    return goals;
-  }
   PatchToRefine patch(PatchId p = PatchId(0)) const { return {chain.meshes[p], chain.charts()[p], p, table}; }
   PatchChart chart() const { return chain.charts()[PatchId(0)]; }
 
