@@ -102,6 +102,15 @@ class Postgres:
         os.killpg(self.process.pid, signal.SIGKILL)
         self.process.wait()
 
+    def signal(self, number):
+        """To the server and to all of its processes, each of which has a group of its own."""
+        os.kill(self.process.pid, number)
+        for status in glob.glob("/proc/[0-9]*/stat"):
+            with contextlib.suppress(OSError), open(status, encoding="utf-8", errors="replace") as file:
+                pid, parent = int(status.split("/")[2]), int(file.read().rpartition(")")[2].split()[1])
+                if parent == self.process.pid:
+                    os.kill(pid, number)
+
     def query(self, sql):
         """Rows of strings."""
         answer = subprocess.run([f"{self.programs}/psql", "-qAtX", "-F", "\t", "-v", "ON_ERROR_STOP=1", "-c", sql, self.url],

@@ -21,6 +21,7 @@ import traceback
 
 from daemons import (CONTINUE, ENDLESS, FINAL, QUICK, SECOND, SHORT, SQUARE, STOP, Daemon, Store, ask, can_use, result_of,
                      state_of, submit, wait_for, wait_for_state, with_clock)
+from hostile_meshes import families
 
 PATIENCE = int(os.environ.get("REMESHD_PATIENCE", "1"))
 # No request may take longer than this, whatever the store does.
@@ -116,11 +117,11 @@ def locked(store):
 def frozen(store):
     if not store.postgres:
         raise Impossible("SQLite has no server")
-    os.killpg(store.postgres.process.pid, STOP)
+    store.postgres.signal(STOP)
     try:
         yield
     finally:
-        os.killpg(store.postgres.process.pid, CONTINUE)
+        store.postgres.signal(CONTINUE)
 
 
 @contextlib.contextmanager
@@ -353,6 +354,83 @@ def case_memory(run, store):
     finally:
         stopping.set()
         daemon.kill()
+
+
+@contextlib.contextmanager
+def memory_group(limit):
+    """A control group with this limit of memory, for the length of a `with`: the file for the processes in it."""
+    for root, name in (("/sys/fs/cgroup/memory", "memory.limit_in_bytes"), ("/sys/fs/cgroup", "memory.max")):
+        folder = pathlib.Path(root, f"remeshd-test-{os.getpid()}")
+        try:
+            folder.mkdir()
+        except OSError:
+            continue
+        try:
+            (folder / name).write_text(str(limit), encoding="ascii")
+            yield folder / "cgroup.procs"
+            return
+        except OSError:
+            pass
+        finally:
+            folder.rmdir()
+    raise Impossible("no control group can be made here")
+
+
+def peak_of_command_line(program, mesh, options):
+    """The largest memory of `remesh` on a mesh, in bytes; None where it does not succeed."""
+    command = [program, str(mesh), "-o", "/dev/null", "--format", "obj", *options]
+    process = subprocess.Popen(command, stderr=subprocess.DEVNULL)
+    _, status, usage = os.wait4(process.pid, 0)
+    return usage.ru_maxrss * 1024 if status == 0 else None
+
+
+def resident(pid, name="VmRSS"):
+    text = pathlib.Path(f"/proc/{pid}/status").read_text(encoding="ascii")
+    return int(text.split(f"{name}:")[1].split()[0]) * 1024
+
+
+def case_hostile(run, store):
+    """Meshes that take much memory, at the default budget in a small group: the kernel kills nobody."""
+    if store.postgres:
+        raise Impossible("it is no matter of the store")
+    limit = (512 << 20) if run.is_short else (3 << 29)
+    budget = limit // 10 * 7
+    command_line = str(pathlib.Path(run.program).with_name("remesh"))
+    problems, counts, largest = [], {}, 0
+    with memory_group(limit) as group, tempfile.TemporaryDirectory() as folder:
+        prefix = ["sh", "-c", f'echo $$ > {group}; exec "$@"', "sh"]
+        with run.daemon(store, "--memory-budget", str(budget), prefix=prefix) as daemon:
+            for name, make in families(run.is_short):
+                path = pathlib.Path(folder, "mesh.obj")
+                make(path)
+                fields = {"Content-Type": "model/obj"}
+                if path.read_bytes()[:2] == b"\x1f\x8b":
+                    fields["Content-Encoding"] = "gzip"
+                pathlib.Path(f"/proc/{daemon.process.pid}/clear_refs").write_text("5", encoding="ascii")
+                start = time.monotonic()
+                try:
+                    answer = ask(daemon.port, "POST", "/v1/remesh", path.read_bytes(), fields, timeout=600)
+                except (OSError, http.client.HTTPException) as failure:
+                    problems.append(f"{name}: {failure!r}")
+                    if daemon.process.poll() is not None:
+                        daemon.start()
+                    continue
+                took = time.monotonic() - start
+                peak = resident(daemon.process.pid, "VmHWM") / budget
+                largest = max(largest, peak)
+                counts[answer.status] = counts.get(answer.status, 0) + 1
+                print(f"  {name}: {answer.status} {answer.code() or ''} in {took:.1f} s, {peak:.2f} of the budget", flush=True)
+                if peak > 1.1:
+                    problems.append(f"{name}: {peak:.2f} of the budget")
+                if answer.status not in (200, 413, 422, 503):
+                    problems.append(f"{name}: {answer.status} {answer.body[:200]}")
+                if answer.status in (413, 503) and "Content-Encoding" not in fields:
+                    alone = peak_of_command_line(command_line, path, [])
+                    if alone is not None and alone < 0.8 * budget:
+                        problems.append(f"{name}: {answer.status}, but `remesh` takes {alone / budget:.2f} of the budget")
+    run.tell(", ".join(f"{count} times {status}" for status, count in sorted(counts.items())) +
+             f"; at most {largest:.2f} of the budget")
+    expect(not problems, "; ".join(problems))
 
 
 def main():
