@@ -195,6 +195,10 @@ const std::vector<Setting>& settings() {
       {"--store", "where jobs are kept: sqlite, a URL postgres://..., or none",
        [](Config& c, const auto& text) { c.jobs.store = checked_store(text); },
        [](const Config& c) { return jobs::without_password(c.jobs.store); }},
+      {"--store-password-file",
+       "file with the password for PostgreSQL, read again for each connection (none: the URL has it)",
+       [](Config& c, const auto& text) { c.jobs.store_password_file = text == "none" ? "" : text; },
+       [](const Config& c) { return c.jobs.store_password_file.empty() ? "none" : c.jobs.store_password_file; }},
       {"--state-dir",
        "folder of the SQLite file; auto: the first of these that can be written: $STATE_DIRECTORY, "
        "$XDG_STATE_HOME/remeshd, "

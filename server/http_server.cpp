@@ -267,7 +267,7 @@ class HttpServer::Listener : public httplib::Server {
   bool process_and_close_socket(socket_t socket) override {
     std::optional<Connection> accepted;
     try {
-      Connection& connection = accepted.emplace(socket);
+      Connection& connection = accepted.emplace(socket, &ahead_);
       const OpenSocket registered(*this, socket);
       std::optional<Event> end;
       while (admit(connection) && has_next(connection, end)) connection.begin_exchange();
@@ -661,6 +661,7 @@ class HttpServer::Listener : public httplib::Server {
   std::atomic<std::thread::id> listener_thread_{};
   std::atomic<bool> stopping_{false};
   std::atomic<bool> draining_{false};
+  ReadAhead ahead_;
   ConnectionPlaces places_;
   std::atomic<std::size_t> active_{0};
   std::mutex mutex_;

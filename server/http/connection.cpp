@@ -88,7 +88,7 @@ void Event::clear() noexcept {
 
 bool Event::wait(Clock::time_point until) const { return wait_for(fd_, POLLIN, until); }
 
-Connection::Connection(int socket) : Connection(socket, Owned{}) {
+Connection::Connection(int socket, ReadAhead* ahead) : Connection(socket, ahead, Owned{}) {
   peer_address_ = address_of_peer(socket_);
   ::fcntl(socket_, F_SETFD, FD_CLOEXEC);
   ::fcntl(socket_, F_SETFL, ::fcntl(socket_, F_GETFL) | O_NONBLOCK);
@@ -106,6 +106,11 @@ std::size_t Connection::read_some(char* buffer, std::size_t size, Clock::time_po
       const std::size_t count = put_back_.copy(buffer, size, read_again_);
       read_again_ += count;
       read_ += count;
+      if (!has_put_back()) {
+        put_back_ = {};
+        read_again_ = 0;
+        ahead_.give_back();
+      }
       return count;
     }
     const ssize_t got = ::recv(socket_, buffer, size, 0);
@@ -173,11 +178,23 @@ bool Connection::wait_until_writable(Clock::time_point until) const { return wai
 
 void Connection::abort() const { ::shutdown(socket_, SHUT_RDWR); }
 
+Connection::Ahead Connection::read_ahead() {
+  std::array<char, 64 << 10> piece;
+  const std::size_t room = ahead_.take(piece.size());
+  if (room == 0) return Ahead::kIsFull;
+  const ssize_t got = ::recv(socket_, piece.data(), room, MSG_DONTWAIT);
+  const std::size_t count = got > 0 ? static_cast<std::size_t>(got) : 0;
+  ahead_.give_back(room - count);
+  put_back_.append(piece.data(), count);
+  return got == 0 ? Ahead::kEnd : Ahead::kHasRead;  // poll() reports errors
+}
+
 Connection::Wake Connection::wait(const Event* event, Clock::time_point until, HalfClosed half_closed) {
+  bool may_read = true;
   for (;;) {
     // poll() reports a reset in any case.
-    const short closing = ask_at_ ? 0 : POLLRDHUP;
-    std::array<pollfd, 2> entries{pollfd{socket_, closing, 0}, pollfd{event == nullptr ? -1 : event->fd(), POLLIN, 0}};
+    const auto events = static_cast<short>(ask_at_ ? 0 : may_read ? POLLRDHUP | POLLIN : POLLRDHUP);
+    std::array<pollfd, 2> entries{pollfd{socket_, events, 0}, pollfd{event == nullptr ? -1 : event->fd(), POLLIN, 0}};
     const int ready =
         ::poll(entries.data(), entries.size(), milliseconds_until(std::min(until, ask_at_.value_or(until))));
     if (ready < 0 && errno == EINTR) continue;
@@ -188,6 +205,11 @@ Connection::Wake Connection::wait(const Event* event, Clock::time_point until, H
       if (!send_interim(socket_, "HTTP/1.1 102 Processing\r\n\r\n")) return Wake::kClientGone;
       ask_at_ = Clock::now() + kAskAgain;
       continue;
+    }
+    if (entries[0].revents == POLLIN) {
+      const Ahead ahead = read_ahead();
+      may_read = ahead != Ahead::kIsFull;
+      if (ahead != Ahead::kEnd) continue;
     }
     const bool is_half_closed = (entries[0].revents & (POLLERR | POLLHUP)) == 0;
     if (!is_half_closed || half_closed == HalfClosed::kIsGone) return Wake::kClientGone;

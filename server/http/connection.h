@@ -12,6 +12,8 @@
 #include <string>
 #include <string_view>
 
+#include "server/http/read_ahead.h"
+
 namespace remesh::server {
 
 using Clock = std::chrono::steady_clock;
@@ -60,7 +62,8 @@ class Event {
 class Connection {
  public:
   /// Takes ownership of the socket.
-  explicit Connection(int socket);
+  /// Input: `ahead` - bounds what is read ahead; if it is null, nothing is.
+  explicit Connection(int socket, ReadAhead* ahead = nullptr);
   ~Connection();
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
@@ -108,7 +111,9 @@ class Connection {
     /// clients of HTTP/1.1 can be probed.
     kIsAsked,
   };
-  /// Waits until the event is set, the client goes away, or the time is over.
+  /// Waits until the event is set, the client goes away, or the time is over. It reads ahead what the client sends
+  /// meanwhile, which is part of its next request: the end of what a client sends is seen only behind all of it. Beyond
+  /// the limits of ReadAhead, only a reset shows that the client is gone.
   Wake wait(const Event* event, Clock::time_point until, HalfClosed half_closed = HalfClosed::kIsGone);
 
   /// The bounds on reading what a client still sends after its answer.
@@ -136,7 +141,15 @@ class Connection {
  private:
   /// Lets the public constructor delegate here, so that the socket is closed even if that constructor fails later.
   struct Owned {};
-  Connection(int socket, Owned) noexcept : socket_(socket) {}
+  Connection(int socket, ReadAhead* ahead, Owned) noexcept : socket_(socket), ahead_(ahead) {}
+
+  enum class Ahead {
+    kHasRead,
+    kEnd,    ///< the client sends no more
+    kIsFull  ///< the limits are reached
+  };
+  /// Reads what has arrived, for the next request.
+  Ahead read_ahead();
 
   /// Evaluates the result of a system call that sends.
   std::size_t sent(ssize_t put);
@@ -148,6 +161,7 @@ class Connection {
   Pace write_pace_;
   std::string put_back_;        ///< bytes that were read too far and will be read again
   std::size_t read_again_ = 0;  ///< the number of bytes in `put_back_` that were read again
+  ReadAhead::Share ahead_;
   std::uint64_t written_ = 0;
   std::uint64_t read_ = 0;
 };

@@ -148,9 +148,11 @@ class DatabaseDriver {
 std::unique_ptr<DatabaseDriver> make_sqlite_driver(const std::string& path);
 /// Makes a driver for a PostgreSQL server.
 /// Input: `url` - a URL or a connection string in libpq's syntax; `timeout` - the server itself gives up a statement
-///        after this long, so that nothing goes on for which nobody waits.
+///        after this long, so that nothing goes on for which nobody waits; `password_file` - its first line is the
+///        password, which is read anew for each connection; empty: the URL has the password, if there is one.
 /// Errors: std::invalid_argument - libpq cannot parse it.
 std::unique_ptr<DatabaseDriver> make_postgres_driver(const std::string& url,
-                                                     std::chrono::milliseconds timeout = StoreRules().timeout);
+                                                     std::chrono::milliseconds timeout = StoreRules().timeout,
+                                                     const std::string& password_file = {});
 
 }  // namespace remesh::server::jobs

@@ -35,7 +35,7 @@ std::unique_ptr<JobStore> open_store(const JobSettings& settings, Metrics& metri
     }
     driver = make_sqlite_driver(folder + "/jobs.sqlite");
   } else {
-    driver = make_postgres_driver(settings.store, settings.rules.timeout);
+    driver = make_postgres_driver(settings.store, settings.rules.timeout, settings.store_password_file);
   }
   std::unique_ptr<BlobFolder> folder;
   if (!settings.blob_dir.empty()) folder = std::make_unique<BlobFolder>(settings.blob_dir);

@@ -15,6 +15,7 @@ enum class Role { kServe, kWork, kBoth };
 struct JobSettings {
   /// The job store: `sqlite`, a PostgreSQL URL, or `none`.
   std::string store = "none";
+  std::string store_password_file;  ///< the file with the password for PostgreSQL; empty: it is in the URL
   /// The folder for SQLite's file. `auto` means the first writable one of $STATE_DIRECTORY, $XDG_STATE_HOME/remeshd,
   /// ~/.local/state/remeshd and /var/lib/remeshd; if none is writable, there are no jobs.
   std::string state_dir = "auto";

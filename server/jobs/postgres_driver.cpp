@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <fstream>
 #include <new>
 #include <sstream>
 #include <stdexcept>
@@ -79,26 +80,55 @@ std::vector<Host> hosts_of(const std::string& url) {
   return hosts;
 }
 
+/// Reads the password from its file, anew for each connection, so that a password that was changed needs no restart.
+/// Output: empty if there is no file, and then the password is that of the URL.
+/// Errors: StoreError - the file cannot be read.
+std::string read_password(const std::string& path) {
+  std::string password;
+  if (path.empty()) return password;
+  std::ifstream file(path);
+  if (!std::getline(file, password) && !file.eof()) throw StoreError("cannot read the file of the password, " + path);
+  if (password.ends_with('\r')) password.pop_back();
+  return password;
+}
+
+/// Where the server is, and how to log in there.
+struct Login {
+  std::string url;
+  std::string password_file;  ///< may be empty
+};
+
 /// Connects without blocking, since libpq's own time limit counts whole seconds and for each host anew.
-Connected begin_connection(const std::string& url, const Host& host, const StoreDeadline& deadline) {
+Connected begin_connection(const Login& login, const Host& host, const StoreDeadline& deadline) {
   // Later values win, and the URL is expanded at its position. So settings in the URL take precedence over those before
   // it, and the host over the URL's list of hosts. Empty values count as absent.
-  const std::array<const char*, 11> names{"application_name",
+  const std::array<const char*, 12> names{"application_name",
                                           "keepalives_idle",
                                           "keepalives_interval",
                                           "keepalives_count",
                                           "tcp_user_timeout",
                                           "client_encoding",
                                           "dbname",
+                                          "password",
                                           "host",
                                           "hostaddr",
                                           "port",
                                           nullptr};
+  const std::string password = read_password(login.password_file);
   const bool is_one_of_many = !host.name.empty() || !host.address.empty();
   const auto chosen = [&](const std::string& value) { return is_one_of_many ? value.c_str() : nullptr; };
-  const std::array<const char*, 11> values{
-      "remeshd",         "10",   "5", "3", "15000", "UTF8", url.c_str(), chosen(host.name), chosen(host.address),
-      chosen(host.port), nullptr};
+  const std::array<const char*, 12> values{"remeshd",
+                                           "10",
+                                           "5",
+                                           "3",
+                                           "15000",
+                                           "UTF8",
+                                           login.url.c_str(),
+                                           password.c_str(),
+                                           chosen(host.name),
+                                           chosen(host.address),
+                                           chosen(host.port),
+                                           nullptr};
   Connected connection(::PQconnectStartParams(names.data(), values.data(), /*expand_dbname=*/1), ::PQfinish);
   if (!connection) throw std::bad_alloc();
   PostgresPollingStatusType step = PGRES_POLLING_WRITING;
@@ -113,14 +143,14 @@ Connected begin_connection(const std::string& url, const Host& host, const Store
   return connection;
 }
 
-Connected open_connection(const std::string& url, const StoreDeadline& deadline) {
-  const std::vector<Host> hosts = hosts_of(url);
-  if (hosts.empty()) return begin_connection(url, Host{}, deadline);
+Connected open_connection(const Login& login, const StoreDeadline& deadline) {
+  const std::vector<Host> hosts = hosts_of(login.url);
+  if (hosts.empty()) return begin_connection(login, Host{}, deadline);
   // A host that does not answer leaves time for the others.
   for (std::size_t i = 0;; ++i) {
     try {
       const auto left = deadline.left(std::chrono::minutes(1)) / static_cast<int>(hosts.size() - i);
-      return begin_connection(url, hosts[i], deadline.sooner(Clock::now() + left));
+      return begin_connection(login, hosts[i], deadline.sooner(Clock::now() + left));
     } catch (const StoreError&) {
       if (i + 1 == hosts.size()) throw;
     }
@@ -129,8 +159,8 @@ Connected open_connection(const std::string& url, const StoreDeadline& deadline)
 
 class PostgresDatabase final : public Database {
  public:
-  PostgresDatabase(const std::string& url, std::chrono::milliseconds timeout, const StoreDeadline& deadline)
-      : Database(deadline), connection_(open_connection(url, deadline)) {
+  PostgresDatabase(const Login& login, std::chrono::milliseconds timeout, const StoreDeadline& deadline)
+      : Database(deadline), connection_(open_connection(login, deadline)) {
     ::PQsetnonblocking(connection_.get(), 1);  // sending continues while waiting for the answer
     ::PQsetNoticeProcessor(
         connection_.get(), [](void*, const char*) {}, nullptr);
@@ -275,12 +305,12 @@ class PostgresDatabase final : public Database {
 
 class PostgresDriver : public DatabaseDriver {
  public:
-  PostgresDriver(std::string url, std::chrono::milliseconds timeout) : url_(std::move(url)), timeout_(timeout) {
-    hosts_of(url_);
+  PostgresDriver(Login login, std::chrono::milliseconds timeout) : login_(std::move(login)), timeout_(timeout) {
+    hosts_of(login_.url);
   }
 
   std::unique_ptr<Database> connect_by(const StoreDeadline& deadline) override {
-    return std::make_unique<PostgresDatabase>(url_, timeout_, deadline);
+    return std::make_unique<PostgresDatabase>(login_, timeout_, deadline);
   }
   std::string_view skip_locked() const override { return " FOR UPDATE SKIP LOCKED"; }
 
@@ -349,7 +379,7 @@ class PostgresDriver : public DatabaseDriver {
 
   void wait_for_work(const Event& wake, Clock::time_point until, const StoreDeadline& deadline) override {
     if (!listener_ || ::PQstatus(listener_->handle()) != CONNECTION_OK) {
-      listener_ = std::make_unique<PostgresDatabase>(url_, timeout_, deadline);
+      listener_ = std::make_unique<PostgresDatabase>(login_, timeout_, deadline);
       try {
         listener_->run((std::string("LISTEN ") + kChannel).c_str(), {}, Database::Result::kText);
       } catch (const StoreError&) {
@@ -374,15 +404,16 @@ class PostgresDriver : public DatabaseDriver {
   std::size_t max_connections() const override { return 8; }
 
  private:
-  const std::string url_;
+  const Login login_;
   const std::chrono::milliseconds timeout_;
   std::unique_ptr<PostgresDatabase> listener_;
 };
 
 }  // namespace
 
-std::unique_ptr<DatabaseDriver> make_postgres_driver(const std::string& url, std::chrono::milliseconds timeout) {
-  return std::make_unique<PostgresDriver>(url, timeout);
+std::unique_ptr<DatabaseDriver> make_postgres_driver(const std::string& url, std::chrono::milliseconds timeout,
+                                                     const std::string& password_file) {
+  return std::make_unique<PostgresDriver>(Login{url, password_file}, timeout);
 }
 
 }  // namespace remesh::server::jobs

@@ -225,6 +225,34 @@ def case_lost(run, store):
         expect(run.asked(daemon.port, "GET", f"/v1/jobs/{old}").status == 404, "a job of the lost database")
 
 
+def case_password(run, store):
+    """The password of the role changes, and then its file; nobody starts the daemon again."""
+    if not store.postgres:
+        raise Impossible("SQLite has no passwords")
+    store.query("CREATE ROLE rotating SUPERUSER LOGIN PASSWORD 'first'")
+    rules = pathlib.Path(store.postgres.data, "pg_hba.conf")
+    rules.write_text("host all rotating 127.0.0.1/32 scram-sha-256\n" + rules.read_text(encoding="utf-8"), encoding="utf-8")
+    store.query("SELECT pg_reload_conf()")
+    url = store.postgres.url.replace("remeshd@", "rotating@")
+    with tempfile.NamedTemporaryFile("w") as file:
+        def write(password):
+            file.seek(0)
+            file.truncate()
+            file.write(password + "\n")
+            file.flush()
+        write("first")
+        with run.daemon(store, "--store", url, "--store-password-file", file.name) as daemon:
+            expect_done(daemon, accepted(submit(daemon.port)))
+            store.query("ALTER ROLE rotating PASSWORD 'second'")
+            store.query("SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE usename = 'rotating'")
+            wait_for(lambda: run.asked(daemon.port, "POST", f"/v1/jobs?{QUICK}", SQUARE).status == 503)
+            write("second")
+            start = time.monotonic()
+            wait_for(lambda: ask(daemon.port, "GET", "/readyz").status == 200)
+            expect_done(daemon, accepted(submit(daemon.port)))
+            run.tell(f"again after {time.monotonic() - start:.1f} s")
+
+
 def case_log(run, store):
     """Standard error is a pipe that nobody reads."""
     reading, writing = os.pipe()
@@ -378,7 +406,7 @@ def memory_group(limit):
 
 def peak_of_command_line(program, mesh, options):
     """The largest memory of `remesh` on a mesh, in bytes; None where it does not succeed."""
-    command = [program, str(mesh), "-o", "/dev/null", "--format", "obj", *options]
+    command = [program, str(mesh), "-o", str(mesh.with_name("result.obj")), *options]
     process = subprocess.Popen(command, stderr=subprocess.DEVNULL)
     _, status, usage = os.wait4(process.pid, 0)
     return usage.ru_maxrss * 1024 if status == 0 else None

@@ -187,6 +187,35 @@ TEST_F(service, one_that_is_half_closed_and_then_gone_stops_its_work) {
   expect_well();
 }
 
+TEST_F(service, a_client_that_leaves_megabytes_of_its_next_request_behind_stops_its_work) {
+  config_.limits.max_body = 16 << 20;
+  start();
+  const auto leave = [&] {
+    const int before = stub_.stopped;
+    const auto client = start_blocking();
+    const std::string next = post_text("/v1/remesh", std::string(12 << 20, 'x'));
+    EXPECT_TRUE(client->send(next));  // which waits until the daemon has read most of it
+    const Clock::time_point start = Clock::now();
+    client->close();
+    EXPECT_TRUE(eventually([&] { return stub_.stopped > before; }));
+    return Clock::now() - start;
+  };
+  test::expect_best_within(milliseconds(2000), leave);
+  expect_well();
+}
+
+TEST_F(service, what_was_read_ahead_is_the_next_request) {
+  config_.limits.max_body = 4 << 20;
+  start();
+  const auto client = start_blocking();
+  client->send(post_text("/v1/remesh", std::string(3 << 20, 'x')) + post_text("/v1/remesh", "third"));
+  stub_.released = true;
+  EXPECT_EQ(client->answer().body, "5  ");
+  EXPECT_EQ(client->answer().body, std::to_string(3 << 20) + "  ");
+  EXPECT_EQ(client->answer().body, "5  ");
+  expect_well();
+}
+
 TEST_F(service, before_http_1_1_there_is_no_asking) {
   start();
   RawClient client(port_);
