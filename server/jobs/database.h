@@ -97,6 +97,9 @@ class Transaction {
   bool is_open_ = true;
 };
 
+/// What room is asked for.
+enum class RoomFor { kNewJob, kResult };
+
 class DatabaseDriver {
  public:
   virtual ~DatabaseDriver() = default;
@@ -127,9 +130,14 @@ class DatabaseDriver {
                             std::string_view bytes, std::uint64_t size) = 0;
   /// The number of rows of a blob whose last row has the number `last`.
   virtual std::int64_t rows_of_blob(std::int64_t last) const = 0;
-  /// Checks that there is room for a blob of this size, besides some that stays free for deletions.
-  /// Errors: StoreFull.
-  virtual void check_room(Database&, std::uint64_t) const {}
+  /// Checks that there is room for blobs of this size, besides some that stays free.
+  /// Errors: RoomRefused.
+  virtual void check_room(Database&, std::uint64_t, RoomFor) const {}
+  /// Called after each operation. It keeps the log short where room is scarce.
+  virtual void after(Database&) const {}
+  /// Cuts a log whose contents are also in the file, or can be written there.
+  /// Output: true if there may be more room now.
+  virtual bool cut_log(Database&) const { return false; }
   /// Frees the room that is kept for deletions.
   /// Output: true if there was any.
   virtual bool release_reserve() const { return false; }

@@ -40,10 +40,14 @@ void DiskReserve::keep() const noexcept {
 
 bool DiskReserve::release() const noexcept { return ::unlink(path_.c_str()) == 0; }
 
-void DiskReserve::check_room(std::uint64_t bytes) const {
+void DiskReserve::check_room(std::uint64_t bytes, RoomFor purpose) const {
   const Room now = room();
-  if (now.free / 2 >= now.reserve && now.free - now.reserve >= bytes) return;
-  throw StoreFull("the volume of " + folder_ + " has " + format_bytes(now.free) + " left");
+  // A result that is stored ends a job and removes its input, so it may use all but the reserve.
+  const bool is_kept = ::access(path_.c_str(), F_OK) == 0;
+  const std::uint64_t for_deletions = is_kept ? 0 : now.reserve;
+  const std::uint64_t stays = purpose == RoomFor::kNewJob ? 2 * now.reserve : for_deletions;
+  if (now.free >= stays && now.free - stays >= bytes) return;
+  throw RoomRefused("the volume of " + folder_ + " has " + format_bytes(now.free) + " left");
 }
 
 bool DiskReserve::is_scarce() const {

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <string>
 
+#include "server/jobs/database.h"
+
 namespace remesh::server::jobs {
 
 class DiskReserve {
@@ -18,9 +20,12 @@ class DiskReserve {
   /// Output: true if there was one.
   bool release() const noexcept;
 
-  /// Checks that the volume has so much room besides what is to stay free for deletions.
-  /// Errors: StoreFull.
-  void check_room(std::uint64_t bytes) const;
+  /// Checks that the volume has so much room besides what is to stay free: for deletions, and where a new job asks, for
+  /// the results of those that are there.
+  /// Errors: RoomRefused.
+  void check_room(std::uint64_t bytes, RoomFor purpose) const;
+  /// The bytes that are free on the volume.
+  std::uint64_t free() const { return room().free; }
   /// True if there is so little room that unused room in files should be returned.
   bool is_scarce() const;
 

@@ -39,6 +39,12 @@ class StoreFull : public StoreError {
   using StoreError::StoreError;
 };
 
+/// There is room for other operations, but not for one that needs so much.
+class RoomRefused : public StoreFull {
+ public:
+  using StoreFull::StoreFull;
+};
+
 /// The daemon must not use this store, whenever it is asked. An operator has to change something.
 class StoreUnusable : public StoreError {
  public:

@@ -94,10 +94,12 @@ std::unique_ptr<Database> SqlStore::take_connection(const StoreDeadline& until) 
 template <typename Operation>
 auto SqlStore::attempt(Operation& operation, Reserve reserve) {
   const StoreDeadline until = deadline();
-  for (bool may_repeat = true;; may_repeat = false) {
+  bool may_reconnect = true, may_cut = true, may_release = reserve == Reserve::kMayBeUsed;
+  for (;;) {
     std::unique_ptr<Database> database = take_connection(until);
     try {
       auto result = operation(*database);
+      driver_->after(*database);
       connections_.give(std::move(database));
       return result;
     } catch (const ConnectionBroken& error) {
@@ -105,10 +107,12 @@ auto SqlStore::attempt(Operation& operation, Reserve reserve) {
       database.reset();
       connections_.give(nullptr);
       connections_.close_idle();
-      if (!may_repeat || until.is_over()) throw;
+      if (!std::exchange(may_reconnect, false) || until.is_over()) throw;
     } catch (const StoreFull&) {
+      const bool has_room = (std::exchange(may_cut, false) && driver_->cut_log(*database)) ||
+                            (std::exchange(may_release, false) && driver_->release_reserve());
       connections_.give(std::move(database));
-      if (!may_repeat || reserve == Reserve::kStays || !driver_->release_reserve()) throw;
+      if (!has_room) throw;
     } catch (...) {
       connections_.give(std::move(database));
       throw;
@@ -123,9 +127,8 @@ auto SqlStore::with_database(std::string_view op, Access access, Operation opera
     auto result = attempt(operation, reserve);
     note(op, access, start, nullptr);
     return result;
-  } catch (const StoreFull& error) {
-    // An operation that leaves the reserve alone was refused early, which says nothing about other operations.
-    note(op, reserve == Reserve::kStays ? Access::kRead : access, start, &error);
+  } catch (const RoomRefused& error) {
+    note(op, Access::kRead, start, &error);  // nothing was tried, which says nothing about other operations
     throw;
   } catch (const StoreError& error) {
     note(op, access, start, &error);
@@ -242,7 +245,7 @@ Submission SqlStore::insert(Database& database, const NewJob& job, bool& is_unce
   Transaction transaction(database);
   if (const std::optional<Submission> repeated = find_repeated(database, job)) return *repeated;
   check_limits(database, job);
-  driver_->check_room(database, job.body.size());
+  driver_->check_room(database, job.body.size(), RoomFor::kNewJob);
   blobs_.write(database, job.id, BlobKind::kInput, job.body);
   const std::int64_t turn = next_turn(database, job.owner);
   const Rows rows = database.run(
@@ -260,9 +263,8 @@ Submission SqlStore::insert(Database& database, const NewJob& job, bool& is_unce
 Submission SqlStore::submit(const NewJob& job) {
   bool is_uncertain = false;
   try {
-    return with_database(
-        "submit", Access::kWrite, [&](Database& database) { return insert(database, job, is_uncertain); },
-        Reserve::kStays);
+    return with_database("submit", Access::kWrite,
+                         [&](Database& database) { return insert(database, job, is_uncertain); });
   } catch (const StoreError&) {
     if (is_uncertain && !job.idempotency) uncertain_.note_submission(job.id);
     throw;
@@ -342,7 +344,7 @@ bool SqlStore::commit(const Claim& claim, const JobOutcome& outcome) {
                   .empty();
     }
     if (outcome.state == JobState::kSucceeded) {
-      driver_->check_room(database, outcome.mesh.size() + outcome.report.size());
+      driver_->check_room(database, outcome.mesh.size() + outcome.report.size(), RoomFor::kResult);
       blobs_.write(database, claim.id, BlobKind::kMesh, outcome.mesh);
       blobs_.write(database, claim.id, BlobKind::kReport, outcome.report);
     }
@@ -398,7 +400,7 @@ std::vector<JobRecord> SqlStore::list(const std::string& owner, int limit) {
 bool SqlStore::cancel(const std::string& id) {
   static const std::string problem = problem_text(409, "cancelled", "the job was cancelled");
   std::vector<std::string> files;
-  const bool was_cancelled = with_database("cancel", Access::kWrite, [&](Database& database) {
+  const auto end_it = [&](Database& database) {
     Transaction transaction(database);
     const Rows rows = database.run(
         "UPDATE remeshd_job SET state = 'cancelled', token = token + 1, version = version + 1, lease_ms = NULL, "
@@ -409,14 +411,15 @@ bool SqlStore::cancel(const std::string& id) {
     files = BlobTable::remove(database, id, "kind = 'input'");
     transaction.commit();
     return true;
-  });
+  };
+  const bool was_cancelled = with_database("cancel", Access::kWrite, end_it, Reserve::kMayBeUsed);
   blobs_.remove_files(files);
   return was_cancelled;
 }
 
 bool SqlStore::discard(const std::string& id) {
   std::vector<std::string> files;
-  const bool was_result = with_database("discard", Access::kWrite, [&](Database& database) {
+  const auto remove_it = [&](Database& database) {
     Transaction transaction(database);
     const Rows rows = database.run(
         "UPDATE remeshd_job SET state = 'expired', version = version + 1, expires_ms = remeshd_now() + $1 "
@@ -427,7 +430,8 @@ bool SqlStore::discard(const std::string& id) {
         database, id, "EXISTS (SELECT 1 FROM remeshd_job WHERE id = $1 AND state NOT IN ('queued', 'running'))");
     transaction.commit();
     return !rows.empty();
-  });
+  };
+  const bool was_result = with_database("discard", Access::kWrite, remove_it, Reserve::kMayBeUsed);
   blobs_.remove_files(files);
   return was_result;
 }
@@ -455,7 +459,8 @@ std::uint64_t SqlStore::stored_bytes() {
 
 Upkeep SqlStore::upkeep() {
   std::vector<std::string> files;
-  const Upkeep done = with_database("upkeep", Access::kQueue, [&](Database& database) {
+  const auto look_after = [&](Database& database) {
+    driver_->tidy(database);  // first, since on a full volume it makes the room for what follows
     driver_->keep_clock(database);
     files = uncertain_.undo(database);
     JobUpkeep upkeep(database, *driver_, rules_);
@@ -463,9 +468,9 @@ Upkeep SqlStore::upkeep() {
     files.insert(files.end(), upkeep.files().begin(), upkeep.files().end());
     const std::vector<std::string> stray = blobs_.find_stray_files(database, swept_++);
     files.insert(files.end(), stray.begin(), stray.end());
-    driver_->tidy(database);
     return upkeep.done();
-  });
+  };
+  const Upkeep done = with_database("upkeep", Access::kQueue, look_after, Reserve::kMayBeUsed);
   blobs_.remove_files(files);
   return done;
 }

@@ -57,13 +57,13 @@ class SqlStore : public JobStore {
     kWrite,  ///< both
   };
 
-  /// The room that is kept for deletions may be used by some operations only.
+  /// The room that is kept for deletions may be used by operations that make room only.
   enum class Reserve { kMayBeUsed, kStays };
 
   /// Runs `operation` on a connection. If that connection broke before anything was committed, it runs it once more
-  /// on a new one.
+  /// on a new one. If there is no room, it makes some and runs it again.
   template <typename Operation>
-  auto with_database(std::string_view op, Access access, Operation operation, Reserve reserve = Reserve::kMayBeUsed);
+  auto with_database(std::string_view op, Access access, Operation operation, Reserve reserve = Reserve::kStays);
   template <typename Operation>
   auto attempt(Operation& operation, Reserve reserve);
   std::unique_ptr<Database> take_connection(const StoreDeadline& until);

@@ -28,6 +28,11 @@ constexpr std::int64_t kKeptPages = 16384;
 constexpr std::uint64_t kPage = 4096;
 /// A write-ahead log that is longer is written back and cut at the next occasion.
 constexpr std::uint64_t kMaxLog = 8 << 20;
+/// The log may be this long where room is scarce.
+constexpr std::uint64_t kShortLog = 256 << 10;
+/// The largest number of pages that are moved at once, and how often that is done at once where room is scarce.
+constexpr std::int64_t kMoved = 4096;
+constexpr int kRounds = 16;
 /// Room for the rows that are written besides a blob.
 constexpr std::uint64_t kSmallWrite = 256 << 10;
 /// Interval between checks whether another process has written.
@@ -289,11 +294,20 @@ class SqliteDriver : public DatabaseDriver {
     if (!base.empty()) clock_.set_base(integer(base[0][0]));
   }
 
-  void check_room(Database& database, std::uint64_t bytes) const override {
+  void check_room(Database& database, std::uint64_t bytes, RoomFor purpose) const override {
     // The bytes are written to the log first, and then to the file, where free pages are used again.
     const std::uint64_t pages = bytes + bytes / 8 + kSmallWrite;
     const auto free = static_cast<std::uint64_t>(integer(database.run("PRAGMA freelist_count").at(0)[0])) * kPage;
-    reserve_.check_room(pages + (pages > free ? pages - free : 0));
+    reserve_.check_room(pages + (pages > free ? pages - free : 0), purpose);
+  }
+  bool cut_log(Database& database) const override {
+    const std::uint64_t size = log_size();
+    try {
+      database.run("PRAGMA wal_checkpoint(TRUNCATE)");  // which says nothing if others are reading
+    } catch (const StoreError&) {
+      return false;  // the file itself has no room to grow, or somebody holds it for long
+    }
+    return log_size() < size;
   }
   bool release_reserve() const override { return reserve_.release(); }
 
@@ -304,13 +318,34 @@ class SqliteDriver : public DatabaseDriver {
   }
   std::int64_t rows_of_blob(std::int64_t last) const override { return last / kPartsOfPiece + 1; }
 
+  void after(Database& database) const override {
+    // The log takes room besides the file. While it holds pages that the file does not have yet, writing it back needs
+    // room as well, so it must not grow until there is none.
+    if (log_size() > kShortLog && reserve_.is_scarce()) cut_log(database);
+  }
+
   void tidy(Database& database) override {
     // Free pages are reused, and so is the log. Only if they are large, or other files need the room, do the files
     // shrink, a little at a time.
     const bool is_scarce = reserve_.is_scarce();
-    const std::int64_t free_pages = integer(database.run("PRAGMA freelist_count").at(0)[0]);
-    if (free_pages > (is_scarce ? 0 : kKeptPages)) database.run("PRAGMA incremental_vacuum(4096)");
-    if (log_size() > (is_scarce ? 0 : kMaxLog)) database.run("PRAGMA wal_checkpoint(TRUNCATE)");
+    const auto cut_if_long = [&] {
+      if (log_size() > (is_scarce ? 0 : kMaxLog)) cut_log(database);
+    };
+    cut_if_long();  // first, since all that follows is written to the log
+    try {
+      for (int round = 0; round < kRounds; ++round) {
+        const std::int64_t free_pages = integer(database.run("PRAGMA freelist_count").at(0)[0]);
+        // A page that moves changes some others, and all of these go through the log.
+        const auto room = static_cast<std::int64_t>(reserve_.free() / kPage / 8);
+        const std::int64_t pages = std::min(is_scarce ? free_pages : free_pages - kKeptPages, std::min(room, kMoved));
+        if (pages <= 0) break;
+        database.run(("PRAGMA incremental_vacuum(" + std::to_string(pages) + ")").c_str());
+        cut_if_long();
+        if (!is_scarce) break;
+      }
+    } catch (const StoreFull&) {
+      // The pages stay in the file, where they are used again.
+    }
     reserve_.keep();
   }
 

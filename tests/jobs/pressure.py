@@ -18,6 +18,7 @@ import tempfile
 import threading
 import time
 import traceback
+import types
 
 from daemons import (CONTINUE, ENDLESS, FINAL, QUICK, SECOND, SHORT, SQUARE, STOP, Daemon, Store, ask, can_use, result_of,
                      state_of, submit, wait_for, wait_for_state, with_clock)
@@ -241,7 +242,8 @@ def case_password(run, store):
             file.write(password + "\n")
             file.flush()
         write("first")
-        with run.daemon(store, "--store", url, "--store-password-file", file.name) as daemon:
+        login = types.SimpleNamespace(flags=["--store", url, "--store-password-file", file.name])
+        with run.daemon(login) as daemon:
             expect_done(daemon, accepted(submit(daemon.port)))
             store.query("ALTER ROLE rotating PASSWORD 'second'")
             store.query("SELECT pg_terminate_backend(pid) FROM pg_stat_activity WHERE usename = 'rotating'")
@@ -302,36 +304,89 @@ def fill(path):
             file.write(bytes(4096))
 
 
+def expect_known(run, daemon, jobs):
+    for job in jobs:
+        expect(run.asked(daemon.port, "GET", f"/v1/jobs/{job}").status == 200, "GET on a full volume")
+
+
+def delete(run, daemon, jobs):
+    for job in jobs:
+        answer = run.asked(daemon.port, "DELETE", f"/v1/jobs/{job}")
+        expect(answer.status == 204, f"DELETE on a full volume: {answer.status} {answer.body[:200]}")
+
+
+def fill_by_inputs(run, daemon):
+    """Jobs whose results are small come until there is no room. All of them are done."""
+    mesh = SQUARE + b"#" * 400_000
+    jobs = []
+    while (answer := run.asked(daemon.port, "POST", f"/v1/jobs?{QUICK}", mesh)).status == 202:
+        jobs.append(accepted(answer))
+    expect((answer.status, answer.code()) == (507, "storage_full"), f"{answer.status} {answer.code()}")
+    expect("retry-after" in answer.headers, "Retry-After")
+    run.tell(f"{len(jobs)} jobs, then 507")
+    for job in jobs:
+        expect_done(daemon, job)
+    return jobs
+
+
+def fill_by_results(run, daemon, size):
+    """The results of small jobs need more room than there is. What is done waits until other results are deleted."""
+    left = []
+    while len(left) < size // 500_000 and (answer := run.asked(daemon.port, "POST", f"/v1/jobs?{SHORT}", SQUARE)).status == 202:
+        left.append(accepted(answer))
+    count = len(left)
+    while left:
+        done = [job for job in left if state_of(daemon.port, job)["state"] in FINAL]
+        for job in done:
+            expect_done(daemon, job)
+            expect(result_of(daemon.port, job).status == 200, "a result can be read")
+        if not done:
+            time.sleep(0.1)
+        elif len(done) < len(left) and not is_stuck(daemon, left, done):
+            continue
+        delete(run, daemon, done)
+        left = [job for job in left if job not in done]
+    run.tell(f"{count} results in turn")
+
+
+def again(run, daemon):
+    """There is room, so new jobs are accepted soon."""
+    mesh = SQUARE + b"#" * 400_000
+    start = time.monotonic()
+    job = accepted(wait_for(lambda: (answer := submit(daemon.port, QUICK, mesh)).status == 202 and answer,
+                            seconds=10 * PATIENCE))
+    run.tell(f"again after {time.monotonic() - start:.1f} s")
+    expect_done(daemon, job)
+    delete(run, daemon, [job])
+
+
+def is_stuck(daemon, jobs, done):
+    """Whether no other job ends for a second."""
+    time.sleep(1)
+    return sum(state_of(daemon.port, job)["state"] in FINAL for job in jobs) == len(done)
+
+
 def case_disk(run, store):
-    """A small volume is filled by jobs, and by another's file."""
+    """A small volume is filled by jobs, by results, and by another's file."""
     if store.postgres:
         raise Impossible("the server's volume is its own matter")
-    with volume("24m" if run.is_short else "200m") as folder, Store("sqlite", folder) as small:
+    size = 24 if run.is_short else 200
+    with volume(f"{size}m") as folder, Store("sqlite", folder) as small:
         with run.daemon(small) as daemon:
-            mesh = SQUARE + b"#" * 400_000
-            jobs = []
-            while (answer := run.asked(daemon.port, "POST", f"/v1/jobs?{SHORT}", mesh)).status == 202:
-                jobs.append(accepted(answer))
-            expect((answer.status, answer.code()) == (507, "storage_full"), f"{answer.status} {answer.code()}")
-            expect("retry-after" in answer.headers, "Retry-After")
-            run.tell(f"{len(jobs)} jobs, then 507")
-            for job in jobs:
-                expect_done(daemon, job)
+            jobs = fill_by_inputs(run, daemon)
+            expect_known(run, daemon, jobs)
+            delete(run, daemon, jobs)
+            fill_by_results(run, daemon, size << 20)
+            again(run, daemon)
+            jobs = fill_by_inputs(run, daemon)
             fill(pathlib.Path(folder, "filler"))
             daemon.kill()
             daemon.start()  # on the full volume
-            for job in jobs:
-                expect(run.asked(daemon.port, "GET", f"/v1/jobs/{job}").status == 200, "GET on a full volume")
-            for job in jobs[1:]:
-                answer = run.asked(daemon.port, "DELETE", f"/v1/jobs/{job}")
-                expect(answer.status == 204, f"DELETE on a full volume: {answer.status} {answer.body[:200]}")
+            expect_known(run, daemon, jobs)
+            delete(run, daemon, jobs[1:])
             expect(result_of(daemon.port, jobs[0]).status == 200, "what was kept can be read")
             pathlib.Path(folder, "filler").unlink()
-            start = time.monotonic()
-            job = accepted(wait_for(lambda: (answer := submit(daemon.port, SHORT, mesh)).status == 202 and answer,
-                                    seconds=10 * PATIENCE))
-            run.tell(f"again after {time.monotonic() - start:.1f} s")
-            expect_done(daemon, job)
+            again(run, daemon)
 
 
 def case_clock(run, store):
