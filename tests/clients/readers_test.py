@@ -125,7 +125,9 @@ def main():
                 good = threads.submit(Reader(daemon.port, path, GOOD_RATE).read)
                 are_cut = threading.Event()
                 began = time.monotonic()
-                readers = [Reader(daemon.port, path, 1000 + 9000 * number // (READERS - 1)) for number in range(READERS)]
+                rates = [1000 + 9000 * number // (READERS - 1) for number in range(READERS)]
+                with concurrent.futures.ThreadPoolExecutor(4) as starters:
+                    readers = list(starters.map(lambda rate: Reader(daemon.port, path, rate), rates))
                 all_begun = time.monotonic() - began
                 slow = [threads.submit(reader.read, are_cut.is_set) for reader in readers]
                 time.sleep(15)
