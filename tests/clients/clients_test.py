@@ -248,12 +248,12 @@ def session_pause(name, port, pause):
 
 def tool_pause(name, tool, url, file, pause):
     command = tool.command(url, file, pause)
-    done = subprocess.run(command, capture_output=True, text=True, timeout=PATIENCE + 2 * pause * ROUNDS)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=10 * PATIENCE + 2 * pause * ROUNDS)
     return [(name, status) for status in tool.statuses(done)]
 
 
 def program_pause(command, url, file, pause):
-    lines = programs.run(command, "pause", url, file, pause, ROUNDS, CONNECTIONS, timeout=PATIENCE + 2 * pause * ROUNDS)
+    lines = programs.run(command, "pause", url, file, pause, ROUNDS, CONNECTIONS, timeout=10 * PATIENCE + 2 * pause * ROUNDS)
     return [(line.client, line.status if line.status != "lost" else f"lost: {line.rest}") for line in lines]
 
 
@@ -269,7 +269,11 @@ def check_pause(program, commands, file, pause):
         at_once = math.ceil(RATE_OF_PAUSES * pause / CONNECTIONS)
         with concurrent.futures.ThreadPoolExecutor(CONNECTIONS * len(uses)) as threads:
             for begin in range(0, len(uses), at_once):
-                for done in [threads.submit(*use) for client in uses[begin:begin + at_once] for use in client]:
+                running = []
+                for client in uses[begin:begin + at_once]:
+                    running += [threads.submit(*use) for use in client]
+                    time.sleep(pause / at_once)  # so that their rounds come one after another
+                for done in running:
                     for name, status in done.result():
                         statuses[name][status] += 1
     wanted = {"200": CONNECTIONS * (ROUNDS + 1)}
