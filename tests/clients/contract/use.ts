@@ -7,10 +7,14 @@ import type { components, paths } from "./api.js";
 const client = createClient<paths>({ baseUrl: process.argv[2]! });
 const square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
 // The body is a file, and not the JSON that openapi-fetch would make of it.
-const upload = { body: square, bodySerializer: (body: string) => body, headers: { "Content-Type": "model/obj" } };
+const upload = {
+  body: square,
+  bodySerializer: (body: unknown) => body as string,
+  headers: { "Content-Type": "model/obj" },
+};
 
 const capabilities = await client.GET("/v1/capabilities");
-assert.ok(capabilities.data!.limits.workers > 0);
+assert.ok(capabilities.data!.limits!.workers! > 0);
 
 const query = { min_angle_deg: 25, format: "json" } as const;
 const remeshed = await client.POST("/v1/remesh", { params: { query }, ...upload });
