@@ -26,7 +26,7 @@ from daemons import PATIENCE, ROOT, SQUARE, Daemon, expect
 KEY = "clients-test-key-0123456789"
 MESH = ROOT / "tests" / "data" / "bracket.obj"
 FULL = "--full" in sys.argv
-CONNECTIONS = 20
+CONNECTIONS = 20 if FULL else 5
 # With an idle timeout of 3 s, as it once was, many clients lose requests after pauses of about this length.
 PAUSES = [1, 2, 3, 5, 10, 60] if FULL else [3]
 ROUNDS = 10 if FULL else 2
@@ -330,7 +330,7 @@ def slowly(size):
 
 def check_early_answers(program, commands):
     """A slow upload that is refused at once sees the answer."""
-    size = 20_000_000 if FULL else 8_000_000
+    size = 20_000_000 if FULL else 4_000_000
 
     def see(name, status, port):
         try:
