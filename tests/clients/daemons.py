@@ -99,7 +99,7 @@ def nginx(configuration, folder):
     """Starts nginx with the given part of an `http` block, in which PORT is the port to listen on."""
     port = free_port()
     paths = "".join(f"{kind}_temp_path {folder}/{kind};\n" for kind in ("client_body", "proxy", "fastcgi", "uwsgi", "scgi"))
-    text = (f"daemon off;\npid {folder}/pid;\nerror_log stderr;\nworker_processes 1;\nevents {{}}\n"
+    text = (f"daemon off;\npid {folder}/pid;\nerror_log stderr;\nworker_processes 1;\nevents {{ worker_connections 4096; }}\n"
             f"http {{\naccess_log off;\n{paths}{configuration.replace('PORT', str(port))}\n}}\n")
     if os.geteuid() == 0:
         text = "user root;\n" + text

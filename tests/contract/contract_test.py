@@ -376,6 +376,8 @@ def check_limits(contract, program):
             held.recv(1)
             for operation in ("remesh", "analyze", "submitJob"):
                 contract.check(operation, ask(daemon.port, "POST", contract.operations[operation][1], SQUARE), 429)
+            for operation in ("isLive", "isReady"):
+                contract.check(operation, ask(daemon.port, "GET", contract.operations[operation][1]), 429)
     with Daemon(program) as daemon:
         with contextlib.closing(connect(daemon.port)) as connection:
             fields = {"X-Request-Id": "contract-cancelled"}

@@ -223,8 +223,8 @@ TEST(worker_pool, the_time_that_small_jobs_have_taken_limits_how_many_may_wait) 
   WorkerPool pool(1, {.max_large = 1, .max_small_wait = std::chrono::milliseconds(1)}, 1);
   const auto wait = [&] { open.wait(); };
   EXPECT_EQ(pool.expected_wait().count(), 0);
-  // Its eighth part, the first average, is ten times the limit.
-  ASSERT_TRUE(pool.try_submit([] { std::this_thread::sleep_for(std::chrono::milliseconds(80)); }));
+  // One part in 32 of it, the first average, is ten times the limit.
+  ASSERT_TRUE(pool.try_submit([] { std::this_thread::sleep_for(std::chrono::milliseconds(320)); }));
   ASSERT_TRUE(eventually([&] { return pool.running() == 0 && pool.queued() == 0; }));
   ASSERT_TRUE(pool.try_submit(wait));
   ASSERT_TRUE(eventually([&] { return pool.running() == 1; }));
