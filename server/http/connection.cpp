@@ -106,11 +106,7 @@ std::size_t Connection::read_some(char* buffer, std::size_t size, Clock::time_po
       const std::size_t count = put_back_.copy(buffer, size, read_again_);
       read_again_ += count;
       read_ += count;
-      if (!has_put_back()) {
-        put_back_ = {};
-        read_again_ = 0;
-        ahead_.give_back();
-      }
+      drop_put_back();
       return count;
     }
     const ssize_t got = ::recv(socket_, buffer, size, 0);
@@ -127,9 +123,22 @@ std::size_t Connection::read_some(char* buffer, std::size_t size, Clock::time_po
 }
 
 void Connection::put_back(std::string_view bytes) {
-  put_back_.replace(0, read_again_, bytes);
-  read_again_ = 0;
+  if (bytes.size() <= read_again_) {
+    // The bytes behind them stay where they are. They may be many, and this is done for each request among them.
+    read_again_ -= bytes.size();
+    put_back_.replace(read_again_, bytes.size(), bytes);
+  } else {
+    put_back_.replace(0, read_again_, bytes);
+    read_again_ = 0;
+  }
   read_ -= bytes.size();
+}
+
+void Connection::drop_put_back() {
+  if (has_put_back()) return;
+  put_back_ = {};
+  read_again_ = 0;
+  ahead_.give_back();
 }
 
 bool Connection::wait_for_input(const Event& end, Clock::time_point until) const {
@@ -223,6 +232,7 @@ void Connection::skip_line_end() {
   if (has_put_back()) {
     if (put_back_.compare(read_again_, end.size(), end) != 0) return;
     read_again_ += end.size();
+    drop_put_back();
   } else {
     const auto size = static_cast<ssize_t>(next.size());
     if (::recv(socket_, next.data(), next.size(), MSG_PEEK | MSG_DONTWAIT) != size) return;

@@ -153,6 +153,8 @@ class Connection {
 
   /// Evaluates the result of a system call that sends.
   std::size_t sent(ssize_t put);
+  /// Frees the bytes that were put back, if all of them were read again.
+  void drop_put_back();
   bool has_put_back() const { return read_again_ < put_back_.size(); }
 
   int socket_;

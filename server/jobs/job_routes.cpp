@@ -220,29 +220,34 @@ Admission JobRoutes::admit(const RequestHead& head) const {
   return {context_.limits.api.max_body, context_.memory.open_share(/*per_byte=*/2)};
 }
 
-void JobRoutes::check(const api::Request& request) const {
+void JobRoutes::check(const api::Request& request, std::uint64_t held) const {
   api::check_remesh(request, context_.limits.api);
   if (!api::has_json_mesh(request, context_.limits.api)) return;
-  const auto memory = context_.memory.open_share(api::kCheckPerJsonByte);
-  memory->hold_body(request.body.size(), request.body.size());
+  // A body that is alone may always be checked, so no more is asked for than the request leaves free itself.
+  const std::uint64_t free = context_.memory.limit() - std::min(context_.memory.limit(), held);
+  const auto memory = context_.memory.open_share();
+  if (!memory->try_hold(std::min<std::uint64_t>(free, api::kCheckPerJsonByte * request.body.size())))
+    throw out_of_memory();
   api::check_json(request, context_.limits.api);
 }
 
 Response JobRoutes::submit(const Call& call) const {
-  const SharedStoreDeadline deadline(jobs().deadline());
   const Request& request = call.request;
   api::Request kept = kept_part(request);
   NewJob job;
   job.request = pack_request(kept);
   kept.body = request.body;
   job.idempotency = idempotency(request, kept);
-  check(kept);
+  check(kept, request.memory ? request.memory->bytes() : 0);
 
   if (request.body.size() > context_.memory.limit()) throw never_fits(context_.memory.limit());
-  job.memory = std::min(request.body.size() * MemoryBudget::kWorkPerBodyByte, context_.memory.limit());
+  job.memory = std::max<std::uint64_t>(
+      request.body.size(),
+      std::min(request.body.size() * MemoryBudget::kWorkPerBodyByte, context_.memory.usual_limit()));
   job.id = new_request_id();
   job.owner = request.owner;
   job.body = request.body;
+  const SharedStoreDeadline deadline(jobs().deadline());  // which begins once the body has been looked at
   const Submission submission = ask([&] { return jobs().store().submit(job); });
   if (submission.kind == Submission::Kind::kKeyReused)
     throw HttpError(422, "idempotency_key_reused", "this Idempotency-Key was sent with another request");

@@ -21,7 +21,10 @@ constexpr std::chrono::seconds kPoll{5};
 constexpr std::chrono::milliseconds kPause{250};
 constexpr std::chrono::milliseconds kMaxBetweenLooks{1000};
 /// How long cancelled work may take to stop.
-constexpr std::chrono::milliseconds kStopPatience{1500};
+constexpr std::chrono::milliseconds kStopPatience{1200};
+/// How long a result waits for room in the store before its job fails. Until then other work waits for the memory that
+/// it takes.
+constexpr std::chrono::minutes kRoomPatience{15};
 
 /// The error of a job that found no memory or threads in its last attempt. The status 500 says that trying again is
 /// of no use, unlike a 503.
@@ -104,6 +107,7 @@ void JobRunner::stop() {
   }
   const Clock::time_point deadline = Clock::now() + kStopPatience;
   while (!is_idle() && Clock::now() < deadline) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  return_late();
   {
     const std::lock_guard lock(mutex_);
     committer_may_end_ = true;
@@ -280,6 +284,8 @@ std::optional<JobOutcome> JobRunner::work_on(Held& held) {
     return std::nullopt;
   } catch (const BlobLost&) {
     return outcome_of_failure(held, std::current_exception());
+  } catch (const DataError&) {
+    return outcome_of_failure(held, std::current_exception());
   }
   RunningRequest& running = *held.running.get();
   try {
@@ -315,7 +321,8 @@ std::optional<JobOutcome> JobRunner::outcome_of_failure(Held& held, const std::e
     }
     if (error.code == Code::kCancelled && eviction == Eviction::kAmongOthers) {
       // Others had a part in it. With the memory that it was seen to take reserved, if need be all, it has its chance.
-      const std::uint64_t estimate = std::min(held.running->next_estimate(held.claim.memory), memory_.limit());
+      const std::uint64_t estimate =
+          memory_.next_reservation(held.running->next_estimate(held.claim.memory), held.claim.memory);
       give_back(held, JobStore::Attempt::kDoesNotCount, "out_of_memory", estimate);
       return std::nullopt;
     }
@@ -363,29 +370,34 @@ void JobRunner::commit_until_stopped() {
 }
 
 bool JobRunner::commit(Held& held, JobOutcome& outcome) {
-  for (bool is_storable = true;; is_storable = false) {
+  for (bool was_replaced = false;;) {
     try {
       held.is_committing = true;
       const bool is_done = store_.commit(held.claim, outcome);
       log_end(held, outcome, is_done ? "job committed" : "job refused");
       if (is_done) metrics_.count_job(state_name(outcome.state), outcome.problem_code);
       return true;
+    } catch (const StoreFull& error) {
+      held.is_committing = false;
+      const bool is_result = outcome.state == JobState::kSucceeded;
+      if (!is_result || Clock::now() < held.ended + kRoomPatience) return stopping_ || held.is_lost;
+      outcome = unstorable(held, HttpError(507, "storage_full", "the store had no room for the result of this job"),
+                           error.what());
     } catch (const StoreError&) {
       held.is_committing = false;
       return stopping_ || held.is_lost;
     } catch (const DataError& error) {
       // Trying the same again would fail again, so the job ends with an error that any store can take.
       held.is_committing = false;
-      if (!is_storable) throw;
-      outcome = unstorable(held, error);
+      if (std::exchange(was_replaced, true)) throw;
+      outcome = unstorable(held, HttpError(500, "internal", "the outcome of this job cannot be stored"), error.what());
     }
   }
 }
 
-JobOutcome JobRunner::unstorable(const Held& held, const DataError& error) {
+JobOutcome JobRunner::unstorable(const Held& held, const HttpError& told, std::string reason) {
   log::write(log::Level::kError, "the job store cannot take the outcome of a job",
-             {{"job", held.claim.id}, {"error", std::string(error.what())}});
-  const HttpError told(500, "internal", "the outcome of this job cannot be stored");
+             {{"job", held.claim.id}, {"error", std::move(reason)}});
   Response problem = error_response(std::make_exception_ptr(told), held.claim.id);
   return JobOutcome{
       JobState::kFailed, "", "", problem.status, std::move(problem.body), std::move(problem.problem_code)};

@@ -89,7 +89,9 @@ class JobRunner {
   void commit_until_stopped();
   /// Output: false if the store did not answer and the same should be tried again.
   bool commit(Held& held, JobOutcome& outcome);
-  static JobOutcome unstorable(const Held& held, const DataError& error);
+  /// Returns what is stored in place of an outcome that the store cannot take.
+  /// Input: `reason` - what the store said, for the log.
+  static JobOutcome unstorable(const Held& held, const HttpError& told, std::string reason);
   static void log_end(const Held& held, const JobOutcome& outcome, std::string_view event);
   /// Input: `memory` - as JobStore::give_back.
   void give_back(Held& held, JobStore::Attempt attempt, const char* reason,

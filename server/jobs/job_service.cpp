@@ -19,7 +19,7 @@ constexpr std::chrono::seconds kTouch{60};
 constexpr std::chrono::seconds kBetweenSums{5};
 /// How long a stopping daemon waits for its last calls of the store, which give jobs back. The calls of a store that
 /// does not answer end then.
-constexpr std::chrono::milliseconds kLastCalls{1200};
+constexpr std::chrono::milliseconds kLastCalls{1700};
 
 }  // namespace
 
@@ -91,11 +91,20 @@ void JobService::remove(const std::string& id) {
   }
 }
 
+/// Writes to the store. A full one is no reason to stop here: what follows makes room.
+void JobService::touch() {
+  try {
+    store_->probe();
+  } catch (const StoreFull&) {
+    // The store's observer has logged it.
+  }
+}
+
 void JobService::look_after() {
   try {
     const Clock::time_point now = Clock::now();
     if (!store_->is_well() || now >= next_touch_) {
-      store_->probe();
+      touch();
       next_touch_ = now + kTouch;
     }
     if (now >= next_upkeep_) {

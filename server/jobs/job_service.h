@@ -49,6 +49,7 @@ class JobService {
 
  private:
   void look_after();
+  void touch();
   /// Counts and logs what upkeep has changed.
   void tell(const Upkeep& done);
 

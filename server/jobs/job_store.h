@@ -45,6 +45,12 @@ class RoomRefused : public StoreFull {
   using StoreFull::StoreFull;
 };
 
+/// More would be stored than the operator allows.
+class LimitReached : public RoomRefused {
+ public:
+  using RoomRefused::RoomRefused;
+};
+
 /// The daemon must not use this store, whenever it is asked. An operator has to change something.
 class StoreUnusable : public StoreError {
  public:

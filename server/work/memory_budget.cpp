@@ -15,8 +15,15 @@ void MemoryShare::hold_body(std::uint64_t held, std::uint64_t expected) {
   const std::uint64_t limit = budget_.limit_;
   const std::uint64_t body = std::max(held, expected);
   if (body > limit) throw never_fits(limit);
-  const auto with_work = [&](std::uint64_t bytes) { return bytes > limit / per_byte_ ? limit : bytes * per_byte_; };
+  const std::uint64_t max_with_work = std::max(body, budget_.usual_limit());
+  const auto with_work = [&](std::uint64_t bytes) {
+    return bytes > max_with_work / per_byte_ ? max_with_work : bytes * per_byte_;
+  };
   if (!try_reserve(std::max(bytes_, with_work(held)), std::max(bytes_, with_work(body)))) throw out_of_memory();
+}
+
+std::uint64_t MemoryShare::next_reservation(std::uint64_t wanted) const {
+  return budget_.next_reservation(wanted, bytes_);
 }
 
 bool MemoryShare::try_hold(std::uint64_t bytes) {

@@ -2,6 +2,7 @@
 /// not fit is refused at its start, and the system does not kill the process in the middle of other people's work.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -37,6 +38,8 @@ class MemoryShare {
   void hold_answer(std::uint64_t bytes) { resize(bytes); }
 
   std::uint64_t bytes() const { return bytes_; }
+  /// See MemoryBudget::next_reservation.
+  std::uint64_t next_reservation(std::uint64_t wanted) const;
 
  private:
   /// Reserves `wanted` bytes if `needed` bytes, of which they are a part, are free.
@@ -69,6 +72,14 @@ class MemoryBudget {
   std::uint64_t reserved() const { return reserved_; }
   /// The number of shares that have reserved memory.
   std::size_t holders() const { return holders_; }
+  /// The largest reservation of a single piece of work that has not shown yet that it needs more. It leaves some for
+  /// small requests, which would keep it waiting otherwise.
+  std::uint64_t usual_limit() const { return limit_ / 8 * 7; }
+  /// The memory to reserve before work is tried again that was ended because of its memory.
+  /// Input: `wanted` - what it is expected to need; `reserved` - what was reserved for it before.
+  std::uint64_t next_reservation(std::uint64_t wanted, std::uint64_t reserved) const {
+    return reserved < usual_limit() ? std::min(wanted, usual_limit()) : limit_;
+  }
   /// The number of bytes that could be reserved now.
   std::uint64_t available() const;
   /// Tells the budget how much memory is really in use. If that is more than is reserved, it counts instead.

@@ -41,11 +41,15 @@ void MemoryWatch::measure_and_look() {
   std::uint64_t used = used_of(resident);
   const bool is_idle = registry_.computing().empty();
   const bool has_much_free = is_idle ? resident > resident_after_trim_ + kSlack : resident > used + kSlack;
+  // Nothing is ended because of memory that may be free.
+  const bool may_be_free = used <= budget_.limit() && resident > budget_.limit();
   const Clock::time_point now = Clock::now();
-  if (has_much_free && (is_idle || resident > high_share(budget_.limit())) && now >= next_trim_) {
+  const bool is_due = has_much_free && (is_idle || resident > high_share(budget_.limit())) && now >= next_trim_;
+  if (is_due || may_be_free) {
     ::malloc_trim(0);
     next_trim_ = now + kBetweenTrims;
-    resident = resident_after_trim_ = api::resident_memory();
+    resident = api::resident_memory();
+    if (is_idle) resident_after_trim_ = resident;  // while something is computed, this says nothing for later
     next_measurement_ = {};
     used = used_of(resident);
   }

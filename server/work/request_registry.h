@@ -23,14 +23,18 @@ struct RunningRequest {
 
   /// Asks the request to stop, and wakes the thread that waits for it.
   void cancel() {
-    control.cancel();
-    changed.set();
+    was_cancelled = true;
+    stop_work();
   }
   /// Ends the request because of its memory.
   /// Input: `was_alone` - no other request can have taken the memory.
   void evict(bool was_alone) {
     eviction = was_alone ? Eviction::kAlone : Eviction::kAmongOthers;
-    cancel();
+    stop_work();
+  }
+  void stop_work() {
+    control.cancel();
+    changed.set();
   }
   double elapsed_s() const { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
@@ -39,6 +43,7 @@ struct RunningRequest {
   const Clock::time_point start = Clock::now();
   RunControl control;
   Event changed;  ///< set when the work has ended or was cancelled
+  std::atomic<bool> was_cancelled{false};  ///< by somebody, not because of its memory
   std::atomic<bool> is_computing{false};
   std::atomic<bool> has_ended{false};
 

@@ -199,14 +199,14 @@ api::Response run_once(WorkerPool& pool, const std::shared_ptr<RunningRequest>& 
   try {
     return wait_for(*job, *running, pool, *ticket, limits, request, connection, end);
   } catch (const Error& error) {
-    if (error.code != Code::kCancelled) throw;
+    if (error.code != Code::kCancelled || running->was_cancelled) throw;
     switch (running->eviction.load()) {
       case RunningRequest::Eviction::kNone: throw;
       case RunningRequest::Eviction::kAlone: throw never_fits(limits.memory_budget);
       case RunningRequest::Eviction::kAmongOthers: break;
     }
     if (!request.memory || !job->give_back(request)) throw out_of_memory();
-    throw StoppedForMemory{running->next_estimate(request.memory->bytes())};
+    throw StoppedForMemory{request.memory->next_reservation(running->next_estimate(request.memory->bytes()))};
   }
 }
 

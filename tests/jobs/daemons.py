@@ -190,7 +190,8 @@ class Store:
         if self.postgres:
             return self.postgres.query(sql)
         import sqlite3  # pylint: disable=import-outside-toplevel
-        with contextlib.closing(sqlite3.connect(os.path.join(self.folder, "jobs.sqlite"), timeout=30)) as database:
+        with contextlib.closing(sqlite3.connect(os.path.join(self.folder, "jobs.sqlite"), timeout=30,
+                                                isolation_level=None)) as database:  # what it changes stays changed
             return [[str(value) for value in row] for row in database.execute(sql)]
 
 
