@@ -407,6 +407,45 @@ def case_clock(run, store):
     run.tell("10 years ahead, behind, and right")
 
 
+def case_company(run, store):
+    """One large mesh after the other beside clients that send small ones: all large ones succeed, and nearly all small ones."""
+    if store.postgres:
+        raise Impossible("it is no matter of the store")
+    length, count, small_count, budget = ("0.0016", 4, 100, 400) if run.is_short else ("0.0008", 20, 1000, 1024)
+    daemon = Daemon(run.program, [*store.flags, "--workers", "2", "--max-running", "2", "--memory-budget", f"{budget}MiB"])
+    small, largest = [], [0.0]
+    is_over = threading.Event()
+    numbers = iter(range(small_count))
+
+    def client():
+        while not is_over.is_set() and next(numbers, None) is not None:
+            small.append(ask(daemon.port, "POST", f"/v1/remesh?{SHORT}", SQUARE).status)
+
+    def watch():
+        while not is_over.wait(0.05):
+            largest[0] = max(largest[0], resident(daemon.process.pid) / (budget << 20))
+
+    try:
+        daemon.start()
+        threads = [threading.Thread(target=client) for _ in range(8)] + [threading.Thread(target=watch)]
+        for thread in threads:
+            thread.start()
+        large = [ask(daemon.port, "POST", f"/v1/remesh?max_edge_length={length}", SQUARE).status for _ in range(count)]
+        for thread in threads[:-1]:
+            thread.join()
+        is_over.set()
+        threads[-1].join()
+    finally:
+        is_over.set()
+        daemon.kill()
+    refused = sum(status == 503 for status in small)
+    run.tell(f"{large.count(200)} of {count} large ones answered, {refused} of {len(small)} small ones refused, resident at most "
+             f"{largest[0]:.2f} of the budget")
+    expect(large.count(200) == count, f"the large ones: {large}")
+    expect(set(small) <= {200, 503} and refused <= len(small) / 100, f"the small ones: {sorted(set(small))}, {refused} refused")
+    expect(largest[0] < 1.1, f"resident at most {largest[0]:.2f} of the budget")
+
+
 def case_memory(run, store):
     """Jobs that each fit the budget, all at once: each succeeds in one attempt."""
     length = "0.0016" if run.is_short else "0.0008"
