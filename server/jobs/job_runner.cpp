@@ -21,7 +21,7 @@ constexpr std::chrono::seconds kPoll{5};
 constexpr std::chrono::milliseconds kPause{250};
 constexpr std::chrono::milliseconds kMaxBetweenLooks{1000};
 /// How long cancelled work may take to stop.
-constexpr std::chrono::milliseconds kStopPatience{1200};
+constexpr std::chrono::milliseconds kStopPatience{1100};
 /// How long a result waits for room in the store before its job fails. Until then other work waits for the memory that
 /// it takes.
 constexpr std::chrono::minutes kRoomPatience{15};
@@ -91,6 +91,7 @@ std::list<std::shared_ptr<JobRunner::Held>> JobRunner::held() const {
 }
 
 void JobRunner::stop() {
+  const Clock::time_point deadline = Clock::now() + kStopPatience;
   begin_drain();
   stopping_ = true;
   if (claimer_.joinable()) claimer_.join();
@@ -105,7 +106,6 @@ void JobRunner::stop() {
     give_back(*held, JobStore::Attempt::kDoesNotCount, "shutdown");
     release(held);
   }
-  const Clock::time_point deadline = Clock::now() + kStopPatience;
   while (!is_idle() && Clock::now() < deadline) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   return_late();
   {

@@ -19,7 +19,7 @@ constexpr std::chrono::seconds kTouch{60};
 constexpr std::chrono::seconds kBetweenSums{5};
 /// How long a stopping daemon waits for its last calls of the store, which give jobs back. The calls of a store that
 /// does not answer end then.
-constexpr std::chrono::milliseconds kLastCalls{1700};
+constexpr std::chrono::milliseconds kLastCalls{1400};
 
 }  // namespace
 
