@@ -10,6 +10,8 @@ namespace {
 /// Files older than this belong to no running transaction. No transaction takes nearly as long, even if the clocks of
 /// file servers differ.
 constexpr std::chrono::hours kStrayAge{24};
+/// The largest number of parts that one statement removes, so that none takes long: 16 MiB.
+constexpr std::int64_t kRemovedParts = 16 * DatabaseDriver::kPartsOfPiece;
 
 const char* kind_name(BlobKind kind) {
   switch (kind) {
@@ -83,11 +85,34 @@ std::optional<BlobTable::Size> BlobTable::size(Database& database, const std::st
   return Size{static_cast<std::uint64_t>(integer(blob[2])), blob[1]};
 }
 
-std::vector<std::string> BlobTable::remove(Database& database, const std::string& id, const char* condition) {
-  const std::string sql = "DELETE FROM remeshd_blob WHERE job = $1 AND " + std::string(condition) + " RETURNING file";
+std::vector<std::string> BlobTable::remove(Database& database, const std::string& id, const char* condition) const {
+  const std::string rows =
+      " FROM remeshd_blob WHERE job = $1 AND " + std::string(condition) + " AND (kind, part) > ($2, $3)";
+  const std::string find_last = "SELECT kind, part" + rows + " ORDER BY kind, part LIMIT 1 OFFSET $4";
+  const std::string remove_rest = "DELETE" + rows + " RETURNING file";
+  const std::string remove_piece = "DELETE" + rows + " AND (kind, part) <= ($4, $5) RETURNING file";
+  const std::int64_t count = driver_.rows_of_blob(kRemovedParts - 1);
   std::vector<std::string> files;
-  for (const Row& row : database.run(sql.c_str(), {std::string_view(id)})) {
-    if (row[0]) files.push_back(*row[0]);
+  std::string kind;  // the row up to which all are removed
+  std::int64_t part = -1;
+  for (bool is_done = false; !is_done;) {
+    const Rows last = database.run(find_last.c_str(), {std::string_view(id), std::string_view(kind), part, count - 1});
+    is_done = last.empty();
+    Rows removed;
+    if (is_done) {
+      removed = database.run(remove_rest.c_str(), {std::string_view(id), std::string_view(kind), part});
+    } else {
+      const std::string last_kind = last[0][0].value();
+      const std::int64_t last_part = integer(last[0][1]);
+      removed = database.run(remove_piece.c_str(), {std::string_view(id), std::string_view(kind), part,
+                                                    std::string_view(last_kind), last_part});
+      kind = last_kind;
+      part = last_part;
+    }
+    database.extend_deadline(timeout_);
+    for (const Row& row : removed) {
+      if (row[0]) files.push_back(*row[0]);
+    }
   }
   return files;
 }

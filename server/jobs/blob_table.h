@@ -36,9 +36,9 @@ class BlobTable {
   std::optional<Blob> find(Database& database, const std::string& id, BlobKind kind) const;
   /// Output: as `find`; the bytes are those of the rows.
   std::optional<Size> size(Database& database, const std::string& id, BlobKind kind) const;
-  /// Deletes the rows of a job's blobs for which a condition holds.
+  /// Deletes the rows of a job's blobs for which a condition holds, a piece at a time. To be called in a transaction.
   /// Output: the files to remove once the transaction is committed.
-  static std::vector<std::string> remove(Database& database, const std::string& id, const char* condition);
+  std::vector<std::string> remove(Database& database, const std::string& id, const char* condition) const;
 
   /// The folder for files.
   /// Errors: StoreError - a row names a file, but there is no folder.

@@ -15,6 +15,8 @@ constexpr std::chrono::milliseconds kLook{50};
 
 }  // namespace
 
+ConnectionPool::ConnectionPool(DatabaseDriver& driver) : driver_(driver) { idle_.reserve(driver.max_connections()); }
+
 std::unique_ptr<Database> ConnectionPool::take(const StoreDeadline& deadline) {
   Clock::time_point next_attempt{};
   std::unique_lock lock(mutex_);
@@ -64,6 +66,7 @@ std::unique_ptr<Database> ConnectionPool::open(const StoreDeadline& deadline) {
   }
   std::unique_ptr<Database> database = driver_.connect_by(deadline);
   if (!has_schema) make_schema(*database);
+  database->set_deadline(deadline);  // which a migration extends
   return database;
 }
 
@@ -74,7 +77,7 @@ void ConnectionPool::make_schema(Database& database) {
   has_schema_ = true;
 }
 
-void ConnectionPool::give(std::unique_ptr<Database> database) {
+void ConnectionPool::give(std::unique_ptr<Database> database) noexcept {
   {
     const std::lock_guard lock(mutex_);
     if (database && !database->is_usable()) database.reset();
@@ -94,9 +97,10 @@ void ConnectionPool::give(std::unique_ptr<Database> database) {
 
 void ConnectionPool::close_idle() {
   std::vector<std::unique_ptr<Database>> closed;
+  closed.reserve(driver_.max_connections());
   const std::lock_guard lock(mutex_);
   open_ -= idle_.size();
-  closed.swap(idle_);
+  closed.swap(idle_);  // both have the memory that `give` needs
 }
 
 void ConnectionPool::forget_schema() {

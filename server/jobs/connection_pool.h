@@ -13,14 +13,14 @@ namespace remesh::server::jobs {
 class ConnectionPool {
  public:
   /// Does not connect yet.
-  explicit ConnectionPool(DatabaseDriver& driver) : driver_(driver) {}
+  explicit ConnectionPool(DatabaseDriver& driver);
 
   /// Gives a connection for the use of one thread. The first one creates the schema or migrates it. If the server
   /// accepts no more connections, it waits for one of those that are open.
   /// Errors: StoreError - also when the deadline is over.
   std::unique_ptr<Database> take(const StoreDeadline& deadline);
   /// Takes a connection back, also after an error. If it is null, it had to be closed.
-  void give(std::unique_ptr<Database> database);
+  void give(std::unique_ptr<Database> database) noexcept;
   /// Closes all connections that nobody uses, since the server was most likely restarted.
   void close_idle();
   /// Makes the next connection create the schema again, because the tables are gone.

@@ -97,7 +97,7 @@ class Transaction {
   bool is_open_ = true;
 };
 
-/// What room is asked for.
+/// The purpose for which room is asked.
 enum class RoomFor { kNewJob, kResult };
 
 class DatabaseDriver {
@@ -117,7 +117,8 @@ class DatabaseDriver {
   virtual std::vector<std::string> schema_statements(std::int64_t version) const = 0;
   /// True if there is a table of this name.
   virtual bool has_table(Database& database, std::string_view name) const = 0;
-  /// Locks the schema against all other connections until the transaction ends.
+  /// Locks the schema against all other connections until the transaction ends. The statements of this transaction may
+  /// take as long as they need.
   virtual void lock_schema(Database& database) const = 0;
   /// Called once at each start, after the schema exists.
   virtual void prepare(Database& database) = 0;

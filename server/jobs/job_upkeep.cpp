@@ -2,18 +2,19 @@
 
 #include <array>
 #include <functional>
+#include <optional>
 
 #include "api/service.h"
-#include "server/jobs/blob_table.h"
 #include "server/jobs/row_values.h"
 #include "server/jobs/schema.h"
 
 namespace remesh::server::jobs {
 namespace {
 
-/// The largest number of rows that one statement of upkeep changes. It is small so that no statement blocks others
-/// for long.
+/// The largest number of jobs that one round changes in each way.
 constexpr std::int64_t kBatch = 100;
+/// The largest number of keys that one statement removes.
+constexpr std::int64_t kKeys = 1000;
 
 }  // namespace
 
@@ -32,7 +33,9 @@ std::vector<LeaseJudge::Sign> running_jobs(Database& database, std::chrono::mill
     // A lease that nobody can have given would keep the job of a dead worker for ever.
     std::int64_t lease = maybe_integer(row[3]).value_or(0);
     if (lease <= 0 || lease > std::chrono::milliseconds(std::chrono::hours(24)).count()) lease = usual_lease.count();
-    signs.push_back({row[0].value(), integer(row[1]), integer(row[2]), std::chrono::milliseconds(lease)});
+    const std::optional<std::int64_t> token = maybe_integer(row[1]), version = maybe_integer(row[2]);
+    if (!row[0] || !token || !version) continue;  // a damaged row, see end_damaged
+    signs.push_back({*row[0], *token, *version, std::chrono::milliseconds(lease)});
   }
   return signs;
 }
@@ -43,19 +46,41 @@ void JobUpkeep::run(LeaseJudge& judge) {
     end_damaged();
     judge.note_reached(asked, Clock::now());  // so time has passed for the leases that are judged next
   };
-  const std::array<std::function<void()>, 5> steps{end_damaged_first, [&] { end_abandoned(judge); },
+  const std::array<std::function<void()>, 6> steps{end_damaged_first,         [&] { end_abandoned(judge); },
                                                    [this] { end_waiting(); }, [this] { expire_results(); },
-                                                   [this] { forget_jobs(); }};
-  for (const std::function<void()>& step : steps) {
-    try {
-      step();
-    } catch (const DataError& error) {
-      done_.error = error.what();
-    }
+                                                   [this] { forget_jobs(); }, [this] { forget_keys(); }};
+  for (const std::function<void()>& step : steps) attempt(step);
+}
+
+void JobUpkeep::attempt(const std::function<void()>& change) {
+  try {
+    change();
+  } catch (const DataError& error) {
+    done_.error = error.what();
+  }
+  database_.extend_deadline(rules_.timeout);  // only silence of the store counts
+}
+
+void JobUpkeep::for_each(const std::string& sql, const Values& values, void (JobUpkeep::*change)(const std::string&)) {
+  // What there is no time for is left to the next round, so that the clock and the leases are looked after meanwhile.
+  const Clock::time_point until = Clock::now() + rules_.timeout;
+  for (const Row& row : database_.run(sql.c_str(), values)) {
+    if (!row[0]) continue;  // see end_damaged
+    attempt([&] { (this->*change)(*row[0]); });
+    if (Clock::now() >= until) return;
   }
 }
 
 void JobUpkeep::end_damaged() {
+  // SQLite allows rows without an id. Nobody can ask for such a job.
+  attempt([this] {
+    const Rows rows = database_.run("DELETE FROM remeshd_job WHERE id IS NULL RETURNING state");
+    done_.damaged += static_cast<int>(rows.size());
+  });
+  for_each(std::string("SELECT id FROM remeshd_job WHERE ") + kDamagedJob, {}, &JobUpkeep::mend);
+}
+
+void JobUpkeep::mend(const std::string& id) {
   static const std::string problem =
       problem_text(500, "internal", "the job's row in the store was damaged, so the job cannot run");
   // A job that has ended stays as it is. Only its numbers are mended, so that it can expire.
@@ -76,9 +101,9 @@ void JobUpkeep::end_damaged() {
       ends +
       " THEN replace($2, '{job}', id) ELSE problem END, "
       "state = CASE WHEN " +
-      ends + " THEN 'failed' ELSE state END WHERE " + kDamagedJob + " RETURNING state";
-  for (const Row& row :
-       database_.run(sql.c_str(), {std::int64_t{rules_.result_ttl.count()}, std::string_view(problem)})) {
+      ends + " THEN 'failed' ELSE state END WHERE id = $3 AND " + kDamagedJob + " RETURNING state";
+  for (const Row& row : database_.run(
+           sql.c_str(), {std::int64_t{rules_.result_ttl.count()}, std::string_view(problem), std::string_view(id)})) {
     if (row[0] == "failed") ++done_.damaged;
   }
 }
@@ -87,7 +112,7 @@ void JobUpkeep::end_abandoned(LeaseJudge& judge) {
   std::int64_t changed = 0;
   for (const LeaseJudge::Sign& sign : judge.judge(running_jobs(database_, rules_.lease))) {
     if (++changed > kBatch) return;
-    requeue_or_fail(sign);
+    attempt([&] { requeue_or_fail(sign); });
   }
 }
 
@@ -114,51 +139,69 @@ void JobUpkeep::requeue_or_fail(const LeaseJudge::Sign& sign) {
 }
 
 void JobUpkeep::end_waiting() {
+  for_each(
+      "SELECT id FROM remeshd_job WHERE state = 'queued' AND coalesce(queued_ms, created_ms) < remeshd_now() - $1 "
+      "LIMIT $2",
+      {std::int64_t{rules_.queue_timeout.count()}, kBatch}, &JobUpkeep::end_waiting);
+}
+
+void JobUpkeep::end_waiting(const std::string& id) {
   static const std::string problem = problem_text(504, "timeout", "no worker became free for this job in time");
   const std::string sql =
       "UPDATE remeshd_job SET state = 'failed', commits = commits + 1, token = token + 1, version = version + 1, "
       "finished_ms = remeshd_now(), expires_ms = remeshd_now() + $1, problem_status = 504, "
-      "problem = replace($2, '{job}', id) WHERE id IN (SELECT id FROM remeshd_job WHERE state = 'queued' AND "
-      "coalesce(queued_ms, created_ms) < remeshd_now() - $3 LIMIT $4" +
+      "problem = replace($2, '{job}', id) WHERE id IN (SELECT id FROM remeshd_job WHERE id = $4 AND state = 'queued' "
+      "AND coalesce(queued_ms, created_ms) < remeshd_now() - $3" +
       std::string(driver_.skip_locked()) + ") RETURNING id";
-  done_.timed_out +=
-      static_cast<int>(database_
-                           .run(sql.c_str(), {std::int64_t{rules_.result_ttl.count()}, std::string_view(problem),
-                                              std::int64_t{rules_.queue_timeout.count()}, kBatch})
-                           .size());
+  const Rows rows = database_.run(sql.c_str(), {std::int64_t{rules_.result_ttl.count()}, std::string_view(problem),
+                                                std::int64_t{rules_.queue_timeout.count()}, std::string_view(id)});
+  done_.timed_out += static_cast<int>(rows.size());
 }
 
 void JobUpkeep::expire_results() {
+  for_each("SELECT id FROM remeshd_job WHERE state = 'succeeded' AND expires_ms < remeshd_now() LIMIT $1", {kBatch},
+           &JobUpkeep::expire);
+}
+
+void JobUpkeep::expire(const std::string& id) {
   const std::string sql =
-      "UPDATE remeshd_job SET state = 'expired', version = version + 1, expires_ms = remeshd_now() + $1 WHERE id IN "
-      "(SELECT id FROM remeshd_job WHERE state = 'succeeded' AND expires_ms < remeshd_now() LIMIT $2" +
+      "UPDATE remeshd_job SET state = 'expired', version = version + 1, stored = 0, expires_ms = remeshd_now() + $1 "
+      "WHERE id IN (SELECT id FROM remeshd_job WHERE id = $2 AND state = 'succeeded' AND expires_ms < remeshd_now()" +
       std::string(driver_.skip_locked()) + ") RETURNING id";
   Transaction transaction(database_);
-  const Rows rows = database_.run(sql.c_str(), {std::int64_t{rules_.history.count()}, kBatch});
-  for (const Row& row : rows) remove_blobs(row[0].value());
+  if (database_.run(sql.c_str(), {std::int64_t{rules_.history.count()}, std::string_view(id)}).empty()) return;
+  const std::vector<std::string> files = blobs_.remove(database_, id, "1 = 1");
   transaction.commit();
-  done_.expired += static_cast<int>(rows.size());
+  files_.insert(files_.end(), files.begin(), files.end());
+  ++done_.expired;
 }
 
 void JobUpkeep::forget_jobs() {
-  const std::string sql =
-      "DELETE FROM remeshd_job WHERE id IN (SELECT id FROM remeshd_job WHERE "
-      "state IN ('failed', 'cancelled', 'expired') AND expires_ms < remeshd_now() LIMIT $1" +
-      std::string(driver_.skip_locked()) + ") RETURNING id";
-  Transaction transaction(database_);
-  const Rows rows = database_.run(sql.c_str(), {kBatch});
-  for (const Row& row : rows) {
-    remove_blobs(row[0].value());
-    database_.run("DELETE FROM remeshd_idempotency WHERE job = $1", {std::string_view(row[0].value())});
-  }
-  database_.run("DELETE FROM remeshd_idempotency WHERE expires_ms < remeshd_now()");
-  transaction.commit();
-  done_.forgotten += static_cast<int>(rows.size());
+  for_each(
+      "SELECT id FROM remeshd_job WHERE state IN ('failed', 'cancelled', 'expired') AND expires_ms < remeshd_now() "
+      "LIMIT $1",
+      {kBatch}, &JobUpkeep::forget);
 }
 
-void JobUpkeep::remove_blobs(const std::string& id) {
-  const std::vector<std::string> more = BlobTable::remove(database_, id, "1 = 1");
-  files_.insert(files_.end(), more.begin(), more.end());
+void JobUpkeep::forget(const std::string& id) {
+  const std::string sql =
+      "DELETE FROM remeshd_job WHERE id IN (SELECT id FROM remeshd_job WHERE id = $1 AND "
+      "state IN ('failed', 'cancelled', 'expired') AND expires_ms < remeshd_now()" +
+      std::string(driver_.skip_locked()) + ") RETURNING id";
+  Transaction transaction(database_);
+  if (database_.run(sql.c_str(), {std::string_view(id)}).empty()) return;
+  const std::vector<std::string> files = blobs_.remove(database_, id, "1 = 1");
+  database_.run("DELETE FROM remeshd_idempotency WHERE job = $1", {std::string_view(id)});
+  transaction.commit();
+  files_.insert(files_.end(), files.begin(), files.end());
+  ++done_.forgotten;
+}
+
+void JobUpkeep::forget_keys() {
+  database_.run(
+      "DELETE FROM remeshd_idempotency WHERE (owner, key) IN "
+      "(SELECT owner, key FROM remeshd_idempotency WHERE expires_ms < remeshd_now() LIMIT $1)",
+      {kKeys});
 }
 
 }  // namespace remesh::server::jobs

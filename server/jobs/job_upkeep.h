@@ -2,22 +2,25 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
+#include "server/jobs/blob_table.h"
 #include "server/jobs/database.h"
 #include "server/jobs/job_store.h"
 #include "server/jobs/lease_judge.h"
 
 namespace remesh::server::jobs {
 
-/// One round of upkeep. It changes a bounded number of jobs.
+/// One round of upkeep. It changes a bounded number of jobs, each in a transaction of its own: what one job's row or size
+/// keeps from being done does not keep the others from it.
 class JobUpkeep {
  public:
-  JobUpkeep(Database& database, const DatabaseDriver& driver, const StoreRules& rules)
-      : database_(database), driver_(driver), rules_(rules) {}
+  JobUpkeep(Database& database, const DatabaseDriver& driver, const StoreRules& rules, const BlobTable& blobs)
+      : database_(database), driver_(driver), rules_(rules), blobs_(blobs) {}
 
-  /// Makes all changes that are due. What the data keeps from being done does not keep the rest from being done.
+  /// Makes the changes that are due.
   void run(LeaseJudge& judge);
 
   const Upkeep& done() const { return done_; }
@@ -33,12 +36,21 @@ class JobUpkeep {
   void end_waiting();
   void expire_results();
   void forget_jobs();
+  void forget_keys();
+  void mend(const std::string& id);
   void requeue_or_fail(const LeaseJudge::Sign& sign);
-  void remove_blobs(const std::string& id);
+  void end_waiting(const std::string& id);
+  void expire(const std::string& id);
+  void forget(const std::string& id);
+  /// Makes one change, and notes what kept the data from being changed.
+  void attempt(const std::function<void()>& change);
+  /// Changes the jobs whose ids a statement gives, as many as there is time for but at least one.
+  void for_each(const std::string& sql, const Values& values, void (JobUpkeep::*change)(const std::string&));
 
   Database& database_;
   const DatabaseDriver& driver_;
   const StoreRules& rules_;
+  const BlobTable& blobs_;
   Upkeep done_;
   std::vector<std::string> files_;
 };

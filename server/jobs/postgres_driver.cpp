@@ -340,7 +340,11 @@ class PostgresDriver : public DatabaseDriver {
   bool has_table(Database& database, std::string_view name) const override {
     return database.run("SELECT to_regclass($1)", {name}).at(0)[0].has_value();
   }
-  void lock_schema(Database& database) const override { database.run(kSchemaLock); }
+  void lock_schema(Database& database) const override {
+    database.run(kSchemaLock);
+    // A wait for a lock still ends: others wait behind it.
+    database.run("SET LOCAL statement_timeout = 0");
+  }
   /// Sets the store's clock after a time in which no daemon has kept it.
   void prepare(Database& database) override {
     database.run(("UPDATE remeshd_clock SET store_ms = greatest(store_ms, wall), wall_ms = wall FROM (SELECT " +
@@ -359,8 +363,10 @@ class PostgresDriver : public DatabaseDriver {
                          .c_str());
     const std::int64_t behind = rows.empty() ? 0 : integer(rows[0][0]);
     if (behind > kWrongClock.count() || behind < -kWrongClock.count()) {
+      // Nobody may write a time of the old clock behind the back of what follows.
+      database.run("LOCK TABLE remeshd_job, remeshd_idempotency IN SHARE ROW EXCLUSIVE MODE");
       database.run("UPDATE remeshd_clock SET store_ms = store_ms + $1", {behind});
-      shift_times(database, behind);
+      shift_times(database, behind, timeout_);
     }
     transaction.commit();
   }

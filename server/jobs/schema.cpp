@@ -1,11 +1,15 @@
 #include "server/jobs/schema.h"
 
 #include <array>
+#include <chrono>
 #include <string>
 #include <vector>
 
 namespace remesh::server::jobs {
 namespace {
+
+/// How long all migrations together may take. Indices of many jobs take longer than any call waits.
+constexpr std::chrono::minutes kMigration{30};
 
 /// Each list holds the statements that lead from the previous version to this one. Never change a version that was
 /// released.
@@ -53,11 +57,13 @@ const std::vector<std::vector<std::string>> kVersions{
         // Rows of an older daemon, which may run beside this one for a while, have no values here.
         "ALTER TABLE remeshd_job ADD COLUMN lease_length_ms bigint",
         "ALTER TABLE remeshd_job ADD COLUMN queued_ms bigint",  // since when the job has been waiting
+        "ALTER TABLE remeshd_job ADD COLUMN stored bigint",     // bytes of the job's input, or of its results
         "ALTER TABLE remeshd_blob ADD COLUMN size bigint",      // of the whole blob; stands in its first row
         "DROP INDEX remeshd_job_waiting",
         "CREATE INDEX remeshd_job_waiting ON remeshd_job (coalesce(queued_ms, created_ms)) WHERE state = 'queued'",
         std::string("CREATE INDEX remeshd_job_damaged ON remeshd_job (id) WHERE ") + kDamagedJob,
-        "CREATE INDEX remeshd_blob_size ON remeshd_blob (job, size) WHERE size IS NOT NULL",
+        // There is no index of the blobs: making it would read all of them, and nothing could be written meanwhile.
+        std::string("CREATE INDEX remeshd_job_stored ON remeshd_job (owner, stored) WHERE ") + kJobWithBlobs,
     },
 };
 
@@ -83,6 +89,7 @@ void bring_schema_up_to_date(Database& database, const DatabaseDriver& driver) {
                      std::to_string(newest) + ": a newer remeshd has used it");
   }
   if (found == newest) return transaction.commit();
+  database.extend_deadline(kMigration);
   for (std::int64_t version = found.value_or(0); version < newest; ++version) {
     for (const std::string& statement : kVersions[static_cast<std::size_t>(version)]) database.run(statement.c_str());
     for (const std::string& statement : driver.schema_statements(version + 1)) database.run(statement.c_str());

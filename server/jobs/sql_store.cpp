@@ -34,12 +34,30 @@ void mend(JobRecord& record) {
   if (place != std::string::npos) record.problem.replace(place, std::string_view("{job}").size(), record.id);
 }
 
-constexpr const char* kStoredBytes =
-    "SELECT CAST(coalesce(sum(size), 0) AS bigint) FROM remeshd_blob WHERE size IS NOT NULL";
+/// The jobs note how much they store, since to add up blobs takes longer the larger they are. What daemons of an older
+/// version store does not count.
+const std::string kStoredBytes =
+    std::string("SELECT CAST(coalesce(sum(stored), 0) AS bigint) FROM remeshd_job WHERE ") + kJobWithBlobs;
 /// No turn is higher.
 constexpr std::int64_t kMaxTurn = 8'000'000'000'000'000;
 /// No job is tried more often.
 constexpr std::int64_t kMaxAttempts = 1'000'000;
+
+/// A connection that goes back to its pool at the end of its scope, however that ends.
+class Borrowed {
+ public:
+  Borrowed(ConnectionPool& pool, std::unique_ptr<Database> database) : pool_(pool), database_(std::move(database)) {}
+  ~Borrowed() { pool_.give(std::move(database_)); }
+  Borrowed(const Borrowed&) = delete;
+  Borrowed& operator=(const Borrowed&) = delete;
+
+  Database& get() { return *database_; }
+  void close() { database_.reset(); }
+
+ private:
+  ConnectionPool& pool_;
+  std::unique_ptr<Database> database_;
+};
 
 constexpr const char* kRecord =
     "SELECT id, owner, state, stage, fraction, attempts, version, created_ms, started_ms, finished_ms, expires_ms, "
@@ -96,26 +114,22 @@ auto SqlStore::attempt(Operation& operation, Reserve reserve) {
   const StoreDeadline until = deadline();
   bool may_reconnect = true, may_cut = true, may_release = reserve == Reserve::kMayBeUsed;
   for (;;) {
-    std::unique_ptr<Database> database = take_connection(until);
+    Borrowed borrowed(connections_, take_connection(until));
     try {
-      auto result = operation(*database);
-      driver_->after(*database);
-      connections_.give(std::move(database));
+      auto result = operation(borrowed.get());
+      driver_->after(borrowed.get());
       return result;
     } catch (const ConnectionBroken& error) {
       if (dynamic_cast<const SchemaMissing*>(&error) != nullptr) connections_.forget_schema();
-      database.reset();
-      connections_.give(nullptr);
+      borrowed.close();
       connections_.close_idle();
       if (!std::exchange(may_reconnect, false) || until.is_over()) throw;
-    } catch (const StoreFull&) {
-      const bool has_room = (std::exchange(may_cut, false) && driver_->cut_log(*database)) ||
-                            (std::exchange(may_release, false) && driver_->release_reserve());
-      connections_.give(std::move(database));
-      if (!has_room) throw;
-    } catch (...) {
-      connections_.give(std::move(database));
+    } catch (const LimitReached&) {
       throw;
+    } catch (const StoreFull&) {
+      const bool has_room = (std::exchange(may_cut, false) && driver_->cut_log(borrowed.get())) ||
+                            (std::exchange(may_release, false) && driver_->release_reserve());
+      if (!has_room) throw;
     }
   }
 }
@@ -140,8 +154,10 @@ void SqlStore::note(std::string_view op, Access access, Clock::time_point start,
   const Clock::time_point end = Clock::now();
   const bool reaches_jobs = access == Access::kQueue || access == Access::kWrite;
   if (error != nullptr) {
-    // A full store can still be read and emptied.
-    if (access == Access::kProbe || dynamic_cast<const StoreFull*>(error) == nullptr) is_well_ = false;
+    // A full store answers, and can still be read and emptied.
+    const bool is_full = dynamic_cast<const StoreFull*>(error) != nullptr;
+    if (!is_full) is_well_ = false;
+    if (is_full && access == Access::kProbe) is_well_ = true;
     if (access != Access::kRead) judge_.note_failed();
   } else {
     if (access == Access::kProbe || access == Access::kWrite) is_well_ = true;
@@ -228,17 +244,14 @@ std::int64_t SqlStore::next_turn(Database& database, const std::string& owner) {
 }
 
 void SqlStore::check_limits(Database& database, const NewJob& job) const {
-  const auto check = [&](std::uint64_t limit, const char* sql, const Values& values, const char* whose) {
+  const auto check = [&](std::uint64_t limit, const std::string& sql, const Values& values, const char* whose) {
     if (limit == 0) return;
-    const auto stored = static_cast<std::uint64_t>(integer(database.run(sql, values).at(0)[0]));
+    const auto stored = static_cast<std::uint64_t>(integer(database.run(sql.c_str(), values).at(0)[0]));
     if (job.body.size() > limit || stored > limit - job.body.size())
-      throw StoreFull("the jobs of " + std::string(whose) + " take all the room that they may take");
+      throw LimitReached("the jobs of " + std::string(whose) + " take all the room that they may take");
   };
   check(rules_.max_stored, kStoredBytes, {}, "this store");
-  check(rules_.max_stored_per_owner,
-        "SELECT CAST(coalesce(sum(b.size), 0) AS bigint) FROM remeshd_job AS j JOIN remeshd_blob AS b ON b.job = j.id "
-        "WHERE j.owner = $1 AND b.size IS NOT NULL",
-        {std::string_view(job.owner)}, "this API key");
+  check(rules_.max_stored_per_owner, kStoredBytes + " AND owner = $1", {std::string_view(job.owner)}, "this API key");
 }
 
 Submission SqlStore::insert(Database& database, const NewJob& job, bool& is_uncertain) {
@@ -249,10 +262,10 @@ Submission SqlStore::insert(Database& database, const NewJob& job, bool& is_unce
   blobs_.write(database, job.id, BlobKind::kInput, job.body);
   const std::int64_t turn = next_turn(database, job.owner);
   const Rows rows = database.run(
-      "INSERT INTO remeshd_job (id, owner, state, turn, memory, request, created_ms, queued_ms) "
-      "VALUES ($1, $2, 'queued', $3, $4, $5, remeshd_now(), remeshd_now()) RETURNING created_ms",
+      "INSERT INTO remeshd_job (id, owner, state, turn, memory, request, stored, created_ms, queued_ms) "
+      "VALUES ($1, $2, 'queued', $3, $4, $5, $6, remeshd_now(), remeshd_now()) RETURNING created_ms",
       {std::string_view(job.id), std::string_view(job.owner), turn, signed_bytes(job.memory),
-       std::string_view(job.request)});
+       std::string_view(job.request), signed_bytes(job.body.size())});
   database.announce();
   is_uncertain = true;
   transaction.commit();
@@ -274,7 +287,7 @@ Submission SqlStore::submit(const NewJob& job) {
 // ---- claims
 
 std::optional<Claim> SqlStore::claim_next(Database& database, std::string_view worker, std::uint64_t max_memory) {
-  if (uncertain_.has_new()) blobs_.remove_files(uncertain_.undo(database));
+  if (uncertain_.has_new()) blobs_.remove_files(uncertain_.undo(database, blobs_));
   // No two attempts have the same name. So it can be told later whether this one has claimed a job.
   const std::string attempt = std::string(worker) + "." + std::to_string(++claims_);
   const std::string sql =
@@ -329,13 +342,16 @@ bool SqlStore::commit(const Claim& claim, const JobOutcome& outcome) {
   std::vector<std::string> files;
   const auto write = [&](Database& database) {
     const std::string_view state = state_name(outcome.state);
+    const bool is_success = outcome.state == JobState::kSucceeded;
+    const std::uint64_t stored = is_success ? outcome.mesh.size() + outcome.report.size() : 0;
     Transaction transaction(database);
     const Rows ended = database.run(
         "UPDATE remeshd_job SET state = $1, commits = commits + 1, version = version + 1, lease_ms = NULL, "
         "stage = 'done', fraction = 1, finished_ms = remeshd_now(), expires_ms = remeshd_now() + $2, "
-        "problem_status = $3, problem = $4 WHERE id = $5 AND token = $6 AND state = 'running' RETURNING id",
+        "problem_status = $3, problem = $4, stored = $7 WHERE id = $5 AND token = $6 AND state = 'running' "
+        "RETURNING id",
         {state, std::int64_t{rules_.result_ttl.count()}, std::int64_t{outcome.problem_status},
-         std::string_view(outcome.problem), std::string_view(claim.id), claim.token});
+         std::string_view(outcome.problem), std::string_view(claim.id), claim.token, signed_bytes(stored)});
     if (ended.empty()) {
       // It may have been this claim's own commit whose answer was lost on the way.
       return !database
@@ -343,12 +359,12 @@ bool SqlStore::commit(const Claim& claim, const JobOutcome& outcome) {
                        {std::string_view(claim.id), claim.token, state})
                   .empty();
     }
-    if (outcome.state == JobState::kSucceeded) {
-      driver_->check_room(database, outcome.mesh.size() + outcome.report.size(), RoomFor::kResult);
+    if (is_success) {
+      driver_->check_room(database, stored, RoomFor::kResult);
       blobs_.write(database, claim.id, BlobKind::kMesh, outcome.mesh);
       blobs_.write(database, claim.id, BlobKind::kReport, outcome.report);
     }
-    files = BlobTable::remove(database, claim.id, "kind = 'input'");
+    files = blobs_.remove(database, claim.id, "kind = 'input'");
     transaction.commit();
     return true;
   };
@@ -391,8 +407,9 @@ std::vector<JobRecord> SqlStore::list(const std::string& owner, int limit) {
   static const std::string sql = std::string(kRecord) + "WHERE owner = $1 ORDER BY created_ms DESC, id LIMIT $2";
   return with_database("list", Access::kRead, [&](Database& database) {
     std::vector<JobRecord> records;
-    for (const Row& row : database.run(sql.c_str(), {std::string_view(owner), std::int64_t{limit}}))
-      records.push_back(record_of(row));
+    for (const Row& row : database.run(sql.c_str(), {std::string_view(owner), std::int64_t{limit}})) {
+      if (row[0]) records.push_back(record_of(row));  // upkeep removes rows without an id
+    }
     return records;
   });
 }
@@ -404,11 +421,11 @@ bool SqlStore::cancel(const std::string& id) {
     Transaction transaction(database);
     const Rows rows = database.run(
         "UPDATE remeshd_job SET state = 'cancelled', token = token + 1, version = version + 1, lease_ms = NULL, "
-        "finished_ms = remeshd_now(), expires_ms = remeshd_now() + $1, problem_status = 409, "
+        "finished_ms = remeshd_now(), expires_ms = remeshd_now() + $1, problem_status = 409, stored = 0, "
         "problem = replace($2, '{job}', id) WHERE id = $3 AND state IN ('queued', 'running') RETURNING id",
         {std::int64_t{rules_.result_ttl.count()}, std::string_view(problem), std::string_view(id)});
     if (rows.empty()) return false;
-    files = BlobTable::remove(database, id, "kind = 'input'");
+    files = blobs_.remove(database, id, "kind = 'input'");
     transaction.commit();
     return true;
   };
@@ -426,8 +443,12 @@ bool SqlStore::discard(const std::string& id) {
         "WHERE id = $2 AND state = 'succeeded' RETURNING id",
         {std::int64_t{rules_.history.count()}, std::string_view(id)});
     // This also concerns jobs in other final states: the input of a job is still stored if every worker died of it.
-    files = BlobTable::remove(
-        database, id, "EXISTS (SELECT 1 FROM remeshd_job WHERE id = $1 AND state NOT IN ('queued', 'running'))");
+    if (!database
+             .run("UPDATE remeshd_job SET stored = 0 WHERE id = $1 AND state NOT IN ('queued', 'running') RETURNING id",
+                  {std::string_view(id)})
+             .empty()) {
+      files = blobs_.remove(database, id, "1 = 1");
+    }
     transaction.commit();
     return !rows.empty();
   };
@@ -451,7 +472,7 @@ QueueStatistics SqlStore::statistics() {
 
 std::uint64_t SqlStore::stored_bytes() {
   return with_database("stored", Access::kRead, [](Database& database) {
-    return static_cast<std::uint64_t>(std::max<std::int64_t>(0, integer(database.run(kStoredBytes).at(0)[0])));
+    return static_cast<std::uint64_t>(std::max<std::int64_t>(0, integer(database.run(kStoredBytes.c_str()).at(0)[0])));
   });
 }
 
@@ -462,8 +483,9 @@ Upkeep SqlStore::upkeep() {
   const auto look_after = [&](Database& database) {
     driver_->tidy(database);  // first, since on a full volume it makes the room for what follows
     driver_->keep_clock(database);
-    files = uncertain_.undo(database);
-    JobUpkeep upkeep(database, *driver_, rules_);
+    database.extend_deadline(rules_.timeout);
+    files = uncertain_.undo(database, blobs_);
+    JobUpkeep upkeep(database, *driver_, rules_, blobs_);
     upkeep.run(judge_);
     files.insert(files.end(), upkeep.files().begin(), upkeep.files().end());
     const std::vector<std::string> stray = blobs_.find_stray_files(database, swept_++);

@@ -82,7 +82,7 @@ class SqlStore : public JobStore {
   auto ask_folder(const std::string& id, BlobKind kind, Question question);
   std::optional<Submission> find_repeated(Database& database, const NewJob& job);
   std::int64_t next_turn(Database& database, const std::string& owner);
-  /// Errors: StoreFull - the job would be more than may be stored.
+  /// Errors: LimitReached - the job would be more than may be stored.
   void check_limits(Database& database, const NewJob& job) const;
   Submission insert(Database& database, const NewJob& job, bool& is_uncertain);
   std::optional<Claim> claim_next(Database& database, std::string_view worker, std::uint64_t max_memory);

@@ -288,7 +288,7 @@ class SqliteDriver : public DatabaseDriver {
     if (behind <= kWrongClock.count() && behind >= -kWrongClock.count()) return;
     Transaction transaction(database);
     database.run("UPDATE remeshd_clock SET base_ms = base_ms + $1", {behind});
-    shift_times(database, behind);
+    shift_times(database, behind, StoreRules().timeout);
     const Rows base = database.run("SELECT base_ms FROM remeshd_clock");
     transaction.commit();
     if (!base.empty()) clock_.set_base(integer(base[0][0]));

@@ -13,7 +13,8 @@ namespace remesh::server::jobs {
 constexpr std::chrono::milliseconds kWrongClock = std::chrono::hours(24) * 30;
 
 /// Shifts all times in the store by so many milliseconds. So a clock can be set right without that jobs seem to have
-/// waited, or results to be out of date.
-void shift_times(Database& database, std::int64_t by_ms);
+/// waited, or results to be out of date. To be called in a transaction.
+/// Input: `timeout` - how long the store may take for one of many statements.
+void shift_times(Database& database, std::int64_t by_ms, std::chrono::milliseconds timeout);
 
 }  // namespace remesh::server::jobs

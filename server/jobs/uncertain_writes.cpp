@@ -11,9 +11,10 @@ namespace {
 constexpr std::chrono::minutes kLate{2};
 
 /// Output: true if there was such a job.
-bool undo_submission(Database& database, const std::string& id, std::vector<std::string>& files) {
+bool undo_submission(Database& database, const BlobTable& blobs, const std::string& id,
+                     std::vector<std::string>& files) {
   if (database.run("DELETE FROM remeshd_job WHERE id = $1 RETURNING id", {std::string_view(id)}).empty()) return false;
-  for (std::string& file : BlobTable::remove(database, id, "1 = 1")) files.push_back(std::move(file));
+  for (std::string& file : blobs.remove(database, id, "1 = 1")) files.push_back(std::move(file));
   return true;
 }
 
@@ -41,7 +42,7 @@ bool UncertainWrites::has_new() const {
   return std::any_of(writes_.begin(), writes_.end(), [](const Write& write) { return !write.last_look; });
 }
 
-std::vector<std::string> UncertainWrites::undo(Database& database) {
+std::vector<std::string> UncertainWrites::undo(Database& database, const BlobTable& blobs) {
   std::vector<Write> writes;
   {
     const std::lock_guard lock(mutex_);
@@ -53,8 +54,8 @@ std::vector<std::string> UncertainWrites::undo(Database& database) {
   const Clock::time_point now = Clock::now();
   Transaction transaction(database);
   for (const Write& write : writes) {
-    const bool is_undone =
-        write.kind == Kind::kSubmission ? undo_submission(database, write.key, files) : undo_claim(database, write.key);
+    const bool is_undone = write.kind == Kind::kSubmission ? undo_submission(database, blobs, write.key, files)
+                                                           : undo_claim(database, write.key);
     if (is_undone || now > write.last_look.value_or(now)) settled.push_back(write.key);
   }
   transaction.commit();

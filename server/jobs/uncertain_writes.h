@@ -24,7 +24,7 @@ class UncertainWrites {
   /// Undoes those writes that have been done. A server that was frozen may do one after it has answered again, so each
   /// is looked for again for a while.
   /// Output: the files to remove.
-  std::vector<std::string> undo(Database& database);
+  std::vector<std::string> undo(Database& database, const BlobTable& blobs);
 
  private:
   enum class Kind { kSubmission, kClaim };

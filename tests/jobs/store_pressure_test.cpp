@@ -5,9 +5,12 @@
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <new>
 #include <string>
+#include <thread>
 #include <vector>
 
+#include "server/jobs/job_upkeep.h"
 #include "server/jobs/sql_store.h"
 #include "server/work/request_registry.h"
 
@@ -33,12 +36,12 @@ class store_pressure : public ::testing::Test {
 
   bool is_sqlite() const { return url_ == "sqlite"; }
   std::string file() const { return (folder_ / "jobs.sqlite").string(); }
-  std::unique_ptr<DatabaseDriver> driver() const {
+  std::unique_ptr<DatabaseDriver> driver(milliseconds timeout = StoreRules().timeout) const {
     if (is_sqlite()) return make_sqlite_driver(file());
-    return make_postgres_driver(url_ + "?options=-csearch_path%3D" + schema_);
+    return make_postgres_driver(url_ + "?options=-csearch_path%3D" + schema_, timeout);
   }
   std::unique_ptr<JobStore> open(const StoreRules& rules = {}) const {
-    return std::make_unique<SqlStore>(driver(), rules);
+    return std::make_unique<SqlStore>(driver(rules.timeout), rules);
   }
   /// Runs a statement behind the store's back.
   Rows run(const std::string& sql) const { return driver()->connect()->run(sql.c_str()); }
@@ -60,6 +63,30 @@ class store_pressure : public ::testing::Test {
     EXPECT_TRUE(store.commit(*claim, success(mesh)));
     return claim->id;
   }
+  /// Lets each statement that changes rows of a table in this way take so many seconds more, and refuses those that
+  /// change more rows. It has no effect for SQLite, which has no such triggers, and ends no statement by itself.
+  void burden(const std::string& table, const std::string& change, double seconds, int max_rows = 1'000'000'000) const {
+    if (is_sqlite()) return;
+    run("CREATE FUNCTION burden_" + table + "() RETURNS trigger LANGUAGE plpgsql AS $$ BEGIN PERFORM pg_sleep(" +
+        std::to_string(seconds) + "); IF (SELECT count(*) FROM touched) > " + std::to_string(max_rows) +
+        " THEN RAISE EXCEPTION 'too many rows at once'; END IF; RETURN NULL; END $$");
+    run("CREATE TRIGGER burden AFTER " + change + " ON remeshd_" + table + " REFERENCING OLD TABLE AS touched " +
+        "FOR EACH STATEMENT EXECUTE FUNCTION burden_" + table + "()");
+  }
+  /// Makes a job's row refuse changes, as rows do that break a rule of the table.
+  void refuse_changes_of(const std::string& id) const {
+    if (is_sqlite()) {
+      run("CREATE TRIGGER refuse BEFORE UPDATE ON remeshd_job WHEN old.id = '" + id +
+          "' BEGIN SELECT RAISE(ABORT, 'no'); END");
+      return;
+    }
+    run("CREATE FUNCTION refuse() RETURNS trigger LANGUAGE plpgsql AS $$ BEGIN "
+        "RAISE EXCEPTION 'no' USING ERRCODE = 'check_violation'; END $$");
+    run("CREATE TRIGGER refuse BEFORE UPDATE ON remeshd_job FOR EACH ROW WHEN (old.id = '" + id +
+        "') EXECUTE FUNCTION refuse()");
+  }
+  std::string count(const std::string& rows) const { return run("SELECT count(*) FROM " + rows).at(0)[0].value(); }
+
   static JobState state(JobStore& store, const std::string& id) { return store.find(id).value().state; }
 
   const std::filesystem::path folder_;
@@ -159,6 +186,59 @@ TEST_F(store_pressure, what_the_store_cannot_take_is_an_error_of_the_data) {
   EXPECT_TRUE(store->is_well());
   outcome.problem = "{\"code\":\"internal\"}";
   EXPECT_TRUE(store->commit(claim, outcome));
+}
+
+TEST_F(store_pressure, a_damaged_row_that_cannot_be_mended_keeps_no_other_from_being_mended) {
+  StoreRules rules;
+  rules.lease = milliseconds(20);
+  const auto store = open(rules);
+  const std::string stuck = submit(*store), mended = submit(*store), runs = submit(*store);
+  run("UPDATE remeshd_job SET token = -1, state = 'running' WHERE id = '" + stuck + "'");
+  if (is_sqlite()) run("UPDATE remeshd_job SET token = 'text' WHERE id = '" + stuck + "'");
+  run("UPDATE remeshd_job SET state = 'dreaming' WHERE id = '" + mended + "'");
+  refuse_changes_of(stuck);
+  EXPECT_EQ(store->claim("worker", kAnyMemory).value().id, runs);
+  const Upkeep done = store->upkeep();
+  EXPECT_EQ(done.damaged, 1);
+  EXPECT_FALSE(done.error.empty());
+  EXPECT_EQ(state(*store, mended), JobState::kFailed);
+  int retried = 0;
+  for (int i = 0; i < 200 && retried == 0; ++i) {
+    std::this_thread::sleep_for(milliseconds(10));
+    retried += store->upkeep().retried;
+  }
+  EXPECT_EQ(retried, 1) << "leases are judged all the same";
+}
+
+TEST_F(store_pressure, a_result_that_cannot_expire_keeps_no_other_from_expiring) {
+  StoreRules rules;
+  rules.result_ttl = milliseconds(0);
+  const auto store = open(rules);
+  submit(*store);
+  submit(*store);
+  const std::string stuck = work(*store), other = work(*store);
+  std::this_thread::sleep_for(milliseconds(5));
+  refuse_changes_of(stuck);
+  EXPECT_EQ(store->upkeep().expired, 1);
+  EXPECT_EQ(state(*store, other), JobState::kExpired);
+  EXPECT_EQ(store->read_blob(stuck, BlobKind::kMesh), "mesh");
+}
+
+TEST_F(store_pressure, rows_without_an_id_are_removed) {
+  if (!is_sqlite()) GTEST_SKIP() << "PostgreSQL allows none";
+  const auto store = open();
+  const std::string damaged = submit(*store, "", "owner"), good = submit(*store, "", "owner");
+  for (const char* name : {"running", "queued", "dreaming", "succeeded"}) {
+    run(std::string("INSERT INTO remeshd_job (id, owner, state, turn, memory, request, created_ms) VALUES "
+                    "(NULL, 'owner', '") +
+        name + "', 1, 1, '{}', 1)");
+  }
+  run("UPDATE remeshd_job SET state = 'dreaming' WHERE id = '" + damaged + "'");
+  EXPECT_EQ(running_jobs(*driver()->connect(), milliseconds(1)).size(), 0u);
+  EXPECT_EQ(store->list("owner", 10).size(), 2u);
+  EXPECT_EQ(store->upkeep().damaged, 5);
+  EXPECT_EQ(count("remeshd_job"), "2");
+  EXPECT_EQ(work(*store), good);
 }
 
 // ---- the database under the store
@@ -290,13 +370,14 @@ TEST_F(store_pressure, a_claim_of_which_nobody_knows_is_undone_without_an_attemp
   // The store hands the job out, but its answer gets lost: the statement changes the row and then waits.
   const auto connector = driver();
   const auto database = connector->connect();
+  const BlobTable blobs(*connector, nullptr, StoreRules().timeout);
   UncertainWrites writes;
   const std::optional<Claim> claim = store->claim("worker", kAnyMemory);
   ASSERT_TRUE(claim);
   const std::string worker = *run("SELECT worker FROM remeshd_job").at(0)[0];
   writes.note_claim(worker);
   EXPECT_TRUE(writes.has_new());
-  writes.undo(*database);
+  writes.undo(*database, blobs);
   EXPECT_FALSE(writes.has_new());
   const JobRecord record = store->find(id).value();
   EXPECT_EQ(record.state, JobState::kQueued);
@@ -305,7 +386,7 @@ TEST_F(store_pressure, a_claim_of_which_nobody_knows_is_undone_without_an_attemp
   // The next claim of the same daemon has another name.
   const Claim next = store->claim("worker", kAnyMemory).value();
   writes.note_claim(worker);
-  writes.undo(*database);
+  writes.undo(*database, blobs);
   EXPECT_TRUE(store->holds(next));
 }
 
@@ -317,10 +398,156 @@ TEST_F(store_pressure, a_job_of_which_nobody_knows_is_withdrawn) {
   UncertainWrites writes;
   writes.note_submission(id);
   writes.note_submission(new_request_id());
-  writes.undo(*database);
+  writes.undo(*database, BlobTable(*connector, nullptr, StoreRules().timeout));
   EXPECT_EQ(store->find(id), std::nullopt);
   EXPECT_EQ(store->read_blob(id, BlobKind::kInput), std::nullopt);
   EXPECT_EQ(work(*store), other);
+}
+
+// ---- stores that are large
+
+TEST_F(store_pressure, tables_of_the_version_before_get_their_columns_however_long_that_takes) {
+  const std::string body(3 * DatabaseDriver::kPiece, 'x');
+  const std::string before = submit(*open(), body, "owner");
+  std::vector<std::string> changes{"DROP INDEX remeshd_job_damaged",
+                                   "DROP INDEX remeshd_job_stored",
+                                   "DROP INDEX remeshd_job_waiting",
+                                   "ALTER TABLE remeshd_job DROP COLUMN lease_length_ms",
+                                   "ALTER TABLE remeshd_job DROP COLUMN queued_ms",
+                                   "ALTER TABLE remeshd_job DROP COLUMN stored",
+                                   "ALTER TABLE remeshd_blob DROP COLUMN size",
+                                   "CREATE INDEX remeshd_job_waiting ON remeshd_job (created_ms)",
+                                   "UPDATE remeshd_schema SET version = 1"};
+  if (!is_sqlite()) {
+    changes.insert(changes.end(), {"DROP TABLE remeshd_clock",
+                                   "CREATE FUNCTION slow() RETURNS event_trigger LANGUAGE plpgsql AS "
+                                   "$$ BEGIN PERFORM pg_sleep(1); END $$",
+                                   "CREATE EVENT TRIGGER slow_" + schema_ +
+                                       " ON ddl_command_start WHEN TAG IN ('CREATE INDEX') EXECUTE FUNCTION slow()"});
+  }
+  for (const std::string& change : changes) run(change);
+  StoreRules rules;
+  rules.timeout = milliseconds(500);
+  const auto store = open(rules);
+  try {
+    store->probe();
+  } catch (const StoreError&) {
+    // The call that has made the columns may have no time left for what it was called for.
+  }
+  if (!is_sqlite()) run("DROP EVENT TRIGGER slow_" + schema_);
+  EXPECT_EQ(*run("SELECT version FROM remeshd_schema").at(0)[0], "2");
+  EXPECT_EQ(count(is_sqlite() ? "sqlite_master WHERE type = 'index' AND tbl_name = 'remeshd_blob'"
+                              : "pg_indexes WHERE schemaname = current_schema() AND tablename = 'remeshd_blob'"),
+            "1")
+      << "an index of the blobs takes as long as they are large";
+  const auto patient = open();
+  EXPECT_EQ(patient->read_blob(before, BlobKind::kInput), body);
+  EXPECT_EQ(patient->stored_bytes(), 0u) << "nobody has counted it";
+  const std::string after = submit(*patient, body);
+  EXPECT_EQ(patient->stored_bytes(), body.size());
+  EXPECT_EQ(work(*patient), before);
+  EXPECT_EQ(work(*patient), after);
+}
+
+TEST_F(store_pressure, a_blob_that_takes_longer_to_delete_than_a_call_may_take_is_deleted) {
+  StoreRules rules;
+  rules.timeout = milliseconds(2000);
+  rules.result_ttl = milliseconds(0);
+  const auto store = open(rules);
+  const std::string large(35 * DatabaseDriver::kPiece, 'x');
+  const std::string id = submit(*store, large);
+  constexpr int kRows = 2500;
+  burden("blob", "DELETE", 0.9, kRows);
+  EXPECT_EQ(work(*store, large), id) << "the input is deleted";
+  EXPECT_EQ(count("remeshd_blob WHERE kind = 'input'"), "0");
+  std::this_thread::sleep_for(milliseconds(5));
+  EXPECT_EQ(store->upkeep().expired, 1);
+  EXPECT_EQ(count("remeshd_blob"), "0");
+  EXPECT_EQ(store->stored_bytes(), 0u);
+}
+
+TEST_F(store_pressure, results_that_take_longer_to_delete_than_a_call_may_take_are_deleted) {
+  StoreRules rules;
+  rules.timeout = milliseconds(1500);
+  rules.result_ttl = milliseconds(0);
+  rules.history = milliseconds(0);
+  const auto store = open(rules);
+  constexpr int kJobs = 12;
+  for (int i = 0; i < kJobs; ++i) submit(*store);
+  for (int i = 0; i < kJobs; ++i) EXPECT_FALSE(work(*store).empty());
+  std::this_thread::sleep_for(milliseconds(5));
+  burden("blob", "DELETE", 0.2);
+  int expired = 0, forgotten = 0;
+  for (int i = 0; i < 2 * kJobs && forgotten < kJobs; ++i) {
+    const Upkeep done = store->upkeep();
+    EXPECT_GT(done.expired + done.forgotten, 0);
+    expired += done.expired;
+    forgotten += done.forgotten;
+  }
+  EXPECT_EQ(expired, kJobs);
+  EXPECT_EQ(forgotten, kJobs);
+  EXPECT_EQ(count("remeshd_blob"), "0");
+}
+
+TEST_F(store_pressure, times_of_many_jobs_are_shifted_a_few_at_a_time) {
+  StoreRules rules;
+  rules.timeout = milliseconds(1500);
+  const auto store = open(rules);
+  submit(*store);
+  constexpr int kJobs = 9000;
+  run("WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < " + std::to_string(kJobs) +
+      ") INSERT INTO remeshd_job (id, owner, state, turn, memory, request, created_ms) SELECT 'job ' || i, '', "
+      "'succeeded', i, 1, '{}', remeshd_now() FROM n");
+  const std::string now = run("SELECT remeshd_now()").at(0)[0].value();
+  run("UPDATE remeshd_job SET created_ms = created_ms - 315360000000");
+  run(is_sqlite() ? "UPDATE remeshd_clock SET base_ms = base_ms - 315360000000"
+                  : "UPDATE remeshd_clock SET store_ms = store_ms - 315360000000");
+  constexpr int kRows = 3000;
+  burden("job", "UPDATE", 0.4, kRows);
+  store->upkeep();
+  constexpr const char* kMinute = " - 60000";
+  EXPECT_EQ(count("remeshd_job WHERE created_ms < " + now + kMinute), "0");
+}
+
+/// A database in which every write finds no room, and whose driver runs out of memory while it looks for some.
+class FullDatabase final : public Database {
+ public:
+  explicit FullDatabase(const StoreDeadline& deadline) : Database(deadline) {}
+  Rows run(const char* sql, const Values&, Result) override {
+    if (std::string_view(sql).starts_with("SELECT version")) return {{"2"}};
+    throw StoreFull("no room");
+  }
+  void begin() override {}
+  void commit() override {}
+  void roll_back() noexcept override {}
+  void announce() override {}
+};
+
+class FullDriver final : public DatabaseDriver {
+ public:
+  std::unique_ptr<Database> connect_by(const StoreDeadline& deadline) override {
+    return std::make_unique<FullDatabase>(deadline);
+  }
+  std::string_view skip_locked() const override { return ""; }
+  std::vector<std::string> schema_statements(std::int64_t) const override { return {}; }
+  bool has_table(Database&, std::string_view) const override { return true; }
+  void lock_schema(Database&) const override {}
+  void prepare(Database&) override {}
+  void insert_piece(Database&, std::string_view, std::string_view, std::int64_t, std::string_view,
+                    std::uint64_t) override {}
+  std::int64_t rows_of_blob(std::int64_t) const override { return 1; }
+  bool cut_log(Database&) const override { throw std::bad_alloc(); }
+  void keep_clock(Database&) override {}
+  void tidy(Database&) override {}
+  void wait_for_work(const Event&, Clock::time_point, const StoreDeadline&) override {}
+  std::size_t max_connections() const override { return 2; }
+};
+
+TEST(store_pool, a_call_that_runs_out_of_memory_gives_its_connection_back) {
+  StoreRules rules;
+  rules.timeout = milliseconds(200);
+  SqlStore store(std::make_unique<FullDriver>(), rules);
+  for (int i = 0; i < 5; ++i) EXPECT_THROW(store.probe(), std::bad_alloc);
 }
 
 // ---- time
@@ -413,7 +640,15 @@ TEST_F(store_pressure, what_may_be_stored_is_limited_and_deleting_makes_room) {
   EXPECT_TRUE(store->is_well()) << "what is stored can be read and deleted";
   EXPECT_TRUE(store->cancel(first));
   EXPECT_EQ(store->stored_bytes(), 400u);
-  submit(*store, body, "three");
+  const std::string third = submit(*store, body, "three");
+  EXPECT_FALSE(work(*store, std::string(100, 'x')).empty());
+  EXPECT_EQ(store->stored_bytes(), 400u + 100u + 2u) << "results count in place of the input";
+  EXPECT_EQ(work(*store), third);
+  EXPECT_TRUE(store->discard(third));
+  EXPECT_EQ(store->stored_bytes(), 100u + 2u);
+  // A daemon of an older version removes blobs without counting them.
+  run("UPDATE remeshd_job SET state = 'expired' WHERE state = 'succeeded'");
+  EXPECT_EQ(store->stored_bytes(), 0u);
 }
 
 TEST_F(store_pressure, memory_that_a_run_was_seen_to_take_is_its_next_estimate) {
