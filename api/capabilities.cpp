@@ -72,6 +72,9 @@ void write_limits(JsonWriter& json, const Limits& limits) {
   json.member("max_output_faces", limits.max_output_faces);
   json.member("workers", static_cast<std::uint64_t>(limits.workers));
   json.member("request_timeout_s", std::chrono::duration<double>(limits.request_timeout).count());
+  json.member("max_queued_large", static_cast<std::uint64_t>(limits.queue.max_large));
+  json.member("max_queued_small_bytes", limits.queue.max_small_bytes);
+  json.member("max_queued_small_wait_s", std::chrono::duration<double>(limits.queue.max_small_wait).count());
   json.member("max_distance_from_middle", CoordinateRange::kFarthest);
   json.member("min_extent", CoordinateRange::kSmallest);
   json.member("min_width_of_length", CoordinateRange::kNarrowest);

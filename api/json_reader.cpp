@@ -381,7 +381,8 @@ void Handler::add_corner(const Number& read) {
             "face " + number_text(face_count()) + " names vertex " + shortened(number.text()));
   }
   if (mesh_.corners.size() >= PolygonMesh::kMaxCorners) {
-    throw Error(Code::kMeshTooLarge, Stage::kRead, "the faces have too many corners")
+    throw Error(Code::kMeshTooLarge, Stage::kRead,
+                "the faces have more than " + number_text(PolygonMesh::kMaxCorners) + " corners")
         .with_limit(PolygonMesh::kMaxCorners);
   }
   mesh_.corners.push_back(VertexId(static_cast<std::uint32_t>(number.magnitude)));

@@ -1,5 +1,6 @@
 #include "api/multipart.h"
 
+#include "api/file_name.h"
 #include "api/request_code.h"
 #include "api/text.h"
 #include "core/base/error.h"
@@ -53,6 +54,10 @@ void read_part_header(std::string_view line, FormPart& part) {
     if (ascii_lower(trim(cut(value, ';').first)) != "form-data") fail("a part is not form-data");
     part.name = header_parameter(value, "name").value_or("");
     part.file_name = header_parameter(value, "filename").value_or("");
+    // Forms should not have it (RFC 7578, section 4.2), but some clients send nothing else for names beyond ASCII.
+    if (const auto extended = header_parameter(value, "filename*")) {
+      if (std::string name = decode_extended_value(*extended); !name.empty()) part.file_name = std::move(name);
+    }
   } else if (name == "content-type") {
     part.content_type = value;
   } else if (name == "content-transfer-encoding") {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <string>
-#include <utility>
+#include <tuple>
 #include <vector>
 
 #include "api/text.h"
@@ -93,22 +93,18 @@ Format choose_input_format(std::optional<Format> named, std::string_view content
 Format choose_output_format(std::optional<Format> option, std::string_view accept, Format input) {
   if (option) return *option;
   const std::vector<MediaRange> ranges = parse_accept(accept);
-  // The input's format comes first, so that it wins a tie.
-  std::vector<Format> candidates{input};
-  for (const Format format : kFormats) {
-    if (format != input) candidates.push_back(format);
-  }
   const MediaRange* anything = find_range(ranges, "*/*");
   const double weight_of_others = ranges.empty() ? 1 : anything == nullptr ? 0 : anything->weight;
 
-  // Formats are ranked by weight. With equal weights, a named format ranks before one that only "*/*" permits. A
-  // weight of 0 is never chosen.
-  using Rank = std::pair<double, bool>;
+  // Formats are ranked by weight. With equal weights, the input's format comes first, even if only "*/*" permits it and
+  // another one is named: many clients name one kind before "*/*" and mean nothing by it. Of the others, a named format
+  // ranks before one that only "*/*" permits. A weight of 0 is never chosen.
+  using Rank = std::tuple<double, bool, bool>;
   std::optional<Format> best;
-  Rank best_rank{0, true};
-  for (const Format format : candidates) {
+  Rank best_rank{0, true, true};
+  for (const Format format : kFormats) {
     const std::optional<double> weight = weight_for(ranges, format);
-    const Rank rank{weight.value_or(weight_of_others), weight.has_value()};
+    const Rank rank{weight.value_or(weight_of_others), format == input, weight.has_value()};
     if (rank <= best_rank) continue;
     best = format;
     best_rank = rank;

@@ -23,8 +23,8 @@ std::optional<Format> format_of_content_type(std::string_view content_type);
 /// Errors: kUnsupportedMediaType - a format that cannot be read, or content that is known to be in another format.
 Format choose_input_format(std::optional<Format> named, std::string_view content);
 
-/// Chooses the format of the answer: by the option, else by Accept (RFC 9110; `*/*` counts as absent), else the
-/// input's format.
+/// Chooses the format of the answer: by the option, else by Accept (RFC 9110), else the input's format. The
+/// input's format also wins where `*/*` has the largest weight in Accept, or a weight equal to the largest.
 /// Errors: kNotAcceptable - no format that Accept names can be written.
 Format choose_output_format(std::optional<Format> option, std::string_view accept, Format input);
 

@@ -279,9 +279,12 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
   }
 }
 
+/// Reads a boolean as programming languages write it: `true`, `True`, `TRUE` or `1`.
 bool parse_boolean(const OptionSpec& spec, std::string_view text) {
-  if (text != "true" && text != "false") fail_value(spec, text);
-  return text == "true";
+  const std::string word = ascii_lower(text);
+  if (word == "true" || word == "1") return true;
+  if (word != "false" && word != "0") fail_value(spec, text);
+  return false;
 }
 
 void check_range(const OptionSpec& spec, double value, std::string_view text) {
@@ -563,6 +566,7 @@ void OptionReader::add(std::string_view name, std::string_view text, ValueKind k
         .for_option(shortened(name));
   }
   if (is_given(name)) fail(*spec, "is given twice");
+  if (kind == ValueKind::kUntyped && text.empty()) fail(*spec, "is empty: give it a value, or leave it out");
   check_kind(*spec, text, kind);
   set_value(*spec, kind == ValueKind::kNull ? spec->unset : text, options_);
   given_.push_back(spec->name);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "api/file_name.h"
 #include "api/job.h"
 #include "api/json_reader.h"
 #include "api/multipart.h"
@@ -28,13 +29,19 @@ struct ParsedRequest {
 /// True if the whole body is compressed.
 /// Errors: kUnsupportedMediaType - a coding that is not gzip.
 bool is_compressed(const Request& request) {
-  const std::string coding = ascii_lower(trim(request.content_encoding));
-  if (coding.empty() || coding == "identity") return false;
-  if (coding != "gzip" && coding != "x-gzip") {
-    throw Error(Code::kUnsupportedMediaType, Stage::kRead,
-                "the content coding " + in_quotes(coding) + " is not supported; gzip is");
+  bool is_gzip = false;
+  for (std::string_view rest = request.content_encoding; !rest.empty();) {
+    const auto [element, others] = cut(rest, ',');
+    rest = others;
+    const std::string coding = ascii_lower(trim(element));
+    if (coding.empty() || coding == "identity") continue;
+    if (is_gzip || (coding != "gzip" && coding != "x-gzip")) {
+      throw Error(Code::kUnsupportedMediaType, Stage::kRead,
+                  "the content coding " + in_quotes(request.content_encoding) + " is not supported; gzip is");
+    }
+    is_gzip = true;
   }
-  return true;
+  return is_gzip;
 }
 
 /// Returns the body without its Content-Encoding.
@@ -53,6 +60,33 @@ std::string_view decoded_body(const Request& request, const Limits& limits, RunC
   return decoded;
 }
 
+/// Reads the options of a form.
+/// Errors: as read_json_options. The message says where the options stand, since a line or byte alone would be taken
+///         for one of the mesh.
+void read_options_part(std::string_view content, RunControl& control, OptionReader& options) {
+  try {
+    read_json_options(content, control, options);
+  } catch (const Error& error) {
+    Error named(error.code, error.stage, "in the part \"options\" of the form: " + std::string(error.what()));
+    named.line = error.line;
+    named.byte = error.byte;
+    named.element = error.element;
+    named.option = error.option;
+    named.limit = error.limit;
+    throw named;
+  }
+}
+
+/// True if a body looks like `name=value&...` with a name that cannot begin a mesh.
+bool is_urlencoded(std::string_view body) {
+  const std::size_t equals = body.substr(0, 200).find('=');
+  if (equals == 0 || equals == std::string_view::npos) return false;
+  return std::all_of(body.begin(), body.begin() + static_cast<std::ptrdiff_t>(equals), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+           std::string_view("_-.%+[]").find(c) != std::string_view::npos;
+  });
+}
+
 /// Reads the mesh and the options of a form. Other parts are refused: a misspelt part for options would otherwise be
 /// ignored.
 void read_form(std::string_view body, const Request& request, RunControl& control, ParsedRequest& parsed) {
@@ -69,7 +103,7 @@ void read_form(std::string_view body, const Request& request, RunControl& contro
                   "the form has two parts " + in_quotes(part.name));
     }
     if (part.name == "options") {
-      read_json_options(part.content, control, parsed.job.options);
+      read_options_part(part.content, control, parsed.job.options);
     } else {
       parsed.job.mesh = part.content;
       parsed.job.input_format = format_of_content_type(part.content_type);
@@ -96,28 +130,15 @@ void parse_request(const Request& request, const Limits& limits, RunControl& con
   if (media_type_of(request.content_type) == "multipart/form-data") {
     read_form(body, request, control, parsed);
   } else {
+    // Many clients give this type to every body, so the content decides.
+    if (media_type_of(request.content_type) == "application/x-www-form-urlencoded" && is_urlencoded(body)) {
+      throw Error(Code::kUnsupportedMediaType, Stage::kRead,
+                  "the body is a urlencoded form; send the mesh itself as the body, or a form of the type "
+                  "multipart/form-data with the mesh in its part \"mesh\"");
+    }
     parsed.job.mesh = body;
     parsed.job.input_format = format_of_content_type(request.content_type);
   }
-}
-
-/// Makes a name that is safe in a header and as a file: it has no folders, only letters, digits and `._-`, is not
-/// hidden and not long.
-std::string safe_file_name(std::string_view name, Format format) {
-  constexpr std::size_t kLongest = 100;
-  name = name.substr(name.find_last_of("/\\") + 1);
-  if (is_gzip_file_name(name)) name.remove_suffix(3);
-  if (format_from_file_name(name)) name = name.substr(0, name.rfind('.'));
-  name = name.substr(0, kLongest);
-  std::string safe;
-  for (const char c : name) {
-    const bool is_plain =
-        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '_' || c == '-';
-    if (c == '.' && safe.empty()) continue;
-    safe += is_plain ? c : '_';
-  }
-  if (safe.empty()) safe = "remeshed";
-  return safe.append(".").append(file_ending(format));
 }
 
 /// Formats the value of Server-Timing: `read;dur=1.2, ..., total;dur=30`.
@@ -158,7 +179,7 @@ Limits limits_of_mesh(const ParsedRequest& parsed, const Request& request, Limit
 Fields result_headers(std::string_view summary, std::string_view timing, std::string_view file_name, Format format) {
   Fields headers{{"Remesh-Summary", std::string(summary)}, {"Server-Timing", std::string(timing)}};
   if (format != Format::kJson) {
-    headers.emplace_back("Content-Disposition", "attachment; filename=\"" + safe_file_name(file_name, format) + "\"");
+    headers.emplace_back("Content-Disposition", content_disposition(file_name, format));
   }
   return headers;
 }

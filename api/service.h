@@ -20,6 +20,14 @@ namespace remesh::api {
 
 using Fields = std::vector<std::pair<std::string, std::string>>;
 
+/// The limits of what may wait for a worker. Large requests are limited by their number. Small ones, with bodies up to
+/// 1 MiB, are limited by the work that they mean, so that hundreds of them may wait for a moment.
+struct QueueLimits {
+  std::size_t max_large = 0;                                            ///< requests; 0 until it is set
+  std::uint64_t max_small_bytes = std::uint64_t{32} << 20;              ///< of the bodies of all small ones together
+  std::chrono::milliseconds max_small_wait = std::chrono::seconds(60);  ///< the time that small ones are likely to wait
+};
+
 /// The limits of a request, with their defaults. The daemon's settings change them, and /v1/capabilities reports them.
 struct Limits {
   std::uint64_t max_body = 256ull << 20;   ///< bytes
@@ -29,6 +37,7 @@ struct Limits {
   int workers = 1;  ///< threads that one request may use
   /// The longest time that a request may compute. It also waits no longer than this for a worker.
   std::chrono::milliseconds request_timeout{300'000};
+  QueueLimits queue = {};
   /// The limit for a request that names no `max_output_faces`, if it is below `max_output_faces`.
   std::uint64_t usual_output_faces = std::numeric_limits<std::uint64_t>::max();
   std::size_t serial_corners = 0;  ///< see RunSettings

@@ -209,7 +209,7 @@ class Run {
 
   void prepare() {
     // Nothing of the last attempt is needed any more.
-    const std::uint64_t taken = refiner_ ? refiner_->work_taken() : 0;
+    const AttemptEffort::Taken taken = refiner_ ? refiner_->work_taken() : AttemptEffort::Taken();
     const double floor = refiner_ ? refiner_->goals().min_edge_length : 0;
     refiner_.reset();
     candidate_.clear();
@@ -410,6 +410,12 @@ class Run {
           .with_limit(max);
   }
 
+  /// Checks the result once, and counts the work of the check.
+  void run_check(const CheckedAgainst& against) {
+    report_.verified = check(candidate_, against, control_);
+    refiner_->take_check(report_.verified.search_steps);
+  }
+
   /// Runs the independent check of the promises. The check computes what it needs of the surface itself, or verifies
   /// it.
   void check_candidate() {
@@ -431,12 +437,12 @@ class Run {
         refiner_->measure_sizes(patched(), known.patches, candidate.triangulated, candidate.refinement);
         prepared_.release_adjacency();
       };
-    report_.verified = check(candidate_, against, control_);
+    run_check(against);
     if (report_.verified.all_true() ||
         !separate_new_vertices(with_cuts(), candidate_.triangulated, candidate_.refinement, control_))
       return;
     assemble(candidate_, with_cuts(), asked_goals(), control_);
-    report_.verified = check(candidate_, against, control_);
+    run_check(against);
   }
 
   /// Marks for each face of the input, or empty as long as none is marked. They outlast a step of the ladder, after
@@ -486,7 +492,7 @@ class Run {
   /// Remembers which faces are frozen if it took much work to find them.
   void keep_frozen() {
     const bool are_of_these = refiner_->frozen().size() == partition_.patches.count();
-    if (refiner_->work_taken() < kWorkBeforeFrozenStay || !are_of_these) return;
+    if (refiner_->work_taken().triangles < kWorkBeforeFrozenStay || !are_of_these) return;
     std::vector<PatchId> frozen;
     for (std::uint32_t p = 0; p < partition_.patches.count(); ++p)
       if (refiner_->frozen()[PatchId(p)] != 0) frozen.push_back(PatchId(p));

@@ -15,6 +15,7 @@
 #include "core/remesh.h"
 #include "server/http/api_keys.h"
 #include "server/jobs/database.h"
+#include "server/work/memory_budget.h"
 
 namespace remesh::server {
 namespace {
@@ -132,6 +133,21 @@ const std::vector<Setting>& settings() {
        "origins whose pages may use this server from a browser, separated by commas; *: all (none: no page)",
        [](Config& c, const auto& text) { c.cors = text == "none" ? Cors() : Cors(text); },
        [](const Config& c) { return c.cors.text(); }},
+      {"--allowed-hosts",
+       "DNS names, separated by commas, that this server answers to if it asks for no API key, besides addresses and "
+       "localhost; *: all (none: no further name)",
+       [](Config& c, const auto& text) { c.allowed_hosts = text == "none" ? AllowedHosts() : AllowedHosts(text); },
+       [](const Config& c) { return c.allowed_hosts.text(); }},
+      {"--public-url", "URL under which clients reach this server through a proxy (none: that of the request)",
+       [](Config& c, const auto& text) { c.public_url = text == "none" ? PublicUrl() : PublicUrl(text); },
+       [](const Config& c) { return c.public_url.text(); }},
+      {"--trusted-proxies",
+       "addresses and networks, separated by commas, whose X-Forwarded-For, Forwarded and X-Forwarded-Prefix are "
+       "believed, and whose connections are not limited by address (none: nobody)",
+       [](Config& c, const auto& text) {
+         c.trusted_proxies = text == "none" ? TrustedProxies() : TrustedProxies(text);
+       },
+       [](const Config& c) { return c.trusted_proxies.text(); }},
       {"--workers", "threads for one request (default: the cores that this process may use)",
        [](Config& c, const auto& text) { c.limits.workers = static_cast<int>(between(1, 1024, parse_count(text))); },
        [](const Config& c) { return std::to_string(c.limits.workers); }},
@@ -140,9 +156,12 @@ const std::vector<Setting>& settings() {
        "besides (default: the number of workers)",
        [](Config& c, const auto& text) { c.max_running = static_cast<int>(between(1, 1024, parse_count(text))); },
        [](const Config& c) { return std::to_string(c.max_running); }},
-      {"--queue-size", "requests that may wait for a worker (default: 4 per worker, at least 16)",
-       [](Config& c, const auto& text) { c.queue_size = between(1, 1'000'000, parse_count(text)); },
-       [](const Config& c) { return std::to_string(c.queue_size); }},
+      {"--queue-size",
+       "requests with bodies over 1 MiB that may wait for a worker; smaller ones are limited by the work that they "
+       "mean "
+       "(default: 4 per worker, at least 16)",
+       [](Config& c, const auto& text) { c.limits.queue.max_large = between(1, 1'000'000, parse_count(text)); },
+       [](const Config& c) { return std::to_string(c.limits.queue.max_large); }},
       duration(
           "--request-timeout", "longest computing time of a request",
           [](Config & c) -> auto& { return c.limits.request_timeout; }),
@@ -216,6 +235,12 @@ const std::vector<Setting>& settings() {
        [](const Config& c) {
          return c.connections.idle_timeout.count() == 0 ? "none" : format_duration(c.connections.idle_timeout);
        }},
+      {"--spool-dir",
+       "folder for large answers that are read slowly; auto: the folder of jobs, else the temporary folder",
+       [](Config& c, const auto& text) { c.spool_dir = text; }, [](const Config& c) { return c.spool_dir; }},
+      bytes(
+          "--max-spooled", "total size of the answers in --spool-dir",
+          [](Config & c) -> auto& { return c.max_spooled; }),
       {"--max-head", "largest size of a request's head",
        [](Config& c, const auto& text) {
          c.connections.gate.head.max_bytes = between(1024, 16 << 20, parse_bytes(text));
@@ -252,11 +277,20 @@ std::uint64_t default_memory_budget() {
   return std::max<std::uint64_t>(1, api::usable_memory() / 10 * 7 / kMebibyte) * kMebibyte;
 }
 
+/// Sets the limits of the queue. The small requests that wait may take half of the memory, and so much time that most
+/// of --request-timeout is left, since no request waits for a worker longer than that.
+void complete_queue(Config& config) {
+  api::QueueLimits& queue = config.limits.queue;
+  if (queue.max_large == 0) queue.max_large = static_cast<std::size_t>(std::max(16, 4 * config.limits.workers));
+  queue.max_small_bytes = std::max<std::uint64_t>(1, config.memory_budget / MemoryBudget::kWorkPerBodyByte / 2);
+  queue.max_small_wait = config.limits.request_timeout / 5;
+}
+
 /// Sets the defaults that depend on other settings, and checks settings against each other.
 /// Errors: std::invalid_argument.
 void complete(Config& config, Command command) {
   if (config.max_running == 0) config.max_running = config.limits.workers;
-  if (config.queue_size == 0) config.queue_size = static_cast<std::size_t>(std::max(16, 4 * config.limits.workers));
+  complete_queue(config);
   if (command == Command::kHealth) return;
   const bool has_keys = !ApiKeys(config.api_key_file, config.api_key).is_open();
   if (!has_keys && !config.bind.is_loopback() && !config.allow_anonymous) {

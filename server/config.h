@@ -9,8 +9,11 @@
 #include <vector>
 
 #include "api/service.h"
+#include "server/http/allowed_hosts.h"
+#include "server/http/client_address.h"
 #include "server/http/connection_limits.h"
 #include "server/http/cors.h"
+#include "server/http/public_url.h"
 #include "server/http/units.h"
 #include "server/jobs/job_settings.h"
 #include "server/observe/log.h"
@@ -24,6 +27,9 @@ struct Config {
   std::string api_key;           ///< read from the environment only, because a flag would show in the list of processes
   bool allow_anonymous = false;  ///< permits listening beyond loopback without any API key
   Cors cors;
+  AllowedHosts allowed_hosts;
+  PublicUrl public_url;
+  TrustedProxies trusted_proxies;
 
   /// Meshes up to this many corners are computed on one thread. Below it, a second thread makes a request no faster and
   /// takes time from others. Measured on boxes: 2,000 faces take 1.14 ms on one thread and 1.26 ms on two, 3,900 take
@@ -31,13 +37,15 @@ struct Config {
   static constexpr std::size_t kSerialCorners = 3 * 4096;
 
   api::Limits limits{.serial_corners = kSerialCorners};
-  int max_running = 0;         ///< 0 until it is set; the default is the number of workers
-  std::size_t queue_size = 0;  ///< 0 until it is set; the default is 4 for each worker, at least 16
+  int max_running = 0;  ///< 0 until it is set; the default is the number of workers
   std::uint64_t memory_budget = 1ull << 30;
   std::chrono::milliseconds drain_time{25'000};
   jobs::JobSettings jobs;  ///< the default of the store on the command line is `sqlite` instead
 
   ConnectionLimits connections;
+  /// The folder for large answers to slow readers. `auto` means the folder of the job store, else the temporary folder.
+  std::string spool_dir = "auto";
+  std::uint64_t max_spooled = 8ull << 30;
 
   log::Format log_format = log::Format::kAuto;
   log::Level log_level = log::Level::kInfo;

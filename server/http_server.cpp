@@ -11,6 +11,7 @@
 #include <condition_variable>
 #include <cstring>
 #include <ctime>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <set>
@@ -18,10 +19,11 @@
 #include <thread>
 
 #include "server/http/address_counts.h"
+#include "server/http/connection_places.h"
 #include "server/http/connection_threads.h"
 #include "server/http/error_response.h"
 #include "server/http/exchange.h"
-#include "server/http/idle_connections.h"
+#include "server/http/large_answer.h"
 #include "server/observe/log.h"
 #include "server/work/memory_budget.h"
 #include "server/work/request_registry.h"
@@ -32,9 +34,12 @@ namespace {
 constexpr int kBacklog = 1024;
 /// Number of threads beyond the permitted connections, which tell further clients that there is no room.
 constexpr std::size_t kRefusers = 32;
-/// How long a client may continue to send after its refusal.
-constexpr std::chrono::milliseconds kLinger{2000};
-constexpr std::chrono::milliseconds kRefusalLinger{200};
+/// How long a client may continue to send after an answer that came before the end of its body. Two minutes are enough
+/// for 240 MB at 2 MB/s.
+constexpr Connection::Linger kLinger{{std::chrono::seconds(2), 64 << 10}, std::chrono::minutes(2), 1ull << 30};
+/// The same for a client that was refused a connection.
+constexpr Connection::Linger kRefusalLinger{{}, std::chrono::milliseconds(200), 1 << 20};
+constexpr Connection::Linger kNoLinger{};
 /// The library matches paths with std::regex, which recurses for every character. No route is nearly this long.
 constexpr std::size_t kMaxPath = 1024;
 
@@ -135,7 +140,11 @@ std::string regex_of(std::string_view path) {
   return regex;
 }
 
-HttpError not_found() { return HttpError(404, "not_found", "there is nothing at this path"); }
+HttpError not_found(const std::string& near = {}) {
+  return HttpError(404, "not_found",
+                   near.empty() ? std::string("there is nothing at this path")
+                                : "there is nothing at this path; without the slash at its end there is " + near);
+}
 
 std::string http_date() {
   const std::time_t now = std::time(nullptr);
@@ -165,14 +174,17 @@ std::string name_request(const RequestHead& head) {
 class HttpServer::Listener : public httplib::Server {
  public:
   Listener(const std::vector<Route>& routes, const HttpSettings& settings)
-      : settings_(settings), addresses_(settings.connections.max_connections_per_address), idle_(most_idle(settings)) {
+      : settings_(settings),
+        addresses_(settings.connections.max_connections_per_address),
+        places_(settings.connections.max_connections) {
     set_default_headers({{"X-Content-Type-Options", "nosniff"}});
     set_payload_max_length(0);  // bodies do not pass through the library
     register_routes(routes);
     register_ways_out();
     new_task_queue = [this] {
-      return new ConnectionThreads(settings_.connections.max_connections + kRefusers + most_idle(settings_),
-                                   [this] { idle_.end_all(); });
+      // A connection whose wait was ended needs its thread until it has noticed that.
+      return new ConnectionThreads(2 * settings_.connections.max_connections + kRefusers,
+                                   [this] { places_.end_all(); });
     };
     // With the library's own socket options, two daemons could share a port unnoticed.
     set_socket_options([](socket_t socket) {
@@ -208,7 +220,7 @@ class HttpServer::Listener : public httplib::Server {
 
   void begin_drain() {
     draining_ = true;
-    idle_.end_all();
+    places_.end_all();
   }
 
   void stop_all() {
@@ -227,11 +239,9 @@ class HttpServer::Listener : public httplib::Server {
 
   int port() const { return port_; }
   std::size_t active_requests() const { return active_; }
-  std::size_t open_connections() const { return open_ + idle_.count(); }
+  std::size_t open_connections() const { return places_.served() + places_.waiting(); }
 
  private:
-  static std::size_t most_idle(const HttpSettings& settings) { return settings.connections.max_connections / 4 + 1; }
-
   void accept_connections() {
     listener_thread_ = std::this_thread::get_id();
     // The library ends its loop and closes the socket after any error of accept() that it does not know. A second
@@ -240,8 +250,8 @@ class HttpServer::Listener : public httplib::Server {
       log::write(log::Level::kWarning, "accept failed, listening again", {});
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
       svr_sock_ = ::dup(spare_);
-      idle_.begin_again();
-      if (draining_) idle_.end_all();
+      places_.begin_again();
+      if (draining_) places_.end_all();
     }
   }
 
@@ -271,18 +281,41 @@ class HttpServer::Listener : public httplib::Server {
   /// Serves one request if there is room for another connection.
   /// Output: true if the connection stays open.
   bool admit(Connection& connection) {
-    const Counted open(open_);
-    if (std::this_thread::get_id() == listener_thread_ || open_ > settings_.connections.max_connections) {
+    const bool is_here = std::this_thread::get_id() == listener_thread_;
+    const std::optional<ConnectionPlaces::Served> served = is_here ? std::nullopt : places_.enter();
+    if (!served) {
       refuse(connection, HttpError(503, "overloaded", "too many connections"));
       return false;
     }
-    const std::optional<AddressCounts::Place> place = addresses_.enter(connection.peer_address());
-    if (!place) {
-      refuse(connection, HttpError(429, "rate_limited", "too many connections from this address")
-                             .with_limit(settings_.connections.max_connections_per_address));
+    if (settings_.proxies.contains(connection.peer_address())) return serve(connection);
+    const std::optional<AddressCounts::Place> counted = addresses_.enter(connection.peer_address());
+    if (!counted) {
+      refuse(connection, too_many());
       return false;
     }
     return serve(connection);
+  }
+
+  HttpError too_many() const {
+    return HttpError(429, "rate_limited", "too many connections from this address")
+        .with_limit(settings_.connections.max_connections_per_address);
+  }
+
+  /// Takes what a trusted proxy says of its client. Its connections have no limit of their own, so each client behind
+  /// it is counted while it is served.
+  /// Errors: HttpError 429.
+  void heed_proxy(Exchange& exchange) {
+    Request& request = exchange.request;
+    request.prefix = settings_.public_url.prefix();
+    if (!settings_.proxies.contains(exchange.client)) return;
+    std::string_view prefix = request.header("x-forwarded-prefix");
+    if (prefix.ends_with('/')) prefix.remove_suffix(1);
+    if (is_path_prefix(prefix)) request.prefix = prefix;
+    exchange.client = client_address(request, exchange.client, settings_.proxies);
+    if (settings_.proxies.contains(exchange.client)) return;
+    std::optional<AddressCounts::Place> place = addresses_.enter(exchange.client);
+    if (!place) throw too_many();
+    exchange.place.emplace(std::move(*place));
   }
 
   /// Waits for the next request on a connection that stays open. Some clients send a line end after a body, which
@@ -294,7 +327,7 @@ class HttpServer::Listener : public httplib::Server {
     };
     if (is_there()) return true;
     if (!end) end.emplace();
-    const IdleConnections::Stay stay(idle_, *end);
+    const ConnectionPlaces::Wait wait(places_, *end);
     const Clock::time_point until = Clock::now() + settings_.connections.idle_timeout;
     return connection.wait_for_input(*end, until) && (is_there() || connection.wait_for_input(*end, until));
   }
@@ -308,7 +341,7 @@ class HttpServer::Listener : public httplib::Server {
           "Connection: close\r\n\r\n"
           "{\"type\":\"urn:remeshd:problem:out_of_memory\",\"title\":\"Out of memory\",\"status\":503,"
           "\"detail\":\"not enough memory for this request now\",\"code\":\"out_of_memory\"}\n");
-      connection.finish(kRefusalLinger);
+      connection.finish(kRefusalLinger, [] { return true; });
     } catch (const ConnectionLost&) {
     }
   }
@@ -323,10 +356,8 @@ class HttpServer::Listener : public httplib::Server {
       return account_for(exchange, Outcome::kClientGone, settings_.metrics);
     }
     account_for(exchange, Outcome::kAnswered, settings_.metrics);
-    // Lingering occupies a thread, and many refused clients must not take the threads of others.
-    const bool is_crowded = std::this_thread::get_id() == listener_thread_ ||
-                            open_ > settings_.connections.max_connections / 2 + kRefusers / 2;
-    connection.finish(is_crowded ? std::chrono::milliseconds(0) : kRefusalLinger);
+    const bool has_time = std::this_thread::get_id() != listener_thread_ && may_linger();
+    connection.finish(has_time ? kRefusalLinger : kNoLinger, [this] { return may_linger(); });
   }
 
   /// Serves one request.
@@ -348,17 +379,25 @@ class HttpServer::Listener : public httplib::Server {
     // A client whose whole request was read usually has nothing more to send. Any other client may be in the middle
     // of its upload.
     const bool is_silent = exchange.is_read && !connection.has_unread_input();
-    connection.finish(is_silent ? std::chrono::milliseconds(0) : kLinger);
+    connection.finish(is_silent ? kNoLinger : kLinger, [this] { return may_linger(); });
     return false;
   }
 
+  /// True if a connection may go on reading what nobody needs. That occupies a thread, and many refused clients must
+  /// not take the threads of others, nor delay the end of the process.
+  bool may_linger() const {
+    return !draining_ && places_.served() <= settings_.connections.max_connections / 2 + kRefusers / 2;
+  }
+
   /// Output: false if there is no request.
-  bool take_head(Exchange& exchange) const {
+  bool take_head(Exchange& exchange) {
     RequestHead& head = exchange.request;
     try {
       const std::optional<Framing> framing = read_head(exchange.connection, settings_.connections.gate, head);
       if (!framing) return false;
       exchange.framing = *framing;
+      heed_proxy(exchange);
+      if (settings_.sites) settings_.sites->check(head, access_of(head.path));
       check_routable(head);
     } catch (const ConnectionLost&) {
       throw;
@@ -367,6 +406,11 @@ class HttpServer::Listener : public httplib::Server {
     }
     exchange.request.id = name_request(head);
     return true;
+  }
+
+  Access access_of(const std::string& path) const {
+    const auto known = open_paths_.find(path);
+    return known == open_paths_.end() ? Access::kGuarded : known->second;
   }
 
   static void check_routable(const RequestHead& head) {
@@ -383,6 +427,9 @@ class HttpServer::Listener : public httplib::Server {
     bool is_closed = false;
     if (!process_request(stream, /*close_connection=*/false, is_closed, nullptr)) exchange.is_kept = false;
     stream.flush();
+    if (exchange.large_body.empty() || exchange.request.method == "HEAD") return;
+    send_large(exchange.connection, std::move(exchange.large_body), *settings_.spool,
+               [&] { exchange.request.memory.reset(); });
   }
 
   /// True if the connection may serve another request: the client permits it and has done nothing wrong, and both
@@ -390,20 +437,36 @@ class HttpServer::Listener : public httplib::Server {
   /// the connection.
   bool may_keep(const Exchange& exchange) const {
     return exchange.is_read && exchange.status < 400 && !exchange.is_streamed &&
-           settings_.connections.idle_timeout.count() > 0 && !idle_.is_over() && wants_to_be_kept(exchange.request);
+           settings_.connections.idle_timeout.count() > 0 && !places_.is_over() && wants_to_be_kept(exchange.request);
   }
 
   /// Admits a request that a route has accepted, and reads its body if there is one.
   void take_in(Exchange& exchange, const Route& route) {
     exchange.route = route.path;
-    if (!route.is_open && settings_.keys != nullptr && !settings_.keys->admits(exchange.request)) {
-      throw HttpError(401, "unauthorized", "an API key is needed: send it as Authorization: Bearer KEY")
-          .with_header("WWW-Authenticate", "Bearer");
-    }
-    if (settings_.keys != nullptr) exchange.request.owner = settings_.keys->owner(exchange.request);
+    identify(exchange.request, route);
     const Admission admission = route.admit ? route.admit(exchange.request) : Admission{};
     exchange.request.memory = admission.memory;
     take_body(exchange, admission.max_body);
+  }
+
+  /// Finds out whose request this is.
+  /// Errors: HttpError 401.
+  void identify(Request& request, const Route& route) const {
+    if (settings_.keys == nullptr) return;
+    request.owner = settings_.keys->owner(request);
+    if (route.access != Access::kGuarded || settings_.keys->admits(request)) return;
+    std::optional<std::string> owner;
+    if (route.takes_token) {
+      const auto shown = std::find_if(request.query.begin(), request.query.end(),
+                                      [](const auto& parameter) { return parameter.first == "token"; });
+      const auto now = std::chrono::system_clock::now();
+      if (shown != request.query.end()) owner = settings_.keys->owner_by_token(shown->second, request.path, now);
+    }
+    if (!owner) {
+      throw HttpError(401, "unauthorized", "an API key is needed: send it as Authorization: Bearer KEY")
+          .with_header("WWW-Authenticate", "Bearer");
+    }
+    request.owner = *owner;
   }
 
   void take_body(Exchange& exchange, std::uint64_t max_body) {
@@ -428,7 +491,10 @@ class HttpServer::Listener : public httplib::Server {
     out.status = answer.status;
     out.set_header("Date", http_date());
     out.set_header("X-Request-Id", exchange.request.id);
-    for (const auto& [name, value] : answer.headers) out.set_header(name, one_line(value));
+    for (const auto& [name, value] : answer.headers) {
+      out.set_header(name, one_line(value));
+      if (name == "Accept-Ranges") exchange.takes_ranges = true;
+    }
     for (const auto& [name, value] : settings_.cors.headers(exchange.request)) out.set_header(name, value);
     const std::string content_type = one_line(answer.content_type);
     if (answer.next_piece) {
@@ -443,7 +509,13 @@ class HttpServer::Listener : public httplib::Server {
       return;
     }
     if (!content_type.empty()) out.set_header("Content-Type", content_type);
-    out.body = std::move(answer.body);  // set_content would copy it
+    if (settings_.spool != nullptr && answer.body.size() > kLargeAnswer) {
+      // The library writes the head alone.
+      out.set_header("Content-Length", std::to_string(answer.body.size()));
+      exchange.large_body = std::move(answer.body);
+    } else {
+      out.body = std::move(answer.body);  // set_content would copy it
+    }
   }
 
   void give_failure(Exchange& exchange, const std::exception_ptr& failure, httplib::Response& out) const {
@@ -451,15 +523,15 @@ class HttpServer::Listener : public httplib::Server {
   }
 
   void register_routes(const std::vector<Route>& routes) {
-    std::set<std::string> seen;
     for (const Route& route : routes) {
+      if (route.access != Access::kGuarded) open_paths_.emplace(route.path, route.access);
       on(route.method, regex_of(route.path), [this, route](const httplib::Request& routed, httplib::Response& out) {
         Exchange& exchange = *current_exchange;
         take_in(exchange, route);
         const std::string parameter = routed.matches.size() > 1 ? routed.matches[1].str() : "";
         give(exchange, route.handle({exchange.request, exchange.connection, parameter}), out);
       });
-      if (seen.insert(route.path).second) register_other_methods(routes, route.path);
+      if (paths_.insert(route.path).second) register_other_methods(routes, route.path);
     }
     register_options("*", "OPTIONS");
   }
@@ -516,6 +588,14 @@ class HttpServer::Listener : public httplib::Server {
     }
   }
 
+  /// The path that is meant by one with a slash too many at its end.
+  /// Output: empty if there is no route at it.
+  std::string nearby(const Request& request) const {
+    if (!request.path.ends_with('/')) return {};
+    const std::string path = request.path.substr(0, request.path.size() - 1);
+    return paths_.count(path) > 0 ? request.prefix + path : std::string();
+  }
+
   /// Registers the handlers for requests that no route has answered, and for the last changes to every answer.
   void register_ways_out() {
     using Handled = httplib::Server::HandlerResponse;
@@ -535,7 +615,7 @@ class HttpServer::Listener : public httplib::Server {
     // This is called for every status from 400 on, also for those that a route has set.
     set_error_handler(httplib::Server::HandlerWithResponse([this](const httplib::Request&, httplib::Response& out) {
       if (current_exchange->status != 0) return Handled::Unhandled;
-      give_failure(*current_exchange, std::make_exception_ptr(not_found()), out);
+      give_failure(*current_exchange, std::make_exception_ptr(not_found(nearby(current_exchange->request))), out);
       return Handled::Handled;
     }));
     set_post_routing_handler([this](const httplib::Request&, httplib::Response& out) {
@@ -543,10 +623,10 @@ class HttpServer::Listener : public httplib::Server {
       exchange.is_kept = may_keep(exchange);
       out.headers.erase("Keep-Alive");  // the library has written its own times
       out.set_header("Connection", exchange.is_kept ? "keep-alive" : "close");
-      if (const auto seconds = settings_.connections.idle_timeout / std::chrono::seconds(1);
-          exchange.is_kept && seconds > 0)
-        out.set_header("Keep-Alive", "timeout=" + std::to_string(seconds));
-      out.headers.erase("Accept-Ranges");  // range requests are not supported
+      const auto seconds = std::chrono::floor<std::chrono::seconds>(told_idle_timeout(settings_.connections)).count();
+      if (exchange.is_kept && seconds > 0) out.set_header("Keep-Alive", "timeout=" + std::to_string(seconds));
+      out.headers.erase("Accept-Ranges");  // the library's own
+      if (exchange.takes_ranges) out.set_header("Accept-Ranges", "bytes");
       if (out.status == 204 || out.status == 304) out.headers.erase("Content-Length");
     });
   }
@@ -572,6 +652,8 @@ class HttpServer::Listener : public httplib::Server {
   };
 
   const HttpSettings settings_;
+  std::set<std::string> paths_;               ///< of all routes, with `{id}` for the variable part
+  std::map<std::string, Access> open_paths_;  ///< the paths that everyone may use
   AddressCounts addresses_;
   int port_ = -1;
   int spare_ = -1;  ///< a second descriptor of the listening socket
@@ -579,8 +661,7 @@ class HttpServer::Listener : public httplib::Server {
   std::atomic<std::thread::id> listener_thread_{};
   std::atomic<bool> stopping_{false};
   std::atomic<bool> draining_{false};
-  std::atomic<std::size_t> open_{0};  ///< open connections, without idle ones
-  IdleConnections idle_;
+  ConnectionPlaces places_;
   std::atomic<std::size_t> active_{0};
   std::mutex mutex_;
   std::set<int> sockets_;

@@ -11,13 +11,18 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "server/http/api_keys.h"
+#include "server/http/client_address.h"
 #include "server/http/connection_limits.h"
 #include "server/http/cors.h"
+#include "server/http/public_url.h"
 #include "server/http/route.h"
+#include "server/http/site_rules.h"
+#include "server/http/spool.h"
 #include "server/http/units.h"
 #include "server/observe/metrics.h"
 
@@ -27,7 +32,11 @@ struct HttpSettings {
   ConnectionLimits connections;
   const ApiKeys* keys = nullptr;  ///< the keys that clients must show; null if none are required
   Cors cors;
-  Metrics* metrics = nullptr;  ///< the metrics that count requests; null if they are not counted
+  TrustedProxies proxies;
+  PublicUrl public_url;
+  std::optional<SiteRules> sites;  ///< nothing if API keys keep the pages of other sites out
+  Spool* spool = nullptr;          ///< takes large answers from slow readers; null if all answers stay in memory
+  Metrics* metrics = nullptr;      ///< the metrics that count requests; null if they are not counted
 };
 
 class HttpServer {

@@ -68,7 +68,7 @@ int wait_for_signal(const sigset_t& signals, std::optional<std::chrono::millisec
 void add_settings(const Config& config, const Service& service, std::vector<log::Field>& fields) {
   fields.push_back({"workers", std::int64_t{config.limits.workers}});
   fields.push_back({"max_running", std::int64_t{config.max_running}});
-  fields.push_back({"queue_size", static_cast<std::int64_t>(config.queue_size)});
+  fields.push_back({"queue_size", static_cast<std::int64_t>(config.limits.queue.max_large)});
   fields.push_back({"memory_budget", format_bytes(config.memory_budget)});
   fields.push_back({"keys", static_cast<std::int64_t>(service.key_count())});
   fields.push_back({"role", role_name(config.jobs.role)});

@@ -1,6 +1,8 @@
 #include "server/service.h"
 
 #include <chrono>
+#include <filesystem>
+#include <system_error>
 #include <thread>
 #include <utility>
 
@@ -49,8 +51,8 @@ std::vector<Route> Service::routes() {
   if (config_.jobs.role == jobs::Role::kWork) return list;
   for (Route& route : web_routes(web_files())) list.push_back(std::move(route));
   for (Route& route : job_routes_.routes()) list.push_back(std::move(route));
-  list.push_back({"GET", "/openapi.json",
-                  [this](const Call& call) { return compressed(wrap(operations_.openapi()), call.request); }});
+  list.push_back(
+      {"GET", "/openapi.json", [this](const Call& call) { return compressed(show_contract(call), call.request); }});
   list.push_back({"GET", "/v1/capabilities", [this](const Call& call) {
                     return compressed(wrap(operations_.capabilities(work_limits_.api)), call.request);
                   }});
@@ -69,8 +71,8 @@ std::vector<Route> Service::routes() {
 }
 
 std::vector<Route> Service::ops_routes() {
-  return {{"GET", "/livez", [](const Call&) { return plain(200, "alive\n"); }, nullptr, /*is_open=*/true},
-          {"GET", "/readyz", [this](const Call&) { return readiness(); }, nullptr, /*is_open=*/true},
+  return {{"GET", "/livez", [](const Call&) { return plain(200, "alive\n"); }, nullptr, Access::kProbe},
+          {"GET", "/readyz", [this](const Call&) { return readiness(); }, nullptr, Access::kProbe},
           {"GET", "/metrics", [this](const Call& call) { return compressed(show_metrics(), call.request); }}};
 }
 
@@ -82,14 +84,16 @@ Service::Service(const Config& config, Operations operations)
       memory_(config.memory_budget),
       memory_watch_(memory_, registry_),
       jobs_(make_jobs()),
-      job_routes_({jobs_.get(), work_limits_, memory_, registry_, pool_, draining_}),
-      pool_(config.max_running, config.queue_size, config.limits.workers),
+      job_routes_({jobs_.get(), keys_, work_limits_, memory_, registry_, pool_, draining_}),
+      pool_(config.max_running, config.limits.queue, config.limits.workers),
+      spool_(spool_folder(), config.max_spooled, config.memory_budget / 4),
       http_(routes(), http_settings()) {
   if (!config.ops_bind) return;
   // This port has neither keys nor metrics. Whoever can reach it may look, and looking is no work that counts.
   HttpSettings settings;
   settings.connections = config.connections;
   settings.connections.max_connections = settings.connections.max_connections_per_address = kOpsConnections;
+  settings.sites = site_rules(*config.ops_bind);
   ops_ = std::make_unique<HttpServer>(ops_routes(), settings);
 }
 
@@ -107,12 +111,29 @@ std::unique_ptr<jobs::JobService> Service::make_jobs() {
                                             memory_, metrics_, operations_.remesh_to_keep);
 }
 
+std::string Service::spool_folder() const {
+  if (config_.spool_dir != "auto") return config_.spool_dir;
+  const bool has_folder = config_.jobs.store == "sqlite";
+  const std::string folder = has_folder ? jobs::find_state_dir(config_.jobs.state_dir) : "";
+  std::error_code none;
+  return folder.empty() ? std::filesystem::temp_directory_path(none).string() : folder;
+}
+
+std::optional<SiteRules> Service::site_rules(const Address& address) const {
+  if (!keys_.is_open()) return std::nullopt;
+  return SiteRules(config_.allowed_hosts, config_.public_url, config_.cors, address.is_loopback());
+}
+
 HttpSettings Service::http_settings() {
   HttpSettings settings;
   settings.connections = config_.connections;
   settings.keys = &keys_;
   settings.cors = config_.cors;
+  settings.proxies = config_.trusted_proxies;
+  settings.public_url = config_.public_url;
+  settings.sites = site_rules(config_.bind);
   settings.metrics = &metrics_;
+  settings.spool = &spool_;
   return settings;
 }
 
@@ -148,9 +169,10 @@ bool Service::makes_job(const RequestHead& head) const { return jobs_ && jobs::J
 
 Admission Service::admit_work(const RequestHead& head) {
   if (draining_) throw draining();
+  check_content_coding(head);
   const Framing body = framing(head);
   // The length of a chunked body is unknown here. The queue checks its room again once the body has arrived.
-  if (pool_.is_full(size_of_job(body.length))) throw overloaded();
+  if (pool_.is_full(body.length)) throw overloaded(pool_);
   return {config_.limits.max_body, memory_.open_share()};
 }
 
@@ -164,6 +186,18 @@ Response Service::work(const Operation& operation, const Call& call) {
     if (stopping_ && error.code == Code::kCancelled) throw draining();
     throw;
   }
+}
+
+Response Service::show_contract(const Call& call) const {
+  constexpr std::string_view kServer = "\"url\": \"/\"";  // the first of all URLs, and the only one of this kind
+  Response response = wrap(operations_.openapi());
+  const bool is_public = call.request.prefix == config_.public_url.prefix() && config_.public_url.origin();
+  const std::string url = is_public ? config_.public_url.text() : call.request.prefix;
+  const std::size_t at = response.body.find(kServer);
+  if (url.empty() || at == std::string::npos) return response;
+  // The URL and the prefix are checked when they are taken in, so that they need no escapes here.
+  response.body.replace(at, kServer.size(), "\"url\": \"" + url + "\"");
+  return response;
 }
 
 Response Service::show_metrics() const {
@@ -206,7 +240,7 @@ Response Service::cancel_request(const Call& call) {
 Response Service::follow_request(const Call& call) {
   Response response;
   response.content_type = "text/event-stream";
-  response.headers.emplace_back("Cache-Control", "no-store");
+  response.headers = event_stream_headers();
   response.next_piece = [running = find_own(registry_, call), &connection = call.connection, next = Clock::now(),
                          is_over = false]() mutable -> std::string {
     if (is_over || connection.wait(nullptr, next) == Connection::Wake::kClientGone) return {};

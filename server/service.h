@@ -4,11 +4,13 @@
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "server/config.h"
 #include "server/http/api_keys.h"
 #include "server/http/route.h"
+#include "server/http/spool.h"
 #include "server/http_server.h"
 #include "server/jobs/job_routes.h"
 #include "server/jobs/job_service.h"
@@ -62,10 +64,16 @@ class Service {
   std::vector<Route> ops_routes();
   std::unique_ptr<jobs::JobService> make_jobs();
   HttpSettings http_settings();
+  /// The folder for large answers to slow readers.
+  std::string spool_folder() const;
+  /// The rules for the listener at this address. There are none if API keys are asked for.
+  std::optional<SiteRules> site_rules(const Address& address) const;
   /// True if a request to remesh becomes a job. Without a job store the client's preference is ignored and it is
   /// answered at once.
   bool makes_job(const RequestHead& head) const;
   Admission admit_work(const RequestHead& head);
+  /// The contract, with the URL of the server as the client sees it.
+  Response show_contract(const Call& call) const;
   Response show_metrics() const;
   Response work(const Operation& operation, const Call& call);
   Response readiness() const;
@@ -86,6 +94,7 @@ class Service {
   std::unique_ptr<jobs::JobService> jobs_;  ///< null without a store; outlives the pool that runs its work
   jobs::JobRoutes job_routes_;
   WorkerPool pool_;
+  Spool spool_;
   HttpServer http_;
   std::unique_ptr<HttpServer> ops_;
 };

@@ -6,7 +6,7 @@
 #include "core/io/gzip.h"
 #include "server/http/content_coding.h"
 #include "server/http/digest.h"
-#include "server/http/text.h"
+#include "server/http/partial_content.h"
 
 namespace remesh::server {
 namespace {
@@ -25,15 +25,6 @@ std::string entity_tag(std::string_view bytes) {
   return "W/\"" + digest.substr(digest.find(':') + 1, 22) + "\"";
 }
 
-/// True if an `If-None-Match` field names the tag (RFC 9110, section 13.1.2: weak comparison).
-bool names_tag(std::string_view field, std::string_view tag) {
-  const auto opaque = [](std::string_view t) { return t.substr(t.starts_with("W/") ? 2 : 0); };
-  for (const std::string_view element : list_elements(field)) {
-    if (element == "*" || opaque(element) == opaque(tag)) return true;
-  }
-  return false;
-}
-
 std::string unpacked(std::string_view bytes) {
   RunControl control;
   return gunzip(bytes, DecompressionLimits{}, control);
@@ -48,14 +39,14 @@ Response answer(const WebFile& file, const std::string& tag, const Request& requ
                       {"Cross-Origin-Opener-Policy", "same-origin"},
                       {"Cross-Origin-Resource-Policy", "same-origin"},
                       {"Referrer-Policy", "no-referrer"}};
-  if (names_tag(request.header("if-none-match"), tag)) {
+  if (names_tag(request.list("if-none-match"), tag)) {
     response.status = 304;
     return response;
   }
   response.content_type = file.type;
   if (!file.is_packed) {
     response.body = file.bytes;
-  } else if (accepts_gzip(request.header("accept-encoding"))) {
+  } else if (accepts_gzip(request.list("accept-encoding"))) {
     response.body = file.bytes;
     response.headers.emplace_back("Content-Encoding", "gzip");
   } else {
@@ -73,7 +64,7 @@ std::vector<Route> web_routes(const std::vector<WebFile>& files) {
     routes.push_back(
         {"GET", std::string(file.path),
          [file, tag = entity_tag(file.bytes)](const Call& call) { return answer(file, tag, call.request); }, nullptr,
-         /*is_open=*/true});
+         Access::kPageFile});
   }
   return routes;
 }

@@ -58,15 +58,20 @@ struct StageWork {
 /// The searches for gaps from which sizes are found. A step is a box that a search looks at.
 /// Good surfaces take 100 to 400 steps for each place that gets a size of its own, and have fewer such places than
 /// faces in the output.
-inline constexpr StageWork kWorkOfSizes{256, 2, 1 << 20};
+inline constexpr StageWork kWorkOfSizes{128, 1, 1 << 20};
 
 /// The search for the smallest gap of the whole surface, from one triangle after the other. A step is a box. Good
 /// surfaces take up to 850 steps for each triangle, most of them fewer than 200.
 inline constexpr StageWork kWorkOfSmallestGap{64, 1, 1 << 18};
 
 /// The refinement of one patch, compared with the triangles that it has so far. A step is a triangle that is treated,
-/// or eight triangles that have to go for one point. Good patches take fewer than ten steps for each triangle.
-inline constexpr StageWork kWorkOfPatch{0, 8, 1 << 18};
+/// or eight triangles that walks and cavities go through for one point. Good patches take fewer than 17 steps for each
+/// triangle.
+inline constexpr StageWork kWorkOfPatch{0, 4, 1 << 10};
+
+/// The steps that all patches together may take above these bounds. A patch that needs more of them than its share
+/// waits for the next round, so that many bad patches take no longer than one.
+inline constexpr std::uint64_t kWorkAboveBounds = 1 << 20;
 
 /// All attempts to refine a surface. A step is a triangle of an attempt. So an attempt that fails with all faces that
 /// are allowed can be repeated with a few of them, and one with few faces can be repeated often.

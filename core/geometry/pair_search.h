@@ -31,7 +31,13 @@ class PairSearch {
  public:
   PairSearch(const SearchLimits& limits, RunControl& control, SelfIntersections found = {})
       : limits_(limits), control_(control), result_(std::move(found)), progress_before_(control.told_fraction()) {
-    if (!result_.are_all_listed && result_.is_complete) unexpected_ = result_.pairs.size() - move_expected_to_end();
+    limits_.max_unexpected = std::min(limits_.max_unexpected, limits_.max_pairs);
+    if (!limits_.is_expected || !result_.is_complete) return;
+    unexpected_ =
+        static_cast<std::size_t>(std::count_if(result_.pairs.begin(), result_.pairs.end(), [&](const auto& pair) {
+          return !limits_.is_expected(pair.first, pair.second);
+        }));
+    if (!result_.are_all_listed) move_expected_to_end();
   }
 
   const SearchLimits& limits() const { return limits_; }
@@ -40,7 +46,9 @@ class PairSearch {
   bool goes_on() const { return result_.is_complete; }
 
   /// Returns how many more pairs may be found.
-  std::size_t room() const { return limits_.max_pairs - (result_.are_all_listed ? result_.pairs.size() : unexpected_); }
+  std::size_t room() const {
+    return result_.are_all_listed ? limits_.max_pairs - result_.pairs.size() : limits_.max_unexpected - unexpected_;
+  }
   /// Returns whether a pair is neither listed nor tested. This changes only between rounds.
   bool is_passed_over(FaceId f, FaceId g) const {
     return !result_.are_all_listed && limits_.is_expected && limits_.is_expected(f, g);
@@ -50,14 +58,12 @@ class PairSearch {
   void add(const FacePairs& pairs, std::uint64_t steps) {
     result_.steps += steps;
     for (const auto& pair : pairs) {
-      const bool is_listed = result_.are_all_listed || !limits_.is_expected(pair.first, pair.second);
-      if (!is_listed) continue;
+      const bool is_expected = limits_.is_expected && limits_.is_expected(pair.first, pair.second);
+      if (is_expected && !result_.are_all_listed) continue;
       result_.pairs.push_back(pair);
-      if (!result_.are_all_listed)
-        ++unexpected_;
-      else if (result_.pairs.size() > limits_.max_pairs)
-        end_list();
-      if (unexpected_ > limits_.max_pairs) result_.is_complete = false;
+      if (limits_.is_expected && !is_expected) ++unexpected_;
+      if (result_.are_all_listed && result_.pairs.size() > limits_.max_pairs) end_list();
+      if (unexpected_ > limits_.max_unexpected) result_.are_all_listed = result_.is_complete = false;
       if (!result_.is_complete) return;
     }
   }
@@ -77,7 +83,9 @@ class PairSearch {
   }
   /// Ends the search if it has taken more steps than it may.
   void end_if_long() {
-    if (result_.steps > limits_.max_steps) result_.are_all_listed = result_.is_complete = false;
+    const std::uint64_t max =
+        unexpected_ == 0 ? limits_.max_steps : std::min(limits_.max_steps, limits_.max_steps_with_unexpected);
+    if (result_.steps > max) result_.are_all_listed = result_.is_complete = false;
   }
 
  private:
@@ -88,25 +96,22 @@ class PairSearch {
       result_.is_complete = false;
       return;
     }
-    unexpected_ = result_.pairs.size() - move_expected_to_end();
+    move_expected_to_end();
     result_.pairs.resize(std::max(limits_.max_pairs, unexpected_));
   }
-  /// Returns the number of pairs that are expected.
-  std::size_t move_expected_to_end() {
-    const auto expected = std::stable_partition(result_.pairs.begin(), result_.pairs.end(), [&](const auto& pair) {
-      return !limits_.is_expected(pair.first, pair.second);
-    });
-    return static_cast<std::size_t>(result_.pairs.end() - expected);
+  void move_expected_to_end() {
+    std::stable_partition(result_.pairs.begin(), result_.pairs.end(),
+                          [&](const auto& pair) { return !limits_.is_expected(pair.first, pair.second); });
   }
 
-  const SearchLimits limits_;
+  SearchLimits limits_;
   RunControl& control_;
   SelfIntersections result_;
   std::mutex told_mutex_;
   double progress_before_;
   double told_ = 0;             ///< the steps since then of which progress was told
   double told_fraction_ = -1;   ///< the progress that was told last
-  std::size_t unexpected_ = 0;  ///< the number of pairs that are not expected; 0 as long as all pairs are listed
+  std::size_t unexpected_ = 0;  ///< the number of pairs that are not expected; 0 if nothing is
 };
 
 /// The pairs of some items that were treated one after the other.

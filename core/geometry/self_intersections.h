@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
@@ -47,6 +48,10 @@ struct SearchLimits {
   /// If this is set, pairs for which it returns true do not end the search. After the first `max_pairs` pairs they are
   /// neither listed nor tested. It is called from several threads.
   std::function<bool(FaceId, FaceId)> is_expected = {};
+  /// With `is_expected`, the search ends soon after it has found more pairs than this that are not expected.
+  std::size_t max_unexpected = std::numeric_limits<std::size_t>::max();
+  /// After more steps than this, a single such pair ends the search.
+  std::uint64_t max_steps_with_unexpected = kNoLimit;
   bool is_estimate_wanted = false;  ///< if the search is cut short, the number of pairs is estimated
 };
 

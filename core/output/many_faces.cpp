@@ -24,6 +24,10 @@ constexpr double kWorthTelling = 0.8;
 constexpr double kNoGain = 0.97;
 /// No value of an option is tried after this many steps.
 constexpr int kMaxSteps = 10;
+/// Values of options are tried as long as all predictions together have looked at sizes at fewer places than this.
+/// Where sizes vary, a prediction looks at some kPlacesPerTriangle in each triangle. Where they do not, it takes no
+/// longer than a look at a place for each kTrianglesPerPlace triangles. Sizes that are found anew take as long again.
+constexpr std::uint64_t kMaxPlaces = std::uint64_t{1} << 19, kPlacesPerTriangle = 64, kTrianglesPerPlace = 8;
 /// A floor that is suggested is at most this fraction of the diagonal, and the first one that is tried this one.
 constexpr double kHighestFloor = 0x1p-6, kLowestFloor = 0x1p-20;
 
@@ -79,9 +83,9 @@ class Explanation {
   Diagnostic diagnostic() {
     Diagnostic warning{DiagnosticCode::kManyFaces, 0, {}, ""};
     const std::size_t patches = add_largest_patches(warning);
-    const double predicted = result_.predict(result_.goals);
+    const double predicted = predict(result_.goals);
     scale_ = predicted > 0 ? faces_ / predicted : 1;
-    const Cause cause = find_cause();
+    const Cause cause = find_cause(predicted);
     warning.message = (is_counted() ? "the result has " + whole_text(faces_) : about(faces_) + " faces are expected,") +
                       (is_counted() ? " faces, " : " ") +
                       value_text(faces_ / static_cast<double>(std::max<std::uint64_t>(result_.input_triangles, 1))) +
@@ -129,14 +133,26 @@ class Explanation {
     return std::isfinite(result_.goals.max_edge_length) || std::isfinite(result_.goals.max_area);
   }
 
+  /// Predicts the faces of a result, and counts the places at which this looks at sizes.
+  double predict(const Goals& goals) {
+    const std::uint64_t triangles = result_.input_triangles;
+    const bool do_sizes_vary = goals.proximity > 0 || goals.gradation > 0;
+    const bool are_sizes_found_anew =
+        goals.proximity != result_.goals.proximity || goals.max_edge_length != result_.goals.max_edge_length;
+    places_ += do_sizes_vary ? (are_sizes_found_anew ? 2 : 1) * kPlacesPerTriangle * triangles
+                             : 1 + triangles / kTrianglesPerPlace;
+    return result_.predict(goals);
+  }
+
   /// Returns the goal without which the fewest faces are predicted.
-  Cause find_cause() {
+  /// Input: the number of faces that is predicted with all goals.
+  Cause find_cause(double predicted) {
     const bool are_circles_asked = result_.options.elements_per_circle || result_.options.surface_tolerance ||
                                    result_.options.surface_tolerance_fraction;
     Cause cause = are_circles_asked ? Cause::kCircles : Cause::kAngles;
-    double fewest = kNoGain * result_.predict(result_.goals);
+    double fewest = kNoGain * predicted;
     const auto try_without = [&](Cause candidate, const Goals& goals) {
-      const double faces = result_.predict(goals);
+      const double faces = predict(goals);
       if (!(faces < fewest)) return;
       fewest = faces;
       cause = candidate;
@@ -178,10 +194,10 @@ class Explanation {
   }
 
   /// Tells of the floor that was found.
-  std::string floor_text() const {
+  std::string floor_text() {
     Goals goals = result_.goals;
     goals.min_edge_length = 0;
-    const double predicted = result_.predict(goals);
+    const double predicted = predict(goals);
     const auto proportion = static_cast<double>(goals.faces_without_floor);
     // The floor was looked for because more than these are made or predicted without it.
     const std::string without = predicted > proportion ? about(predicted) : "more than " + whole_text(proportion);
@@ -192,11 +208,11 @@ class Explanation {
   }
 
   /// Predicts the faces of a result with other goals.
-  double faces_with(Goals goals) const {
+  double faces_with(Goals goals) {
     // A floor would be found again, and it could be lower.
     const bool is_automatic = is_floor_found() && goals.min_edge_length == result_.goals.min_edge_length;
     if (is_automatic) goals.min_edge_length = 0;
-    const double faces = result_.predict(goals);
+    const double faces = predict(goals);
     const auto proportion = static_cast<double>(goals.faces_without_floor);
     if (is_automatic && faces > proportion) return proportion;
     return std::max(scale_ * faces, static_cast<double>(result_.patches.count()));
@@ -208,7 +224,7 @@ class Explanation {
   void try_values(const Next& next) {
     std::optional<Remedy> best;
     Goals goals = first_goals_;
-    for (int step = 0; step < kMaxSteps; ++step) {
+    for (int step = 0; step < kMaxSteps && places_ < kMaxPlaces; ++step) {
       const std::string option = next(goals, step);
       if (option.empty()) break;
       const double faces = faces_with(goals);
@@ -309,6 +325,7 @@ class Explanation {
   double allowed_ = 0;
   double scale_ = 1;  ///< the faces there are over those that are predicted
   double max_worth_telling_ = 0;
+  std::uint64_t places_ = 0;  ///< the number of places at which predictions have looked at sizes
   std::vector<Remedy> remedies_;
 };
 

@@ -52,7 +52,8 @@ inline constexpr double kTimesOfInput = 10, kFewFacesAlways = 1000;
 ///   of other options with which so few faces are predicted that no floor is needed.
 /// Output:  nothing, or one diagnostic. Its elements are the input's faces of the patches with the largest shares,
 ///          which have half of all faces together.
-/// Cost:    Some twenty predictions, where there is something to explain.
+/// Cost:    At most some twenty predictions, where there is something to explain, and no more than about five where
+///          sizes vary on an input of more than some thousand triangles.
 void warn_of_many_faces(const FacesToExplain& result, std::vector<Diagnostic>& diagnostics);
 
 }  // namespace remesh

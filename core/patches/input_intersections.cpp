@@ -110,7 +110,7 @@ FoundIntersections find_intersections(const Surface& surface, const Triangulated
   normals.reserve(patches.count());
   for (const Plane& plane : patches.planes) normals.push_back(plane.normal);
   const std::span<const Vec3> positions = surface.positions.items();
-  SearchLimits limits(kMaxIntersections, SearchLimits::steps_for(faces.size()));
+  SearchLimits limits(max_intersections(faces.size()), SearchLimits::steps_for(faces.size()));
   limits.is_estimate_wanted = true;
   const SelfIntersections found =
       patch_intersections({positions, faces.corners(), patch, normals, is_simple}, limits, control);

@@ -1,6 +1,7 @@
 /// Finds the faces of the input that intersect.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <span>
 #include <utility>
@@ -27,6 +28,11 @@ struct FoundIntersections {
 /// The search stops at this many pairs. With more, the surface lies on itself all over. It also stops after the number
 /// of steps that is usual for a surface of its size (SearchLimits::steps_for), many times over.
 inline constexpr std::size_t kMaxIntersections = 100'000;
+/// A small surface lies on itself all over with fewer pairs. What is made of it would have many times more.
+constexpr std::size_t max_intersections(std::size_t faces) {
+  constexpr std::size_t kAlways = 1 << 14, kPerFace = 16;
+  return std::min(kMaxIntersections, kAlways + kPerFace * std::min(faces, kMaxIntersections));
+}
 
 /// Finds the faces that intersect, except pairs inside one large simple patch. A polygon and a face with an edge on one
 /// of the polygon's diagonals count as intersecting, too. Reports pairs as self_intersection, and as overlapping_faces

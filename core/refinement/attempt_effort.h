@@ -5,20 +5,28 @@
 #include <utility>
 
 #include "core/base/work_bound.h"
+#include "core/geometry/self_intersections.h"
 
 namespace remesh {
 
 /// The work of all attempts at one surface. A step is a triangle of a complete attempt. If half of it is spent on
 /// results that failed the check, the next attempts refine nothing, until one of them passes. Then all is refined that
-/// has never failed.
+/// has never failed. The steps of searches for intersections in the checks have a bound of their own. Searches of the
+/// usual length do not come near it.
 /// Source: rules.md, Ladder.
 class AttemptEffort {
  public:
+  struct Taken {
+    std::uint64_t triangles = 0;     ///< of complete attempts
+    std::uint64_t search_steps = 0;  ///< of the searches for intersections in their checks
+  };
+
   /// Input: `max_faces` is the limit on the faces of the result. `taken` is the work that attempts took before the
   ///        surface's faces were mended anew; their results were wrong.
-  AttemptEffort(std::uint64_t max_faces, std::uint64_t taken) : max_faces_(max_faces), is_any_wrong_(taken > 0) {
+  AttemptEffort(std::uint64_t max_faces, const Taken& taken)
+      : max_faces_(max_faces), search_steps_(taken.search_steps), is_any_wrong_(taken.triangles > 0) {
     work_ = bound();
-    work_.take(taken);
+    work_.take(taken.triangles);
   }
 
   /// Changes the limit on the faces of the result.
@@ -29,6 +37,8 @@ class AttemptEffort {
     work_.take(taken);
   }
 
+  Taken all_taken() const { return {work_.taken(), search_steps_}; }
+  /// Returns the triangles of all attempts.
   std::uint64_t taken() const { return work_.taken(); }
   std::uint64_t left() const { return work_.left(); }
   /// Takes the triangles of the attempt that has ended.
@@ -36,6 +46,8 @@ class AttemptEffort {
     last_ = triangles;
     work_.take(triangles);
   }
+  /// Takes the steps of the search for intersections in the check of an attempt.
+  void take_check(std::uint64_t steps) { search_steps_ += steps; }
   /// The last attempt failed by the number of its faces alone, so it does not count.
   void give_back_last() {
     const std::uint64_t others = work_.taken() - std::exchange(last_, 0);
@@ -78,14 +90,20 @@ class AttemptEffort {
   enum class Order { kAll, kNothingYet, kRest, kGivenUp };
   /// An attempt with fewer triangles is not worth while.
   static constexpr std::uint64_t kMinAttempt = 1 << 10;
+  /// The searches for intersections in all checks together may take as many steps as this number of searches in failed
+  /// results of the largest size.
+  static constexpr std::uint64_t kSearches = 4;
 
   WorkBound bound() const { return WorkBound(kWorkOfAttempts.steps(0, max_faces_)); }
-  bool is_spent() const { return work_.left() < kMinAttempt; }
+  bool is_spent() const {
+    return work_.left() < kMinAttempt || search_steps_ > kSearches * SearchLimits::few_steps_for(max_faces_);
+  }
 
   std::uint64_t max_faces_;
   WorkBound work_;
   std::uint64_t last_ = 0;  ///< the work of the last attempt
-  bool is_any_wrong_;       ///< a result has failed the check
+  std::uint64_t search_steps_;
+  bool is_any_wrong_;  ///< a result has failed the check
   Order order_ = Order::kAll;
 };
 

@@ -41,8 +41,14 @@ constexpr double kMinPiece = 0x1p-5;
 /// The rest of a side behind its last shell is no shorter than this multiple of the last piece.
 constexpr double kMinRest = 0.5;
 /// Two sides are cut together for at most this many pieces; behind that, each is cut on its own. No real model
-/// needs more. But a strip of a billion sizes would fill the memory before the limit on faces is reached.
-constexpr std::size_t kMaxStops = std::size_t{1} << 20;
+/// needs more. But a strip of a billion sizes would fill the memory before the limit on faces is reached. Many corners
+/// together get kStopsPerFace times the faces that are allowed, but at least kMinStops each.
+constexpr std::uint64_t kMaxStops = 1 << 20, kMinStops = 1 << 10, kStopsPerFace = 8;
+
+std::size_t max_stops_of(std::size_t sides, std::uint64_t max_faces) {
+  const std::uint64_t faces = std::min(max_faces / std::max<std::size_t>(sides, 1), kMaxStops);
+  return std::clamp(kStopsPerFace * faces, kMinStops, kMaxStops);
+}
 
 /// Returns how far apart the sides of a corner are at the distance 1 from it.
 double width_of(double angle) { return 2 * std::sin(angle / 2); }
@@ -111,8 +117,8 @@ void take_turns(std::span<const Pair> pairs, std::span<Side> sides, RunControl& 
 /// Measures the way from a vertex along the sides of its sharp corners in pieces.
 class Way {
  public:
-  Way(const SegmentTable& table, const SizeField& sizes, double tangent, RunControl& control)
-      : table_(table), sizes_(sizes), tangent_(tangent), control_(control) {}
+  Way(const SegmentTable& table, const SizeField& sizes, double tangent, std::size_t max_stops, RunControl& control)
+      : table_(table), sizes_(sizes), tangent_(tangent), max_stops_(max_stops), control_(control) {}
 
   /// Walks as far as there are sides near each other, and sets `common` of each. `members` are indices of sides.
   void walk(std::span<Side> sides, std::vector<std::uint32_t> members) {
@@ -142,7 +148,7 @@ class Way {
     // If no side is cut, only the first distance is read: other sides at the vertex begin with it.
     const bool is_any_cut = std::any_of(members.begin(), members.end(),
                                         [&](std::uint32_t i) { return !table_[sides[i].end.segment()].is_locked(); });
-    const std::size_t max_stops = is_any_cut ? kMaxStops : 1;
+    const std::size_t max_stops = is_any_cut ? max_stops_ : 1;
     for (Stop from; stops_.size() < max_stops; from = stops_.back()) {
       std::erase_if(members, [&](std::uint32_t i) {
         return !(sides[i].reach > from.distance) || !(sides[i].width * from.distance < kFarApart * size);
@@ -227,6 +233,7 @@ class Way {
   const SegmentTable& table_;
   const SizeField& sizes_;
   double tangent_;
+  std::size_t max_stops_;
   RunControl& control_;
   double floor_ = 0;
   std::vector<Stop> stops_;
@@ -282,9 +289,10 @@ CornerShells::CornerShells(const SegmentTable& table, std::vector<Corner> corner
     std::vector<std::uint32_t> sides;
   };
   constexpr std::size_t kGroups = 256;
+  const std::size_t max_stops = max_stops_of(sides.size(), goals.max_faces);
   const auto blocks = map_blocks<Block>(sides.size(), kGroups, control, [&](std::size_t g, std::size_t end) {
     Block block;
-    Way way(table, sizes, tangent, control);
+    Way way(table, sizes, tangent, max_stops, control);
     for (; g < end; ++g) {
       if (groups[g].empty()) continue;
       control.check();

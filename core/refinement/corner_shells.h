@@ -39,7 +39,8 @@ struct Corner {
 class CornerShells {
  public:
   CornerShells() = default;
-  /// Input:  The corners of all patches, in any order. The table has their segments, with floors.
+  /// Input:  The corners of all patches, in any order. The table has their segments, with floors. Where goals.max_faces
+  ///         is small, the sides of a corner are cut together for fewer pieces.
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
   /// Cost:   A few look-ups of sizes for each piece of each side. The sides around one vertex are the work of one
   ///         thread.

@@ -62,12 +62,16 @@ DelaunayMesh::Location DelaunayMesh::locate(std::uint32_t triangle, Vec2 p) cons
       // The walk leaves through this edge if the edge's start is on its right and the edge's end on its left.
       if (side_of_way(from(h)) <= 0 && side_of_way(to(h)) >= 0) break;
     }
-  while (is_beyond(h)) {
-    if (is_constrained(h)) return {h, true};
+  std::uint64_t walked = 0;
+  bool is_hidden = false;
+  for (; is_beyond(h); ++walked) {
+    is_hidden = is_constrained(h);
+    if (is_hidden) break;
     const std::uint32_t g = twin_[h];
     h = side_of_way(apex(g)) > 0 ? next(g) : previous(g);
   }
-  return {h, false};
+  scratch_->visited += walked;
+  return {h, is_hidden};
 }
 
 void DelaunayMesh::collect_cavity(Vec2 p, std::uint32_t triangle, std::uint32_t left_out) {
@@ -98,6 +102,7 @@ void DelaunayMesh::collect_cavity(Vec2 p, std::uint32_t triangle, std::uint32_t 
     }
     scratch_->rim.push_back(edge);
   }
+  scratch_->visited += scratch_->cavity.size();
 }
 
 DelaunayMesh::Cavity DelaunayMesh::find_cavity(Vec2 p, std::uint32_t triangle) {

@@ -34,6 +34,7 @@ class DelaunayMesh {
     std::vector<std::uint32_t> cavity, stack, changed, ring;
     std::vector<RimEdge> front;  ///< edges that are either on the rim or inside the cavity; not yet decided
     std::vector<RimEdge> rim;
+    std::uint64_t visited = 0;  ///< triangles that walks went through and cavities have, since this object was made
   };
 
   /// `scratch` and `memory` must outlive the mesh.
@@ -99,9 +100,9 @@ class DelaunayMesh {
   /// Inserts the point of a cavity that has room for it. The cavity must be the one that was found last. Returns the
   /// new vertex.
   std::uint32_t fill_cavity(const Cavity& cavity);
-  /// Returns the number of triangles that the last insertion or cut removed or would remove. It measures the work that
-  /// an operation takes.
-  std::size_t last_cavity_size() const { return scratch_->cavity.size(); }
+  /// Returns how many triangles the walks of `locate` went through and the cavities had. The difference of two such
+  /// numbers measures the work between them.
+  std::uint64_t visited() const { return scratch_->visited; }
 
   static bool is_constrained(const RimEdge& e) { return (e.outside & kConstraint) != 0; }
   static std::uint32_t side(const RimEdge& e) { return e.outside & ~kConstraint; }

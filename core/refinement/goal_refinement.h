@@ -40,7 +40,7 @@ class GoalRefinement {
   /// If `goals` sets no goal, nothing is refined.
   /// Input: `taken` is the work that attempts at the surface took before its faces were mended anew, and `floor` is the
   ///        goals' min_edge_length that they have found.
-  GoalRefinement(const Goals& goals, RunControl& control, std::uint64_t taken = 0, double floor = 0)
+  GoalRefinement(const Goals& goals, RunControl& control, const AttemptEffort::Taken& taken = {}, double floor = 0)
       : goals_(goals),
         budget_(goals.max_faces),
         control_(control),
@@ -52,8 +52,10 @@ class GoalRefinement {
 
   const Goals& goals() const { return goals_; }
   bool has_goals() const;
-  /// Returns the number of triangles that all attempts so far have refined.
-  std::uint64_t work_taken() const { return effort_.taken(); }
+  /// Returns the work that all attempts so far have taken.
+  AttemptEffort::Taken work_taken() const { return effort_.all_taken(); }
+  /// Takes the steps of the search for intersections in the check of a result.
+  void take_check(std::uint64_t steps) { effort_.take_check(steps); }
   /// Tells whether some patches are curved. These have to be refined even if there is no other goal.
   void set_curved(bool are_any_curved) {
     are_any_curved_ = are_any_curved;

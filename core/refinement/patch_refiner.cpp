@@ -143,12 +143,17 @@ bool PatchRefiner::split_edges(std::span<const std::uint32_t> half_edges, RunCon
   return is_any;
 }
 
+void PatchRefiner::allow_above_bound(std::uint64_t steps) {
+  is_turn_spent_ = false;
+  allowed_above_bound_ = steps == 0 ? 0 : above_bound_ + steps;
+}
+
 void PatchRefiner::run(std::uint64_t quota, RefinementProgress& progress) {
   PatchEditor editor(sizes_, patch_, *scratch_);
   TriangleTreatment treatment(sizes_, patch_, editor);
   TriangleTask task;
   std::uint32_t told = triangle_count();
-  std::size_t work = 0;
+  std::uint64_t work = 0;
   const auto tell = [&] {
     const std::uint32_t now = triangle_count();
     progress.add(std::int64_t{now} - std::exchange(told, now));
@@ -156,20 +161,34 @@ void PatchRefiner::run(std::uint64_t quota, RefinementProgress& progress) {
   const auto announce = [&](const TriangleTask& soon) {
     patch_.mesh.prefetch(soon.half_edge, {soon.a, soon.b, soon.c});
   };
-  while (editor.made() < quota && !patch_.impossible.is_valid() && patch_.waiting.pop(task, announce)) {
-    // Among many points on one circle, one step may go through as many triangles as there are points.
-    constexpr std::size_t kOften = 1024, kTrianglesOfStep = 8;
+  while (!is_turn_spent_ && editor.made() < quota && !patch_.impossible.is_valid() &&
+         patch_.waiting.pop(task, announce)) {
+    // Among many points on one circle, one step may go through as many triangles as there are points. So may a walk
+    // along a needle.
+    constexpr std::uint64_t kOften = 1024, kTrianglesOfStep = 8;
+    const std::uint64_t visited = patch_.mesh.visited();
     treatment.treat(task);
     // A step may ask for the sizes at a hundred places.
     progress.check();
-    work += 1 + patch_.mesh.last_cavity_size() / kTrianglesOfStep;
+    work += 1 + (patch_.mesh.visited() - visited) / kTrianglesOfStep;
     if (work < kOften) continue;
     tell();
-    work_.take(std::exchange(work, 0));
-    if (work_.taken() > kWorkOfPatch.steps(0, triangle_count())) give_up();
+    take(std::exchange(work, 0));
   }
-  work_.take(work);
+  take(work);
   tell();
+}
+
+/// Takes steps of the work, and ends the turn or gives up where there are too many.
+void PatchRefiner::take(std::uint64_t steps) {
+  work_.take(steps);
+  const std::uint64_t bound = kWorkOfPatch.steps(0, triangle_count());
+  above_bound_ = std::max(above_bound_, work_.taken() - std::min(work_.taken(), bound));
+  if (work_.taken() <= bound || above_bound_ < allowed_above_bound_) return;
+  if (allowed_above_bound_ == 0)
+    give_up();
+  else
+    is_turn_spent_ = true;
 }
 
 /// Leaves all triangles that wait as they are.

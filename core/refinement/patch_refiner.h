@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/base/run_control.h"
@@ -56,9 +57,15 @@ class PatchRefiner {
   /// Output: True if a point was put into any of them.
   bool split_edges(std::span<const std::uint32_t> half_edges, RunControl& control);
 
-  /// Works until nothing is left to do, or until `quota` more triangles (in all patches) would be made. It also ends
-  /// when the bound on the work of a patch is spent (kWorkOfPatch). Then the triangles that wait stay as they are, with
-  /// the reason kEffort.
+  /// Lets the patch take so many steps above the bound on its work (kWorkOfPatch) in this turn. After these, the turn
+  /// ends. With none, or if this is not called, the patch gives up above its bound: the triangles that wait stay as
+  /// they are, with the reason kEffort.
+  void allow_above_bound(std::uint64_t steps);
+  /// Returns how many steps above the bound were taken since the last call.
+  std::uint64_t take_above_bound() { return above_bound_ - std::exchange(above_bound_told_, above_bound_); }
+
+  /// Works until nothing is left to do, until `quota` more triangles (in all patches) would be made, or until the
+  /// turn's steps are spent.
   void run(std::uint64_t quota, RefinementProgress& progress);
 
   /// Where there are sizes, removes points from a patch that is done, as PatchThinner says. It looks at the points that
@@ -69,6 +76,8 @@ class PatchRefiner {
   /// used, and the segment must stay as it is for all patches. The result is invalid if all is well.
   SegmentId impossible() const { return patch_.impossible; }
   bool is_done() const { return patch_.waiting.size() == 0; }
+  /// Returns whether the turn has ended because its steps are spent.
+  bool is_turn_spent() const { return is_turn_spent_; }
   std::size_t waiting() const { return patch_.waiting.size(); }
   std::uint32_t triangle_count() const { return patch_.mesh.triangle_count(); }
   /// Appends the cuts made here since the last call.
@@ -92,6 +101,7 @@ class PatchRefiner {
   bool is_near_boundary(const PointPlace& place, double spacing) const;
   static std::size_t first_block(const PatchMesh& patch, std::size_t sides);
   UnrefinedReason reason_of(std::uint32_t t) const;
+  void take(std::uint64_t steps);
   void give_up();
 
   const PatchMesh& original_;
@@ -99,7 +109,11 @@ class PatchRefiner {
   const PatchSizes sizes_;
   RefinerScratch* scratch_;  ///< only during a turn
   WorkingPatch patch_;
-  WorkBound work_;               ///< the steps of all turns
+  WorkBound work_;  ///< the steps of all turns
+  /// The steps above the bound: those that were taken, those of which take_above_bound has told, and those after which
+  /// the turn ends.
+  std::uint64_t above_bound_ = 0, above_bound_told_ = 0, allowed_above_bound_ = 0;
+  bool is_turn_spent_ = false;
   std::uint32_t first_refined_;  ///< the number of vertices when refinement began
 };
 

@@ -19,6 +19,7 @@
 #include "core/refinement/patch_refiner.h"
 #include "core/refinement/refined_patches.h"
 #include "core/refinement/segment_cuts.h"
+#include "core/refinement/steps_above_bounds.h"
 
 namespace remesh {
 namespace {
@@ -205,6 +206,7 @@ class Rounds {
     thinning_.times_taken_up = 0;
     drop_all(refiners_.items());
     refiners_.items().resize(meshes().size());
+    above_bounds_ = {};
     result_.new_positions.clear();
     result_.reason.clear();
     const std::uint64_t max = budget_.max_faces();
@@ -240,6 +242,7 @@ class Rounds {
       const PatchId p = barrier_.dirty[i];
       return refiners_[p] ? refiners_[p]->waiting() : meshes()[p].mesh.triangle_count();
     });
+    above_bounds_.begin_round(barrier_.dirty.size());
     for_each_in(by_work, [&](std::uint32_t i) {
       control_.check();
       if (!budget_.is_too_much_made()) take_turn(barrier_.dirty[i], budget_.share(i));
@@ -257,6 +260,7 @@ class Rounds {
                                          cuts_.all(), std::min(share, budget_.max_made()), scratch, control_);
     else
       refiner->begin_turn(scratch);
+    refiner->allow_above_bound(above_bounds_.of_turn());
     // A refiner that begins with points of its own numbers its edges anew. So its chords are left for the next pass,
     // which finds them again.
     if (const auto chords = std::exchange(chords_.of_patch[p], {}); !chords.empty())
@@ -281,7 +285,7 @@ class Rounds {
     budget_.add_made(begun_with);
     for (std::uint64_t given = 0; given < share && !budget_.is_too_much_made(); given += kSlice) {
       refiner.run(std::min(kSlice, share - given), progress_);
-      if (refiner.is_done() || refiner.impossible().is_valid()) return;
+      if (refiner.is_done() || refiner.is_turn_spent() || refiner.impossible().is_valid()) return;
       budget_.add_made(kSlice);
     }
   }
@@ -317,6 +321,7 @@ class Rounds {
       check();
       PatchRefiner& refiner = *refiners_[p];
       if (refiner.impossible().is_valid()) barrier_.impossible.push_back(refiner.impossible());
+      above_bounds_.take(refiner.take_above_bound());
       made.clear();
       refiner.take_own_cuts(made);
       for (const Cut& cut : made) fresh.push_back({cut, p});
@@ -379,6 +384,7 @@ class Rounds {
   SegmentTable segments_;
   SegmentCuts cuts_;
   FaceBudget budget_;
+  StepsAboveBounds above_bounds_;
   PatchRefiners refiners_;
   /// There is one per thread. Parallel loops inside a turn do not run another patch's turn meanwhile
   /// (core/base/parallel.h).

@@ -1,6 +1,7 @@
 /// The verdict of the independent checker.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <utility>
@@ -38,6 +39,7 @@ struct Verdict {
   /// The share of the output faces that were held against all others; below 1 only if the input has too many
   /// intersections to know them all.
   double searched = 1;
+  std::uint64_t search_steps = 0;  ///< the work of that search, as SearchLimits counts it
   /// Descriptions of the first failures, for logs and tests.
   std::vector<std::string> failures;
 

@@ -110,6 +110,8 @@ void check_whole(const Model& model, const EdgeCounts& input, std::int64_t input
 
 /// The largest number of intersecting pairs that are searched for.
 constexpr std::size_t kMaxPairs = 100'000;
+/// The search ends after so many pairs that the input does not have.
+constexpr std::size_t kMinUnexpected = 1 << 12, kUnexpectedPerPatch = 8;
 
 /// Writes the pairs of output faces that intersect to the verdict.
 void check_intersections(const Claim& claim, const std::vector<std::uint8_t>& is_positive, FoundFaults& faults,
@@ -133,12 +135,17 @@ void check_intersections(const Claim& claim, const std::vector<std::uint8_t>& is
   // If the input's intersections are not all known, nothing is proven from those of the output. Then some are enough to
   // show where they are. Otherwise the search goes on, however long it takes.
   SearchLimits limits(kMaxPairs);
-  if (!known.is_complete)
+  if (!known.is_complete) {
     limits.max_steps = SearchLimits::few_steps_for(claim.faces.size());
-  else
+  } else {
     limits.is_expected = [&](FaceId f, FaceId g) {
       return known.has(claim.face_patch[f.value], claim.face_patch[g.value]);
     };
+    // One of these pairs makes the result fail. So many show nearly all patches that have any.
+    limits.max_unexpected = kMinUnexpected + kUnexpectedPerPatch * claim.frames.size();
+    const std::uint64_t few = SearchLimits::few_steps_for(claim.faces.size());
+    (faults.is_any() ? limits.max_steps : limits.max_steps_with_unexpected) = few;
+  }
   // A result that has failed already needs no list of intersections that prove nothing.
   if (!known.is_complete && faults.is_any()) {
     verdict.are_all_intersections_known = false;
@@ -158,6 +165,7 @@ void check_intersections(const Claim& claim, const std::vector<std::uint8_t>& is
   verdict.intersections = std::move(found.pairs);
   verdict.are_all_intersections_listed = found.are_all_listed;
   verdict.searched = found.searched;
+  verdict.search_steps = found.steps;
 }
 
 }  // namespace

@@ -1,6 +1,8 @@
 #include "server/http/api_keys.h"
 
 #include <algorithm>
+#include <charconv>
+#include <cstdint>
 #include <fstream>
 #include <stdexcept>
 #include <utility>
@@ -44,6 +46,21 @@ std::string_view shown_key(const RequestHead& head) {
   return head.header("x-api-key");
 }
 
+/// The owner that a key stands for.
+/// Input: `digest` - of the key. It is hashed again, so that the digests used for comparison are not stored in a
+///        database.
+std::string owner_of(const Sha256& digest) {
+  return hex(sha256({reinterpret_cast<const char*>(digest.data()), digest.size()})).substr(0, 32);
+}
+
+std::int64_t seconds_of(std::chrono::system_clock::time_point time) {
+  return std::chrono::floor<std::chrono::seconds>(time.time_since_epoch()).count();
+}
+
+Sha256 token_code(const Sha256& key, std::string_view path, std::string_view end) {
+  return hmac_sha256(key, std::string(path) + "\n" + std::string(end));
+}
+
 }  // namespace
 
 ApiKeys::ApiKeys(std::string file, const std::string& key)
@@ -71,10 +88,29 @@ std::shared_ptr<const ApiKeys::Digests> ApiKeys::current() const {
 }
 
 std::string ApiKeys::owner(const RequestHead& head) const {
+  return is_open() ? std::string() : owner_of(sha256(shown_key(head)));
+}
+
+std::string ApiKeys::token(const RequestHead& head, std::string_view path,
+                           std::chrono::system_clock::time_point now) const {
   if (is_open()) return {};
-  // The key is hashed twice, so that the digests used for comparison are not stored in a database.
-  const Sha256 once = sha256(shown_key(head));
-  return hex(sha256({reinterpret_cast<const char*>(once.data()), once.size()})).substr(0, 32);
+  const std::string end = std::to_string(seconds_of(now + kTokenLife));
+  return end + "." + hex(token_code(sha256(shown_key(head)), path, end));
+}
+
+std::optional<std::string> ApiKeys::owner_by_token(std::string_view token, std::string_view path,
+                                                   std::chrono::system_clock::time_point now) const {
+  const auto [end, code] = api::cut(token, '.');
+  std::int64_t seconds = 0;
+  const auto [rest, error] = std::from_chars(end.data(), end.data() + end.size(), seconds);
+  if (error != std::errc() || rest != end.data() + end.size() || seconds < seconds_of(now)) return std::nullopt;
+  const Sha256 shown = sha256(code);
+  const std::shared_ptr<const Digests> digests = current();
+  std::optional<std::string> owner;
+  for (const Sha256& digest : *digests) {
+    if (equal_in_constant_time(sha256(hex(token_code(digest, path, end))), shown)) owner = owner_of(digest);
+  }
+  return owner;
 }
 
 bool ApiKeys::admits(const RequestHead& head) const {

@@ -1,8 +1,10 @@
 /// The API keys that clients must show, read from a file and from the environment.
 #pragma once
 
+#include <chrono>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -36,6 +38,17 @@ class ApiKeys {
   /// An identifier of the key that a request shows. It does not reveal the key.
   /// Output: empty if no key is required.
   std::string owner(const RequestHead& head) const;
+
+  /// How long a token is valid.
+  static constexpr std::chrono::minutes kTokenLife{15};
+  /// Makes a token with which a request that shows no key may read one path for the owner of a key. Browsers can send
+  /// no key when they follow a stream of events. All daemons that have the key know the token.
+  /// Input:  `head` - a request that shows a key.
+  /// Output: empty if no key is required.
+  std::string token(const RequestHead& head, std::string_view path, std::chrono::system_clock::time_point now) const;
+  /// Output: the owner for whom a token was made; nothing if it is not valid for this path, or not any more.
+  std::optional<std::string> owner_by_token(std::string_view token, std::string_view path,
+                                            std::chrono::system_clock::time_point now) const;
 
  private:
   using Digests = std::vector<Sha256>;

@@ -99,7 +99,7 @@ void ChunkedDecoder::end_size_line() {
     return;
   }
   if (left_ > max_body_ - decoded_) {
-    throw HttpError(413, "body_too_large", "the body is larger than this server takes").with_limit(max_body_);
+    throw body_too_large(max_body_);
   }
   decoded_ += left_;
   state_ = State::kData;

@@ -6,6 +6,7 @@
 #include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/eventfd.h>
+#include <sys/sendfile.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -152,6 +153,26 @@ void Connection::write_all(std::string_view bytes, const Pace& pace) {
   }
 }
 
+std::size_t Connection::sent(ssize_t put) {
+  if (put < 0 && !would_block(errno) && errno != EINTR) throw ConnectionLost("the client reset the connection");
+  const std::size_t count = put > 0 ? static_cast<std::size_t>(put) : 0;
+  written_ += count;
+  return count;
+}
+
+std::size_t Connection::write_some(std::string_view bytes) {
+  return sent(::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL));
+}
+
+std::size_t Connection::send_file(int file, std::uint64_t offset, std::size_t size) {
+  auto at = static_cast<off_t>(offset);
+  return sent(::sendfile(socket_, file, &at, size));  // SIGPIPE is ignored by the whole process
+}
+
+bool Connection::wait_until_writable(Clock::time_point until) const { return wait_for(socket_, POLLOUT, until); }
+
+void Connection::abort() const { ::shutdown(socket_, SHUT_RDWR); }
+
 Connection::Wake Connection::wait(const Event* event, Clock::time_point until, HalfClosed half_closed) {
   for (;;) {
     // poll() reports a reset in any case.
@@ -195,12 +216,17 @@ bool Connection::has_unread_input() const {
   return ::recv(socket_, &byte, 1, MSG_PEEK | MSG_DONTWAIT) > 0;
 }
 
-void Connection::finish(std::chrono::milliseconds patience) {
+void Connection::finish(const Linger& linger, const std::function<bool()>& may_linger) {
   ::shutdown(socket_, SHUT_WR);
-  const Clock::time_point deadline = Clock::now() + patience;
+  const Clock::time_point start = Clock::now();
+  const Clock::time_point end = start + linger.max_time;
   std::array<char, 64 << 10> sink;
   try {
-    while (read_some(sink.data(), sink.size(), deadline) > 0) {
+    std::uint64_t dropped = 0;
+    std::size_t got = 1;
+    while (got > 0 && dropped <= linger.max_bytes && may_linger()) {
+      got = read_some(sink.data(), sink.size(), std::min(end, linger.pace.deadline(start, dropped)));
+      dropped += got;
     }
   } catch (const std::runtime_error&) {
     // The client is gone or still sending. In both cases this connection is over.

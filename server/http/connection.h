@@ -1,9 +1,12 @@
 /// One accepted connection. It reads and writes under deadlines, and notices when the client goes away.
 #pragma once
 
+#include <sys/types.h>
+
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -85,6 +88,17 @@ class Connection {
   void write_all(std::string_view bytes) { write_all(bytes, write_pace_); }
   void set_write_pace(const Pace& pace) { write_pace_ = pace; }
 
+  /// Sends as many bytes as the system takes without waiting.
+  /// Output: their number; it may be 0.
+  /// Errors: ConnectionLost - the client is gone.
+  std::size_t write_some(std::string_view bytes);
+  /// Does the same with `size` bytes of a file, from `offset` on.
+  std::size_t send_file(int file, std::uint64_t offset, std::size_t size);
+  /// Output: false if the time is over first.
+  bool wait_until_writable(Clock::time_point until) const;
+  /// Ends the connection for whoever reads from it or writes to it. Any thread may call this.
+  void abort() const;
+
   enum class Wake { kEvent, kClientGone, kTime };
   /// How to treat a client that has closed its sending side. `nc -N` does that and still waits for its answer. A
   /// client that was killed looks the same.
@@ -97,10 +111,17 @@ class Connection {
   /// Waits until the event is set, the client goes away, or the time is over.
   Wake wait(const Event* event, Clock::time_point until, HalfClosed half_closed = HalfClosed::kIsGone);
 
-  /// Ends the answer so that the client can read it. It stops sending, and then reads for a moment what the client
-  /// still sends: closing a socket with unread bytes would reset the connection, and the client would lose the
-  /// answer.
-  void finish(std::chrono::milliseconds patience);
+  /// The bounds on reading what a client still sends after its answer.
+  struct Linger {
+    Pace pace;                              ///< slower clients are cut off
+    std::chrono::milliseconds max_time{0};  ///< the longest time in all
+    std::uint64_t max_bytes = 0;
+  };
+  /// Ends the answer so that the client can read it. It stops sending, and then reads and drops what the client still
+  /// sends: closing a socket with unread bytes would reset the connection, and many clients look for an answer only
+  /// after they have sent everything.
+  /// Input: `may_linger` - asked between reads; false ends the reading.
+  void finish(const Linger& linger, const std::function<bool()>& may_linger);
 
   /// Reads and drops a CRLF if those are the next bytes.
   void skip_line_end();
@@ -117,6 +138,8 @@ class Connection {
   struct Owned {};
   Connection(int socket, Owned) noexcept : socket_(socket) {}
 
+  /// Evaluates the result of a system call that sends.
+  std::size_t sent(ssize_t put);
   bool has_put_back() const { return read_again_ < put_back_.size(); }
 
   int socket_;

@@ -56,6 +56,21 @@ bool is_wanted(std::string_view element) {
 
 }  // namespace
 
+void check_content_coding(const RequestHead& head) {
+  const std::string list = head.list("content-encoding");
+  std::size_t count = 0;
+  for (const std::string_view element : list_elements(list)) {
+    const std::string coding = api::ascii_lower(element);
+    if (coding == "identity") continue;
+    const bool is_gzip = coding == "gzip" || coding == "x-gzip";
+    if (is_gzip && ++count == 1) continue;
+    throw HttpError(415, "unsupported_media_type",
+                    is_gzip ? std::string("a body that is compressed twice is not supported")
+                            : "the content coding \"" + coding.substr(0, 100) + "\" is not supported; gzip is")
+        .with_header("Accept-Encoding", "gzip");
+  }
+}
+
 bool accepts_gzip(std::string_view accept_encoding) {
   bool by_any = false;
   for (const std::string_view element : list_elements(accept_encoding)) {
@@ -87,7 +102,7 @@ void compress(api::Response& response, std::string_view accept_encoding, RunCont
 
 Response compressed(Response response, const RequestHead& request) {
   RunControl control;
-  compress(response, request.header("accept-encoding"), control);
+  compress(response, request.list("accept-encoding"), control);
   return response;
 }
 

@@ -9,6 +9,11 @@
 
 namespace remesh::server {
 
+/// Checks the coding of a body before it is read.
+/// Errors: HttpError 415 - a coding that is not gzip. The answer says in `Accept-Encoding` which one is (RFC 9110,
+///         section 15.5.16).
+void check_content_coding(const RequestHead& head);
+
 /// True if an `Accept-Encoding` field accepts gzip (RFC 9110, section 12.5.3).
 bool accepts_gzip(std::string_view accept_encoding);
 

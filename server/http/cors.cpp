@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "server/http/host_name.h"
 #include "server/http/text.h"
 
 namespace remesh::server {
@@ -10,22 +11,19 @@ namespace {
 
 constexpr const char* kAny = "*";
 
-bool is_origin(std::string_view text) {
-  const std::size_t scheme = text.find("://");
-  if (scheme == std::string_view::npos || scheme == 0) return false;
-  const std::string_view host = text.substr(scheme + 3);
-  return !host.empty() && host.find_first_of("/?#@ \"\\") == std::string_view::npos;
-}
-
 }  // namespace
 
 Cors::Cors(std::string_view origins) {
   for (const std::string_view origin : list_elements(origins)) {
-    if (origin != kAny && !is_origin(origin)) {
+    if (origin != kAny && !parse_origin(origin)) {
       throw std::invalid_argument("\"" + std::string(origin) + "\" is no origin such as https://tool.example");
     }
     origins_.emplace_back(origin);
   }
+}
+
+bool Cors::allows(std::string_view origin) const {
+  return std::any_of(origins_.begin(), origins_.end(), [&](const std::string& o) { return o == kAny || o == origin; });
 }
 
 Fields Cors::headers(const RequestHead& head, std::string_view allow) const {
@@ -36,18 +34,21 @@ Fields Cors::headers(const RequestHead& head, std::string_view allow) const {
   if (!is_any) fields.emplace_back("Vary", "Origin");
   const std::string_view origin = head.header("origin");
   if (origin.empty()) return fields;
-  if (!is_any && std::find(origins_.begin(), origins_.end(), origin) == origins_.end()) return fields;
+  if (!allows(origin)) return fields;
   fields.emplace_back("Access-Control-Allow-Origin", is_any ? kAny : origin);
   if (allow.empty() || head.header("access-control-request-method").empty()) {
     fields.emplace_back("Access-Control-Expose-Headers",
-                        "Content-Disposition, Location, Remesh-Summary, Repr-Digest, Retry-After, Server-Timing, "
+                        "Accept-Ranges, Content-Disposition, Content-Range, ETag, Location, Remesh-Summary, "
+                        "Repr-Digest, Retry-After, Server-Timing, "
                         "X-Request-Id");
     return fields;
   }
   fields.emplace_back("Access-Control-Allow-Methods", allow);
-  fields.emplace_back("Access-Control-Allow-Headers",
-                      "Authorization, Content-Encoding, Content-Type, Idempotency-Key, Last-Event-ID, Prefer, "
-                      "Traceparent, X-API-Key, X-Request-Id");
+  fields.emplace_back(
+      "Access-Control-Allow-Headers",
+      "Authorization, Content-Encoding, Content-Type, Idempotency-Key, If-None-Match, If-Range, Last-Event-ID, Prefer, "
+      "Range, "
+      "Traceparent, X-API-Key, X-Request-Id");
   fields.emplace_back("Access-Control-Max-Age", "600");
   return fields;
 }

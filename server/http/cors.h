@@ -18,6 +18,8 @@ class Cors {
   /// Errors: std::invalid_argument - an element is not an origin.
   explicit Cors(std::string_view origins);
 
+  /// True if pages of this origin may use the daemon.
+  bool allows(std::string_view origin) const;
   /// Makes the header fields that the answer to this request needs.
   /// Input: `allow` - for a preflight, the methods of the path; the fields then include the permission.
   Fields headers(const RequestHead& head, std::string_view allow = {}) const;

@@ -2,6 +2,7 @@
 
 #include <openssl/crypto.h>
 #include <openssl/evp.h>
+#include <openssl/hmac.h>
 
 #include <new>
 
@@ -12,6 +13,15 @@ Sha256 sha256(std::string_view bytes) {
   unsigned size = 0;
   if (EVP_Digest(bytes.data(), bytes.size(), digest.data(), &size, EVP_sha256(), nullptr) != 1) throw std::bad_alloc();
   return digest;
+}
+
+Sha256 hmac_sha256(const Sha256& key, std::string_view text) {
+  Sha256 code;
+  unsigned size = 0;
+  const auto* bytes = reinterpret_cast<const unsigned char*>(text.data());
+  if (HMAC(EVP_sha256(), key.data(), static_cast<int>(key.size()), bytes, text.size(), code.data(), &size) == nullptr)
+    throw std::bad_alloc();
+  return code;
 }
 
 std::string hex(const Sha256& digest) {

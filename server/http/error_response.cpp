@@ -1,5 +1,6 @@
 #include "server/http/error_response.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <new>
 #include <string>
@@ -18,7 +19,9 @@ Response respond(const api::Problem& problem, std::string_view request_id, const
   static_cast<api::Response&>(response) = api::to_response(problem, request_id);
   response.headers.insert(response.headers.end(), headers.begin(), headers.end());
   response.problem_code = problem.code;
-  if (response.status == 503 || response.status == 429)
+  const bool has_time =
+      std::any_of(headers.begin(), headers.end(), [](const auto& header) { return header.first == "Retry-After"; });
+  if (!has_time && (response.status == 503 || response.status == 429))
     response.headers.emplace_back("Retry-After", kRetryAfterSeconds);
   return response;
 }

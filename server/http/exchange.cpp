@@ -37,6 +37,7 @@ void log_access(const Exchange& exchange, Outcome outcome) {
                                  {"bytes_out", static_cast<std::int64_t>(exchange.connection.bytes_written())},
                                  {"peer", exchange.connection.peer_address()},
                                  {"outcome", std::string(outcome == Outcome::kAnswered ? "answered" : "client_gone")}};
+  if (exchange.client != exchange.connection.peer_address()) fields.push_back({"client", exchange.client});
   if (!exchange.job.empty()) fields.push_back({"job", exchange.job});
   if (!exchange.problem_code.empty()) fields.push_back({"code", exchange.problem_code});
   if (const auto trace = parse_traceparent(request.header("traceparent"))) {

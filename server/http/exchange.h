@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "api/service.h"
+#include "server/http/address_counts.h"
 #include "server/http/connection.h"
 #include "server/http/gate.h"
 #include "server/http/http_message.h"
@@ -31,16 +32,20 @@ class Counted {
 };
 
 struct Exchange {
-  explicit Exchange(Connection& client) : connection(client) {}
+  explicit Exchange(Connection& on) : connection(on), client(on.peer_address()) {}
 
   Connection& connection;
+  std::string client;  ///< the address of the client; that of the connection unless a trusted proxy names another
+  std::optional<AddressCounts::Place> place;  ///< the place of a client behind a trusted proxy
   const Clock::time_point start = Clock::now();
   Request request;
   Framing framing;                ///< how the body is delimited
+  std::string large_body;         ///< the body of the answer if it is sent by `send_large`
   std::exception_ptr refusal;     ///< why the request must not reach a route
   std::optional<Counted> active;  ///< counts this request from its admission on
   bool is_read = false;           ///< the head and the whole body were read
   bool is_streamed = false;       ///< the answer ends with its connection
+  bool takes_ranges = false;      ///< a part of the answer could be asked for
   bool is_kept = false;           ///< the connection stays open for another request
 
   // These members describe the answer.

@@ -120,7 +120,7 @@ Body read_body(Connection& connection, const GateLimits& limits, const RequestHe
   const auto [kind, length] = framing;
   if (kind == Framing::Kind::kNone || (kind == Framing::Kind::kLength && length == 0)) return {};
   if (kind == Framing::Kind::kLength && length > max_body) {
-    throw HttpError(413, "body_too_large", "the body is larger than this resource takes").with_limit(max_body);
+    throw body_too_large(max_body);
   }
   // This asks whether there is room for the whole body before the client sends it.
   if (kind == Framing::Kind::kLength) reserve(0, length);

@@ -2,8 +2,16 @@
 
 namespace remesh::server {
 
+HttpError body_too_large(std::uint64_t limit) {
+  const std::string detail = limit == 0 ? std::string("this resource takes no body")
+                                        : "the body is longer than " + std::to_string(limit) + " bytes";
+  return HttpError(413, "body_too_large", detail).with_limit(limit);
+}
+
 HttpError never_fits(std::uint64_t limit) {
-  return HttpError(413, "mesh_too_large", "the work on this mesh takes more memory than this server may use")
+  return HttpError(413, "mesh_too_large",
+                   "the work on this mesh takes more memory than this server may use, which is " +
+                       std::to_string(limit) + " bytes")
       .with_limit(limit);
 }
 

@@ -21,15 +21,22 @@ using api::Fields;
 
 /// The part of a request before its body.
 struct RequestHead {
-  std::string method;  ///< as the client sent it: "POST"
-  std::string path;    ///< percent-decoded, starts with "/"
-  Fields query;        ///< in the order sent, percent-decoded; '+' stays a plus, so that 1e+5 is a number
-  Fields headers;      ///< names in lower case, values without surrounding blanks
+  std::string method;            ///< as the client sent it: "POST"
+  std::string path;              ///< percent-decoded, starts with "/"
+  Fields query;                  ///< in the order sent, percent-decoded; '+' stays a plus, so that 1e+5 is a number
+  std::string target_authority;  ///< the host and port in an absolute target; empty for other targets
+  Fields headers;                ///< names in lower case, values without surrounding blanks
   int minor_version = 1;
 
   /// The value of the first header of that name, or empty.
   /// Input: `name` - in lower case.
   std::string_view header(std::string_view name) const;
+  /// The values of all headers of that name, joined by commas as one list (RFC 9110, section 5.3).
+  std::string list(std::string_view name) const;
+  bool has(std::string_view name) const;
+  /// The host and port that the request is meant for: those of an absolute target, else the Host field (RFC 9112,
+  /// section 3.2.2).
+  std::string_view authority() const;
 };
 
 /// The time that the steps of a request took, in milliseconds. Steps that were not reached have no value.
@@ -40,9 +47,10 @@ struct Timing {
 };
 
 struct Request : RequestHead {
-  std::string id;     ///< the X-Request-Id of the answer: the client's own if it is usable, else a new one
-  std::string owner;  ///< identifies the API key (ApiKeys::owner); empty if the server has no keys
-  Body body;          ///< without the chunked coding
+  std::string id;      ///< the X-Request-Id of the answer: the client's own if it is usable, else a new one
+  std::string prefix;  ///< what stands before the paths of this daemon for the client, such as `/mesh`; often empty
+  std::string owner;   ///< identifies the API key (ApiKeys::owner); empty if the server has no keys
+  Body body;           ///< without the chunked coding
   Timing timing;
   std::shared_ptr<MemoryShare> memory;  ///< the reservation that lasts until the answer is sent; may be null
 };
@@ -66,6 +74,9 @@ inline Response json_response(std::string text) {
   return response;
 }
 
+/// The header fields of a stream of events. Proxies such as nginx would hold back its events without the second one.
+inline Fields event_stream_headers() { return {{"Cache-Control", "no-store"}, {"X-Accel-Buffering", "no"}}; }
+
 /// An error that belongs to HTTP (not found, overloaded, ...). All other errors of a request are remesh::Error.
 class HttpError : public std::runtime_error {
  public:
@@ -87,6 +98,8 @@ class HttpError : public std::runtime_error {
   Fields headers;
 };
 
+/// The error to throw for a body of more than `limit` bytes.
+HttpError body_too_large(std::uint64_t limit);
 /// The error to throw for a request that needs more memory than the whole budget.
 HttpError never_fits(std::uint64_t limit);
 /// The error to throw for a request for which there is no memory now.

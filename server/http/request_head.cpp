@@ -12,7 +12,9 @@ namespace {
 
 [[noreturn]] void malformed(const std::string& detail) { throw HttpError(400, "malformed_request", detail); }
 
-bool is_alphanumeric(char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+bool is_alphanumeric(char c) { return is_digit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 
 bool is_token_char(char c) {
   if (is_alphanumeric(c)) return true;
@@ -43,6 +45,14 @@ Fields parse_query(std::string_view text) {
   return query;
 }
 
+/// True if every character may occur in a Host field: a name or an address, and a port (RFC 9110, section 7.2). It
+/// may be empty.
+bool is_host(std::string_view text) {
+  constexpr std::string_view kSigns = "-._~%!$&'()*+,;=:[]";
+  return std::all_of(text.begin(), text.end(),
+                     [&](char c) { return is_alphanumeric(c) || kSigns.find(c) != std::string_view::npos; });
+}
+
 void parse_target(std::string_view target, RequestHead& head) {
   // The absolute form is meant for proxies, but a server must accept it (RFC 9112, section 3.2.2). Its path may be
   // empty.
@@ -50,7 +60,10 @@ void parse_target(std::string_view target, RequestHead& head) {
   for (const std::string_view scheme : {std::string_view("http://"), std::string_view("https://")}) {
     if (api::ascii_lower(target.substr(0, scheme.size())) != scheme) continue;
     is_absolute = true;
-    target.remove_prefix(std::min(target.find_first_of("/?", scheme.size()), target.size()));
+    const std::size_t end = std::min(target.find_first_of("/?#", scheme.size()), target.size());
+    head.target_authority = target.substr(scheme.size(), end - scheme.size());
+    if (!is_host(head.target_authority)) malformed("the request target names no host");
+    target.remove_prefix(end);
     break;
   }
   const std::size_t question = target.find('?');
@@ -62,6 +75,13 @@ void parse_target(std::string_view target, RequestHead& head) {
   head.path = path.empty() ? "/" : percent_decode(path);
 }
 
+/// True for a well-formed version that is not spoken here, such as the HTTP/2.0 with which HTTP/2 begins.
+bool is_other_version(std::string_view version) {
+  const bool is_version = version.size() == 8 && version.starts_with("HTTP/") && is_digit(version[5]) &&
+                          version[6] == '.' && is_digit(version[7]);
+  return is_version && version != "HTTP/1.1" && version != "HTTP/1.0";
+}
+
 void parse_request_line(std::string_view line, RequestHead& head) {
   const std::size_t first = line.find(' ');
   const std::size_t last = line.rfind(' ');
@@ -70,7 +90,12 @@ void parse_request_line(std::string_view line, RequestHead& head) {
   const std::string_view target = line.substr(first + 1, last - first - 1);
   const std::string_view version = line.substr(last + 1);
   if (!is_token(method)) malformed("the request method is not a token");
-  if (version != "HTTP/1.1" && version != "HTTP/1.0") malformed("only HTTP/1.1 and HTTP/1.0 are spoken here");
+  if (is_other_version(version)) {
+    throw HttpError(505, "http_version_not_supported",
+                    "this server speaks HTTP/1.1 and HTTP/1.0, but not " + std::string(version) +
+                        "; a proxy in front of it can speak HTTP/2");
+  }
+  if (version != "HTTP/1.1" && version != "HTTP/1.0") malformed("the request line must end in HTTP/1.1");
   if (target.empty() || target.find_first_of(" \t") != std::string_view::npos)
     malformed("a blank in the request target");
   head.method = method;
@@ -86,14 +111,6 @@ void parse_field(std::string_view line, RequestHead& head) {
   head.headers.emplace_back(api::ascii_lower(line.substr(0, colon)), std::string(trimmed(line.substr(colon + 1))));
 }
 
-/// True if every character may occur in a Host field: a name or an address, and a port (RFC 9110, section 7.2). It
-/// may be empty.
-bool is_host(std::string_view text) {
-  constexpr std::string_view kSigns = "-._~%!$&'()*+,;=:[]";
-  return std::all_of(text.begin(), text.end(),
-                     [&](char c) { return is_alphanumeric(c) || kSigns.find(c) != std::string_view::npos; });
-}
-
 std::size_t count(const RequestHead& head, std::string_view name) {
   return static_cast<std::size_t>(
       std::count_if(head.headers.begin(), head.headers.end(), [&](const auto& field) { return field.first == name; }));
@@ -106,6 +123,22 @@ std::string_view RequestHead::header(std::string_view name) const {
     if (key == name) return value;
   }
   return {};
+}
+
+std::string RequestHead::list(std::string_view name) const {
+  std::string values;
+  for (const auto& [key, value] : headers) {
+    if (key == name && !value.empty()) values.append(values.empty() ? "" : ", ").append(value);
+  }
+  return values;
+}
+
+bool RequestHead::has(std::string_view name) const {
+  return std::any_of(headers.begin(), headers.end(), [&](const auto& field) { return field.first == name; });
+}
+
+std::string_view RequestHead::authority() const {
+  return target_authority.empty() ? header("host") : std::string_view(target_authority);
 }
 
 std::string percent_decode(std::string_view text) {
@@ -169,6 +202,9 @@ void parse_head(std::string_view bytes, const HeadLimits& limits, RequestHead& h
   const std::size_t hosts = count(head, "host");
   if (hosts > 1 || (hosts == 0 && head.minor_version >= 1)) malformed("there must be exactly one Host field");
   if (!is_host(head.header("host"))) malformed("the Host field is no host");
+  for (const std::string_view name : {"content-type", "authorization", "x-api-key", "idempotency-key"}) {
+    if (count(head, name) > 1) malformed("the field " + std::string(name) + " is sent more than once");
+  }
 }
 
 bool wants_to_be_kept(const RequestHead& head) {

@@ -32,8 +32,9 @@ std::string_view method_of(std::string_view bytes);
 /// Parses a whole head, including the empty line.
 /// Output:  `head`, which must be empty before. If parsing fails, it is filled as far as parsing came, so that a
 ///          refusal can carry the request's id.
-/// Errors:  HttpError 400 - not HTTP/1.0 or 1.1, folded or malformed fields, no Host field or several, an invalid
-///          Host, a bad percent escape; 431 - too many fields.
+/// Errors:  HttpError 400 - no HTTP, folded or malformed fields, no Host field or several, an invalid
+///          Host, another field twice that may be sent only once, a bad percent escape; 431 - too many fields; 505 -
+///          neither HTTP/1.0 nor 1.1.
 void parse_head(std::string_view bytes, const HeadLimits& limits, RequestHead& head);
 
 /// How a body is delimited (RFC 9112, section 6.3).

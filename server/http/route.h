@@ -19,6 +19,13 @@ struct Call {
 };
 using Handler = std::function<Response(const Call&)>;
 
+/// Who may use a route.
+enum class Access {
+  kGuarded,   ///< clients with an API key, if the daemon has keys
+  kPageFile,  ///< everyone: a file of the web page
+  kProbe,     ///< everyone: a question whether the daemon works
+};
+
 /// The terms under which a request with a body is accepted.
 struct Admission {
   std::uint64_t max_body = 0;                     ///< bytes
@@ -31,7 +38,8 @@ struct Route {
   Handler handle;
   /// Called before the body is read; throws HttpError to refuse the request. A route without it accepts no body.
   std::function<Admission(const RequestHead&)> admit = nullptr;
-  bool is_open = false;  ///< clients without an API key may use it too
+  Access access = Access::kGuarded;
+  bool takes_token = false;  ///< a request without a key may show a token for its path (ApiKeys::token)
 };
 
 }  // namespace remesh::server

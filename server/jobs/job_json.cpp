@@ -26,16 +26,19 @@ void write_time(api::JsonWriter& json, std::string_view name, const std::optiona
   json.member(name, ms ? std::optional(time_text(*ms)) : std::nullopt);
 }
 
-void write_links(api::JsonWriter& json, const std::string& id) {
-  const std::string self = job_path(id);
+void write_links(api::JsonWriter& json, const std::string& id, const JobLinks& links) {
+  const std::string path = job_path(id);
+  const std::string self = links.prefix + path;
   json.key("links");
   json.begin_object();
   json.member("self", self);
-  for (const char* name : {"result", "report", "events"}) json.member(name, self + "/" + name);
+  for (const char* name : {"result", "report"}) json.member(name, self + "/" + name);
+  const std::string token = links.token_for ? links.token_for(path + "/events") : "";
+  json.member("events", self + "/events" + (token.empty() ? "" : "?token=" + token));
   json.end_object();
 }
 
-void write_job(api::JsonWriter& json, const JobRecord& job) {
+void write_job(api::JsonWriter& json, const JobRecord& job, const JobLinks& links) {
   json.begin_object();
   json.member("id", job.id);
   json.member("state", state_name(job.state));
@@ -48,24 +51,24 @@ void write_job(api::JsonWriter& json, const JobRecord& job) {
   write_time(json, "expires_at", job.expires_ms);
   json.key("problem");
   job.problem.empty() ? json.null() : json.raw(trim(api::cut(job.problem, '\n').first));
-  write_links(json, job.id);
+  write_links(json, job.id, links);
   json.end_object();
 }
 
 }  // namespace
 
-std::string job_json(const JobRecord& job) {
+std::string job_json(const JobRecord& job, const JobLinks& links) {
   api::JsonWriter json;
-  write_job(json, job);
+  write_job(json, job, links);
   return json.take();
 }
 
-std::string jobs_json(const std::vector<JobRecord>& jobs) {
+std::string jobs_json(const std::vector<JobRecord>& jobs, const JobLinks& links) {
   api::JsonWriter json;
   json.begin_object();
   json.key("jobs");
   json.begin_array();
-  for (const JobRecord& job : jobs) write_job(json, job);
+  for (const JobRecord& job : jobs) write_job(json, job, links);
   json.end_array();
   json.end_object();
   return json.take();

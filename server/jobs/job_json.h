@@ -1,6 +1,7 @@
 /// Jobs as the JSON that the API returns.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -8,10 +9,17 @@
 
 namespace remesh::server::jobs {
 
+/// The links of jobs for one client.
+struct JobLinks {
+  std::string prefix;  ///< what stands before all paths for this client (Request::prefix)
+  /// Returns the token with which a browser may follow the events at a path; null or empty if it needs none.
+  std::function<std::string(const std::string& path)> token_for = nullptr;
+};
+
 /// Formats one job: `{"id": ..., "state": ..., "stage": ..., ...}`
-std::string job_json(const JobRecord& job);
+std::string job_json(const JobRecord& job, const JobLinks& links);
 /// Formats a list of jobs: `{"jobs": [...]}`
-std::string jobs_json(const std::vector<JobRecord>& jobs);
+std::string jobs_json(const std::vector<JobRecord>& jobs, const JobLinks& links);
 
 /// Returns the `code` member of a problem, or an empty string if it has none.
 std::string problem_code(const std::string& problem);

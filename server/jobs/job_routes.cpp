@@ -6,6 +6,7 @@
 
 #include "api/text.h"
 #include "server/http/content_coding.h"
+#include "server/http/partial_content.h"
 #include "server/http/text.h"
 #include "server/jobs/job_json.h"
 #include "server/jobs/job_request.h"
@@ -50,8 +51,8 @@ bool is_job_id(std::string_view text) {
 api::Request kept_part(const Request& request) {
   api::Request kept;
   kept.content_type = request.header("content-type");
-  kept.content_encoding = request.header("content-encoding");
-  kept.accept = request.header("accept");
+  kept.content_encoding = request.list("content-encoding");
+  kept.accept = request.list("accept");
   kept.query = request.query;
   return kept;
 }
@@ -92,9 +93,9 @@ std::optional<Response> answer_without_result(const JobRecord& job) {
   return response;
 }
 
-std::string event_of(const JobRecord& job) {
+std::string event_of(const JobRecord& job, const JobLinks& links) {
   return "id: " + std::to_string(job.version) + "\nevent: " + (is_final(job.state) ? "end" : "progress") +
-         "\ndata: " + job_json(job) + "\n\n";
+         "\ndata: " + job_json(job, links) + "\n\n";
 }
 
 /// The stream of events of one job. Each new version of the job's record is sent as a whole, so a client that
@@ -102,9 +103,13 @@ std::string event_of(const JobRecord& job) {
 /// stop, and the client continues it with another server.
 class EventStream {
  public:
-  EventStream(JobStore& store, JobRecord first, std::int64_t seen, Connection& connection,
-              const std::atomic<bool>& draining)
-      : store_(store), job_(std::move(first)), seen_(seen), connection_(connection), draining_(draining) {}
+  EventStream(JobStore& store, JobRecord first, std::int64_t seen, const Call& call, const std::atomic<bool>& draining)
+      : store_(store),
+        job_(std::move(first)),
+        seen_(seen),
+        connection_(call.connection),
+        links_{call.request.prefix},
+        draining_(draining) {}
 
   /// Output: empty at the end of the stream.
   std::string next() {
@@ -114,7 +119,7 @@ class EventStream {
         seen_ = job_.version;
         is_over_ = is_final(job_.state);
         silent_until_ = Clock::now() + kSilence;
-        return event_of(job_);
+        return event_of(job_, links_);
       }
       if (draining_) return {};
       if (Clock::now() >= silent_until_) {
@@ -137,6 +142,7 @@ class EventStream {
   JobRecord job_;
   std::int64_t seen_;
   Connection& connection_;
+  const JobLinks links_;  ///< without tokens, since the stream may live longer than they do
   const std::atomic<bool>& draining_;
   bool is_over_ = false;
   Clock::time_point silent_until_ = Clock::now() + kSilence;
@@ -157,11 +163,13 @@ std::vector<Route> JobRoutes::routes() {
           {"DELETE", path, [this](const Call& call) { return remove(call); }},
           {"GET", path + "/result", [this](const Call& call) { return result(call); }},
           {"GET", path + "/report", [this](const Call& call) { return report(call); }},
-          {"GET", path + "/events", [this](const Call& call) { return follow(call); }}};
+          {"GET", path + "/events", [this](const Call& call) { return follow(call); }, nullptr, Access::kGuarded,
+           /*takes_token=*/true}};
 }
 
 bool JobRoutes::wants_job(const RequestHead& head) {
-  for (const std::string_view preference : list_elements(head.header("prefer"))) {
+  const std::string preferences = head.list("prefer");
+  for (const std::string_view preference : list_elements(preferences)) {
     if (api::ascii_lower(trimmed(api::cut(preference, ';').first)) == "respond-async") return true;
   }
   return false;
@@ -175,7 +183,14 @@ JobService& JobRoutes::jobs() const {
   return *context_.jobs;
 }
 
-Admission JobRoutes::admit(const RequestHead&) const {
+JobLinks JobRoutes::links_for(const Request& request) const {
+  return {request.prefix, [this, &request](const std::string& path) {
+            return context_.keys.token(request, path, std::chrono::system_clock::now());
+          }};
+}
+
+Admission JobRoutes::admit(const RequestHead& head) const {
+  check_content_coding(head);
   if (context_.draining) throw HttpError(503, "draining", "this server is about to stop");
   if (!jobs().is_well()) throw store_unavailable();
   if (jobs().is_full()) throw HttpError(503, "overloaded", "the queue of jobs is full: try again later");
@@ -205,10 +220,10 @@ Response JobRoutes::submit(const Call& call) const {
 
   const auto record = ask([&] { return jobs().store().find(submission.id); });
   if (!record) throw HttpError(410, "result_expired", "the job of this Idempotency-Key is gone");
-  Response response = json_response(job_json(*record));
+  Response response = json_response(job_json(*record, links_for(request)));
   response.status = 202;
   response.job = submission.id;
-  response.headers.emplace_back("Location", job_path(submission.id));
+  response.headers.emplace_back("Location", request.prefix + job_path(submission.id));
   response.headers.emplace_back("Retry-After", kPollSeconds);
   if (wants_job(request)) response.headers.emplace_back("Preference-Applied", "respond-async");
   return response;
@@ -229,12 +244,14 @@ Response JobRoutes::list(const Call& call) const {
   if (owner.empty()) {
     throw HttpError(403, "forbidden", "jobs are listed only by API key, and this server uses no API keys");
   }
-  return compressed(json_response(jobs_json(ask([&] { return store.list(owner, kMaxListed); }))), call.request);
+  return compressed(
+      json_response(jobs_json(ask([&] { return store.list(owner, kMaxListed); }), links_for(call.request))),
+      call.request);
 }
 
 Response JobRoutes::show(const Call& call) const {
   const JobRecord job = find_own(call);
-  Response response = json_response(job_json(job));
+  Response response = json_response(job_json(job, links_for(call.request)));
   if (!is_final(job.state)) response.headers.emplace_back("Retry-After", kPollSeconds);
   return response;
 }
@@ -282,7 +299,7 @@ Response JobRoutes::result(const Call& call) const {
     return api::write_kept(
         mesh, [&] { return read(id, BlobKind::kReport); }, wanted, control);
   };
-  return answer_from(write, memory, call);
+  return with_ranges(answer_from(write, memory, call), call.request);
 }
 
 Response JobRoutes::report(const Call& call) const {
@@ -292,7 +309,7 @@ Response JobRoutes::report(const Call& call) const {
   const Operation write = [this, id = job.id](const api::Request&, const api::Limits&, RunControl&) {
     return api::Response{200, "application/json", read(id, BlobKind::kReport), {{"Cache-Control", "no-store"}}};
   };
-  return answer_from(write, memory, call);
+  return with_ranges(answer_from(write, memory, call), call.request);
 }
 
 Response JobRoutes::follow(const Call& call) const {
@@ -306,8 +323,8 @@ Response JobRoutes::follow(const Call& call) const {
     return response;
   }
   response.content_type = "text/event-stream";
-  response.headers.emplace_back("Cache-Control", "no-store");
-  response.next_piece = [stream = std::make_shared<EventStream>(jobs().store(), std::move(job), seen, call.connection,
+  response.headers = event_stream_headers();
+  response.next_piece = [stream = std::make_shared<EventStream>(jobs().store(), std::move(job), seen, call,
                                                                 context_.draining)] { return stream->next(); };
   return response;
 }

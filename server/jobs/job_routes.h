@@ -6,7 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "server/http/api_keys.h"
 #include "server/http/route.h"
+#include "server/jobs/job_json.h"
 #include "server/jobs/job_service.h"
 #include "server/work/work.h"
 
@@ -15,6 +17,7 @@ namespace remesh::server::jobs {
 /// The objects that the routes use. All of them must outlive the routes.
 struct JobContext {
   JobService* jobs = nullptr;  ///< null without a job store: every route then answers 501
+  const ApiKeys& keys;
   const WorkLimits& limits;
   MemoryBudget& memory;
   RequestRegistry& registry;
@@ -42,6 +45,8 @@ class JobRoutes {
  private:
   JobService& jobs() const;
   JobRecord find_own(const Call& call) const;
+  /// Input: `request` - must outlive the links.
+  JobLinks links_for(const Request& request) const;
   Response list(const Call& call) const;
   Response show(const Call& call) const;
   Response remove(const Call& call) const;

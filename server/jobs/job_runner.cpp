@@ -145,7 +145,7 @@ bool JobRunner::has_room() const {
   const auto computing = std::count_if(held_.begin(), held_.end(), [](const auto& held) { return !held->is_done; });
   // No new work begins while finished results wait for the store.
   const bool has_place = static_cast<std::size_t>(computing) < settings_.max_held && done_.size() < settings_.max_held;
-  return has_place && !pool_.is_full(JobSize::kLarge);
+  return has_place && !pool_.is_full(WorkerPool::kSmallBytes + 1);
 }
 
 JobRunner::Step JobRunner::claim_one() {
@@ -165,10 +165,10 @@ void JobRunner::hold(Claim claim) {
   try {
     held->memory = memory_.open_share(/*per_byte=*/1);
     held->memory->hold_body(held->claim.memory, held->claim.memory);
-    const JobSize size = size_of_job(held->claim.memory / MemoryBudget::kWorkPerBodyByte);
+    const std::uint64_t bytes = held->claim.memory / MemoryBudget::kWorkPerBodyByte;
     const std::lock_guard lock(mutex_);
     held_.push_back(held);
-    held->ticket = pool_.try_submit([this, held] { run(held); }, size);
+    held->ticket = pool_.try_submit([this, held] { run(held); }, bytes);
     if (held->ticket) return;
     held_.pop_back();
   } catch (const HttpError&) {

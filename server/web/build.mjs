@@ -18,9 +18,10 @@ const files = [];
 // Names change with contents, so that browsers may keep them for ever.
 function add(name, extension, type, bytes) {
   const hash = createHash("sha256").update(bytes).digest("hex").slice(0, 12);
-  const path = `/assets/${name}-${hash}.${extension}`;
-  files.push({ path, type, bytes, isFixed: true });
-  return path;
+  // The page refers to it relatively, so that it works below any path that a proxy gives it.
+  const link = `assets/${name}-${hash}.${extension}`;
+  files.push({ path: `/${link}`, type, bytes, isFixed: true });
+  return link;
 }
 
 async function bundle(entry, define = {}) {

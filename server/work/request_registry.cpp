@@ -25,20 +25,20 @@ RequestRegistry::Entry RequestRegistry::add(const std::string& id, const std::st
   for (auto request = std::make_shared<RunningRequest>(id, owner);;
        request = std::make_shared<RunningRequest>(new_request_id(), owner)) {
     const std::lock_guard lock(mutex_);
-    if (running_.emplace(request->id, request).second) return Entry(*this, std::move(request));
+    if (running_.emplace(Key(request->owner, request->id), request).second) return Entry(*this, std::move(request));
   }
 }
 
 std::shared_ptr<RunningRequest> RequestRegistry::find(const std::string& id, const std::string& owner) const {
   const std::lock_guard lock(mutex_);
-  const auto found = running_.find(id);
-  return found == running_.end() || found->second->owner != owner ? nullptr : found->second;
+  const auto found = running_.find(Key(owner, id));
+  return found == running_.end() ? nullptr : found->second;
 }
 
 std::vector<std::shared_ptr<RunningRequest>> RequestRegistry::computing() const {
   const std::lock_guard lock(mutex_);
   std::vector<std::shared_ptr<RunningRequest>> found;
-  for (const auto& [id, request] : running_) {
+  for (const auto& [key, request] : running_) {
     if (request->is_computing) found.push_back(request);
   }
   return found;
@@ -46,13 +46,13 @@ std::vector<std::shared_ptr<RunningRequest>> RequestRegistry::computing() const 
 
 void RequestRegistry::cancel_all() {
   const std::lock_guard lock(mutex_);
-  for (const auto& [id, request] : running_) request->cancel();
+  for (const auto& [key, request] : running_) request->cancel();
 }
 
 void RequestRegistry::remove(RunningRequest& request) {
   request.has_ended = true;
   const std::lock_guard lock(mutex_);
-  running_.erase(request.id);
+  running_.erase(Key(request.owner, request.id));
 }
 
 bool is_request_id(std::string_view text) {

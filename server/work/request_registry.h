@@ -2,12 +2,12 @@
 #pragma once
 
 #include <atomic>
-#include <functional>
 #include <map>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/base/run_control.h"
@@ -69,7 +69,8 @@ class RequestRegistry {
     std::shared_ptr<RunningRequest> request_;
   };
 
-  /// Registers a request under that id, or under a new one if a request with that id is running already.
+  /// Registers a request under that id, or under a new one if its owner has a request with that id running already.
+  /// Another owner's ids make no difference, so that they cannot be probed.
   Entry add(const std::string& id, const std::string& owner = {});
   /// Output: nothing if there is no such request, and also if it belongs to somebody else, so that ids cannot be
   ///         probed.
@@ -81,7 +82,10 @@ class RequestRegistry {
   void remove(RunningRequest& request);
 
   mutable std::mutex mutex_;
-  std::map<std::string, std::shared_ptr<RunningRequest>, std::less<>> running_;
+  /// The requests by their owner and id. The keys are views of the requests' own strings, so that a request can be
+  /// removed where memory has run out.
+  using Key = std::pair<std::string_view, std::string_view>;
+  std::map<Key, std::shared_ptr<RunningRequest>> running_;
 };
 
 /// True if a client may choose this text as an id: 16 to 64 URL-safe characters.

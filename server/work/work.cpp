@@ -1,9 +1,12 @@
 #include "server/work/work.h"
 
+#include <algorithm>
+#include <cstdint>
 #include <exception>
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <utility>
 
 #include "server/http/content_coding.h"
@@ -16,8 +19,9 @@ namespace {
 /// How long cancelled work may take to stop. After this the request is answered, and the result of the work is
 /// dropped.
 constexpr std::chrono::seconds kStopPatience{2};
-/// Bodies up to this size count as small meshes, of some ten thousand faces.
-constexpr std::size_t kSmallBody = 1 << 20;
+/// The bounds on what clients are told to wait before they try again, in seconds.
+constexpr std::int64_t kMinRetry = 1;
+constexpr std::int64_t kMaxRetry = 300;
 
 /// The state that the connection's thread and the pool's thread share. Either may be the last to own it.
 class Job {
@@ -27,10 +31,10 @@ class Job {
         limits_(limits.api),
         operation_(std::move(operation)),
         body_(std::move(request.body)),
-        accept_encoding_(request.header("accept-encoding")) {
+        accept_encoding_(request.list("accept-encoding")) {
     input_.content_type = request.header("content-type");
-    input_.content_encoding = request.header("content-encoding");
-    input_.accept = request.header("accept");
+    input_.content_encoding = request.list("content-encoding");
+    input_.accept = request.list("accept");
     input_.query = std::move(request.query);
     input_.body = body_;
     input_.release_body = [this] { body_ = Body(); };
@@ -137,7 +141,7 @@ api::Response wait_for(Job& job, RunningRequest& running, WorkerPool& pool, Work
     if (!running.control.is_stopped() && Clock::now() < until) continue;
     if (pool.withdraw(ticket)) {
       running.control.check();
-      throw overloaded();
+      throw overloaded(pool);
     }
     if (!running.control.is_stopped()) {
       // The task may have started just now, and then it has its full time before it.
@@ -151,20 +155,20 @@ api::Response wait_for(Job& job, RunningRequest& running, WorkerPool& pool, Work
 
 }  // namespace
 
-JobSize size_of_job(std::uint64_t body_bytes) { return body_bytes <= kSmallBody ? JobSize::kSmall : JobSize::kLarge; }
-
-HttpError overloaded() {
-  return HttpError(503, "overloaded", "all workers are busy and the queue is full: try again shortly");
+HttpError overloaded(const WorkerPool& pool) {
+  const auto wait = std::chrono::ceil<std::chrono::seconds>(pool.expected_wait()).count();
+  return HttpError(503, "overloaded", "all workers are busy and the queue is full: try again shortly")
+      .with_header("Retry-After", std::to_string(std::clamp<std::int64_t>(wait, kMinRetry, kMaxRetry)));
 }
 
 api::Response run_in_pool(WorkerPool& pool, RequestRegistry& registry, const WorkLimits& limits,
                           const Operation& operation, Request& request, Connection& connection) {
   const RequestRegistry::Entry running = registry.add(request.id, request.owner);
   request.id = running->id;
-  const JobSize size = size_of_job(request.body.size());
+  const std::uint64_t bytes = request.body.size();
   const auto job = std::make_shared<Job>(request, limits, operation, running.get());
-  const std::optional<WorkerPool::Ticket> ticket = pool.try_submit([job] { job->run(); }, size);
-  if (!ticket) throw overloaded();
+  const std::optional<WorkerPool::Ticket> ticket = pool.try_submit([job] { job->run(); }, bytes);
+  if (!ticket) throw overloaded(pool);
 
   try {
     return wait_for(*job, *running.get(), pool, *ticket, limits, request, connection);

@@ -28,10 +28,8 @@ struct WorkLimits {
 api::Response run_in_pool(WorkerPool& pool, RequestRegistry& registry, const WorkLimits& limits,
                           const Operation& operation, Request& request, Connection& connection);
 
-/// The size class of a task for a body of that many bytes.
-JobSize size_of_job(std::uint64_t body_bytes);
-
-/// The error to throw if the pool has no place for the work.
-HttpError overloaded();
+/// The error to throw if the pool has no place for the work. Its Retry-After is the time that what waits will
+/// probably take.
+HttpError overloaded(const WorkerPool& pool);
 
 }  // namespace remesh::server

@@ -8,6 +8,12 @@
 #include "server/observe/niceness.h"
 
 namespace remesh::server {
+namespace {
+
+/// The usual time of a task is an average in which each new one has this part.
+constexpr double kAveraged = 8;
+
+}  // namespace
 
 /// Counts the threads that enter and leave an arena, and lowers their priority.
 class WorkerPool::BusyThreads : public tbb::task_scheduler_observer {
@@ -27,10 +33,10 @@ class WorkerPool::BusyThreads : public tbb::task_scheduler_observer {
   std::atomic<std::size_t>& counter_;
 };
 
-WorkerPool::WorkerPool(int max_running, std::size_t queue_size, int workers)
+WorkerPool::WorkerPool(int max_running, const api::QueueLimits& limits, int workers)
     : parallelism_(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(workers)),
       max_running_(static_cast<std::size_t>(max_running)),
-      queue_size_(queue_size),
+      limits_(limits),
       running_(2 * max_running_),
       ready_(static_cast<std::ptrdiff_t>(running_.size())) {
   for (std::size_t i = 0; i < running_.size(); ++i) threads_.emplace_back([this, i, workers] { work(i, workers); });
@@ -47,13 +53,15 @@ WorkerPool::~WorkerPool() {
   for (std::thread& thread : threads_) thread.join();
 }
 
-std::optional<WorkerPool::Ticket> WorkerPool::try_submit(std::function<void()> job, JobSize size) {
+std::optional<WorkerPool::Ticket> WorkerPool::try_submit(std::function<void()> job, std::uint64_t bytes) {
   Ticket ticket = 0;
   {
     const std::lock_guard lock(mutex_);
-    if (stopping_ || is_full_locked(size)) return std::nullopt;
+    if (stopping_ || is_full_locked(bytes)) return std::nullopt;
     ticket = next_ticket_++;
-    queue_.push_back({ticket, size, std::move(job)});
+    queue_.push_back({ticket, bytes, std::move(job)});
+    ++class_of(bytes).queued;
+    class_of(bytes).queued_bytes += bytes;
     if (!needs_thread_locked()) return ticket;
   }
   changed_.notify_one();
@@ -65,13 +73,31 @@ bool WorkerPool::withdraw(Ticket ticket) {
   const auto entry =
       std::find_if(queue_.begin(), queue_.end(), [&](const Entry& candidate) { return candidate.ticket == ticket; });
   if (entry == queue_.end()) return false;
-  queue_.erase(entry);
+  remove_locked(entry);
   return true;
 }
 
-bool WorkerPool::is_full(JobSize size) const {
+bool WorkerPool::is_full(std::uint64_t bytes) const {
   const std::lock_guard lock(mutex_);
-  return stopping_ || is_full_locked(size);
+  return stopping_ || is_full_locked(bytes);
+}
+
+std::chrono::milliseconds WorkerPool::expected_wait() const {
+  const std::lock_guard lock(mutex_);
+  // A task that runs longer than is usual shows that others may, too.
+  std::chrono::duration<double> small = small_.usual_time;
+  std::chrono::duration<double> large = large_.usual_time;
+  for (const std::optional<Running>& running : running_) {
+    if (!running) continue;
+    std::chrono::duration<double>& time = running->size == TaskSize::kSmall ? small : large;
+    time = std::max<std::chrono::duration<double>>(time, Clock::now() - running->start);
+  }
+  return std::chrono::ceil<std::chrono::milliseconds>(time_for_locked(small_, small) + time_for_locked(large_, large));
+}
+
+std::chrono::duration<double> WorkerPool::time_for_locked(const Class& tasks,
+                                                          std::chrono::duration<double> time) const {
+  return time * static_cast<double>(tasks.queued) / static_cast<double>(max_running_);
 }
 
 std::size_t WorkerPool::running() const {
@@ -84,19 +110,30 @@ std::size_t WorkerPool::queued() const {
   return queue_.size();
 }
 
-bool WorkerPool::is_full_locked(JobSize size) const {
-  const std::size_t places = size == JobSize::kSmall ? queue_size_ : queue_size_ - queue_size_ / 4;
+bool WorkerPool::is_full_locked(std::uint64_t bytes) const {
   // Tasks that a free thread has not taken yet do not count as waiting.
   const std::size_t free = max_running_ - std::min(max_running_, running_count_);
-  return queue_.size() >= places + free;
+  if (queue_.size() < free) return false;
+  if (size_of(bytes) == TaskSize::kLarge) return large_.queued >= limits_.max_large + free;
+  // One small task may always wait.
+  return small_.queued > free && (small_.queued_bytes + bytes > limits_.max_small_bytes ||
+                                  time_for_locked(small_, small_.usual_time) > limits_.max_small_wait);
 }
 
-bool WorkerPool::may_start_locked(JobSize size) const {
+WorkerPool::Entry WorkerPool::remove_locked(std::deque<Entry>::iterator entry) {
+  Entry taken = std::move(*entry);
+  queue_.erase(entry);
+  --class_of(taken.bytes).queued;
+  class_of(taken.bytes).queued_bytes -= taken.bytes;
+  return taken;
+}
+
+bool WorkerPool::may_start_locked(TaskSize size) const {
   if (running_count_ < max_running_) return true;
-  if (size == JobSize::kLarge || running_count_ == running_.size()) return false;
+  if (size == TaskSize::kLarge || running_count_ == running_.size()) return false;
   const Clock::time_point long_ago = Clock::now() - kLong;
   return std::all_of(running_.begin(), running_.end(), [&](const std::optional<Running>& running) {
-    return !running || running->size == JobSize::kLarge || running->start <= long_ago;
+    return !running || running->size == TaskSize::kLarge || running->start <= long_ago;
   });
 }
 
@@ -104,14 +141,14 @@ Clock::time_point WorkerPool::next_change_locked() const {
   if (queue_.empty() || running_count_ == running_.size()) return Clock::time_point::max();
   Clock::time_point last = Clock::time_point::min();
   for (const std::optional<Running>& running : running_) {
-    if (running && running->size == JobSize::kSmall) last = std::max(last, running->start + kLong);
+    if (running && running->size == TaskSize::kSmall) last = std::max(last, running->start + kLong);
   }
   return last > Clock::now() ? last : Clock::time_point::max();
 }
 
 std::deque<WorkerPool::Entry>::iterator WorkerPool::next_locked() {
   return std::find_if(queue_.begin(), queue_.end(),
-                      [this](const Entry& candidate) { return may_start_locked(candidate.size); });
+                      [this](const Entry& candidate) { return may_start_locked(size_of(candidate.bytes)); });
 }
 
 bool WorkerPool::needs_thread_locked() {
@@ -121,9 +158,7 @@ bool WorkerPool::needs_thread_locked() {
 std::optional<WorkerPool::Entry> WorkerPool::take_locked() {
   const auto entry = next_locked();
   if (entry == queue_.end()) return std::nullopt;
-  Entry taken = std::move(*entry);
-  queue_.erase(entry);
-  return taken;
+  return remove_locked(entry);
 }
 
 void WorkerPool::work(std::size_t place, int workers) {
@@ -146,13 +181,17 @@ void WorkerPool::work(std::size_t place, int workers) {
       }
       continue;
     }
-    running_[place] = Running{entry->size, Clock::now()};
+    const std::uint64_t bytes = entry->bytes;
+    const Clock::time_point start = Clock::now();
+    running_[place] = Running{size_of(bytes), start};
     ++running_count_;
     if (needs_thread_locked()) changed_.notify_one();
     lock.unlock();
     arena.execute(entry->job);
     entry.reset();  // its captures are freed outside the lock
     lock.lock();
+    std::chrono::duration<double>& usual = class_of(bytes).usual_time;
+    usual += (Clock::now() - start - usual) / kAveraged;
     running_[place].reset();
     --running_count_;  // this thread takes whatever may start now
   }

@@ -1,4 +1,5 @@
-/// The threads that compute. A few threads take tasks from a bounded queue, which refuses more when it is full.
+/// The threads that compute. A few threads take tasks from a queue, which refuses more when it is full. It is full when
+/// what waits means too much work, not when it is many: hundreds of small tasks are done in a moment.
 #pragma once
 
 #include <tbb/global_control.h>
@@ -15,25 +16,24 @@
 #include <thread>
 #include <vector>
 
+#include "api/service.h"
 #include "server/http/connection.h"
 
 namespace remesh::server {
-
-/// The expected effort of a task, judged by the size of its mesh.
-enum class JobSize { kSmall, kLarge };
 
 /// Tasks start in the order of their arrival, with two exceptions so that huge meshes cannot starve small ones:
 /// - While every running task is either large or has run for more than `kLong`, one small task may start beyond
 ///   `max_running`. Once that one has run for so long too, another may start. At most `max_running` tasks run in this
 ///   way.
-/// - The last quarter of the queue is reserved for small tasks.
+/// - Large and small tasks have separate limits in the queue.
 class WorkerPool {
  public:
   static constexpr std::chrono::milliseconds kLong{1000};
+  /// Tasks for bodies up to this size count as small: they have some ten thousand faces.
+  static constexpr std::uint64_t kSmallBytes = 1 << 20;
 
   /// At most `max_running` tasks run at once, except as said above, each in a TBB arena of `workers` threads.
-  /// `queue_size` more may wait.
-  WorkerPool(int max_running, std::size_t queue_size, int workers);
+  WorkerPool(int max_running, const api::QueueLimits& limits, int workers);
   /// Waits for the tasks that run. Tasks that wait in the queue are dropped.
   ~WorkerPool();
   WorkerPool(const WorkerPool&) = delete;
@@ -41,36 +41,52 @@ class WorkerPool {
 
   using Ticket = std::uint64_t;
   /// Queues a task, which must not throw.
+  /// Input:  `bytes` - the size of its body, by which its effort is judged.
   /// Output: nothing if no thread is free and the queue is full.
-  std::optional<Ticket> try_submit(std::function<void()> job, JobSize size = JobSize::kSmall);
+  std::optional<Ticket> try_submit(std::function<void()> job, std::uint64_t bytes = 0);
   /// Removes a task from the queue.
   /// Output: false if the task has started.
   bool withdraw(Ticket ticket);
 
   /// True if `try_submit` would refuse a task of this size now.
-  bool is_full(JobSize size = JobSize::kSmall) const;
+  bool is_full(std::uint64_t bytes = 0) const;
+  /// The time after which everything that waits now has probably started.
+  std::chrono::milliseconds expected_wait() const;
   std::size_t running() const;
   std::size_t queued() const;
   /// The number of threads that are inside the arenas.
   std::size_t busy_threads() const { return busy_threads_; }
 
  private:
+  enum class TaskSize { kSmall, kLarge };
   struct Entry {
     Ticket ticket;
-    JobSize size;
+    std::uint64_t bytes;
     std::function<void()> job;
   };
   struct Running {
-    JobSize size;
+    TaskSize size;
     Clock::time_point start;
+  };
+  /// The tasks of one size.
+  struct Class {
+    std::size_t queued = 0;
+    std::uint64_t queued_bytes = 0;
+    std::chrono::duration<double> usual_time{0};  ///< a moving average of those that have ended
   };
   class BusyThreads;
 
   /// The loop of one thread.
   /// Input: `place` - the index of this thread in `running_`.
   void work(std::size_t place, int workers);
-  bool is_full_locked(JobSize size) const;
-  bool may_start_locked(JobSize size) const;
+  static TaskSize size_of(std::uint64_t bytes) { return bytes <= kSmallBytes ? TaskSize::kSmall : TaskSize::kLarge; }
+  Class& class_of(std::uint64_t bytes) { return size_of(bytes) == TaskSize::kSmall ? small_ : large_; }
+  bool is_full_locked(std::uint64_t bytes) const;
+  /// The time that the tasks of one size which wait need from all threads together, if each takes `time`.
+  std::chrono::duration<double> time_for_locked(const Class& tasks, std::chrono::duration<double> time) const;
+  /// Takes an entry out of the queue.
+  Entry remove_locked(std::deque<Entry>::iterator entry);
+  bool may_start_locked(TaskSize size) const;
   /// The next time at which a small task may become free to start although no task has ended; the maximum if there is
   /// no such time.
   Clock::time_point next_change_locked() const;
@@ -83,10 +99,11 @@ class WorkerPool {
   /// All arenas together may use this many threads, even if the machine has fewer cores.
   const tbb::global_control parallelism_;
   const std::size_t max_running_;
-  const std::size_t queue_size_;
+  const api::QueueLimits limits_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Entry> queue_;
+  Class small_, large_;
   /// One entry for each thread, so that starting a task allocates no memory.
   std::vector<std::optional<Running>> running_;
   std::size_t running_count_ = 0;

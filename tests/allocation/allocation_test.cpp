@@ -71,7 +71,7 @@ TEST(allocation_failure, the_daemon_answers_wherever_memory_runs_out) {
   config.bind.port = 0;
   config.limits.workers = 2;
   config.max_running = 2;
-  config.queue_size = 16;
+  config.limits.queue.max_large = 16;
   Service service(config, Operations{});
   service.start();
   const std::string request =

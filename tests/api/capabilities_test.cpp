@@ -94,13 +94,15 @@ TEST(capabilities, what_is_told_of_an_option_is_what_it_takes) {
 }
 
 TEST(capabilities, every_limit_is_told_under_its_own_name) {
-  const Limits limits{1, {2, 3}, {4, 5}, 6, 7, std::chrono::milliseconds(8500)};
+  const Limits limits{
+      1, {2, 3}, {4, 5}, 6, 7, std::chrono::milliseconds(8500), {8, 9, std::chrono::milliseconds(10'500)}};
   const Response response = capabilities(limits);
   EXPECT_EQ(response.status, 200);
   EXPECT_EQ(response.content_type, "application/json");
   EXPECT_EQ(json::parse(response.body)["limits"],
             json::parse(R"({"max_body": 1, "max_decompressed": 2, "max_ratio": 3, "max_vertices": 4, "max_faces": 5,
                             "max_output_faces": 6, "workers": 7, "request_timeout_s": 8.5,
+                            "max_queued_large": 8, "max_queued_small_bytes": 9, "max_queued_small_wait_s": 10.5,
                             "max_distance_from_middle": 4.49423283715579e307, "min_extent": 2.2250738585072014e-308,
                             "min_width_of_length": 7.888609052210118e-31})"));
 }

@@ -67,7 +67,10 @@ TEST(negotiation, anything_counts_as_absent) {
     EXPECT_EQ(output(any, Format::kObj), Format::kObj) << any;
     EXPECT_EQ(output(any, Format::kJson), Format::kJson) << any;
   }
-  EXPECT_EQ(output("application/json, text/plain, */*"), Format::kJson);
+  EXPECT_EQ(output("application/json, text/plain, */*"), Format::kObj) << "this is the default of axios";
+  EXPECT_EQ(output("model/stl, */*", Format::kPly), Format::kPly);
+  EXPECT_EQ(output("model/stl, */*;q=0.9", Format::kPly), Format::kStl);
+  EXPECT_EQ(output("application/x-ply;q=0.5, model/stl, */*", Format::kPly), Format::kStl);
 }
 
 TEST(negotiation, the_heaviest_of_the_named_is_taken) {
@@ -83,7 +86,7 @@ TEST(negotiation, the_heaviest_of_the_named_is_taken) {
 TEST(negotiation, anything_outweighs_what_is_named_with_less) {
   EXPECT_EQ(output("application/json;q=0.2, */*;q=0.9"), Format::kObj);
   EXPECT_EQ(output("application/json;q=0.2, */*;q=0.9", Format::kJson), Format::kObj);
-  EXPECT_EQ(output("application/json;q=0.9, */*;q=0.9"), Format::kJson);
+  EXPECT_EQ(output("application/json;q=0.9, */*;q=0.9"), Format::kObj);
 }
 
 TEST(negotiation, what_cannot_be_written_is_not_acceptable) {

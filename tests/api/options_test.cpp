@@ -33,6 +33,24 @@ void expect_invalid(std::string_view name, std::string_view text, ValueKind kind
   EXPECT_EQ(error.option, name);
 }
 
+TEST(options, booleans_are_read_as_languages_write_them) {
+  for (const char* text : {"true", "True", "TRUE", "1"})
+    EXPECT_TRUE(read("keep_boundary_vertices", text).core.keep_boundary_vertices) << text;
+  for (const char* text : {"false", "False", "0"}) EXPECT_FALSE(read("refine", text).core.refine) << text;
+  for (const char* text : {"yes", "t", "2", "truee", " true"}) expect_invalid("refine", text);
+  expect_invalid("refine", "1", ValueKind::kNumber);
+  expect_invalid("refine", "true", ValueKind::kString);
+}
+
+TEST(options, an_empty_value_is_told_as_such) {
+  for (const char* name : {"refine", "max_edge_length", "repair", "format", "max_output_faces", "reference_axis"}) {
+    const Error error = error_of([&] { read(name, ""); });
+    EXPECT_EQ(error.code, Code::kInvalidOption) << name;
+    EXPECT_EQ(error.option, name);
+    EXPECT_THAT(error.what(), HasSubstr(std::string(name) + " is empty"));
+  }
+}
+
 TEST(options, the_table_has_every_option_of_the_contract_with_its_default) {
   const std::map<std::string_view, std::string> contract{{"refine", "true"},
                                                          {"min_angle_deg", "25"},
@@ -278,7 +296,7 @@ TEST(options, ranges_hold_at_their_ends) {
 
 TEST(options, booleans_are_true_or_false) {
   EXPECT_FALSE(read("split_boundaries", "false").core.split_boundaries);
-  for (const std::string_view text : {"True", "1", "yes", "", "truee"}) expect_invalid("split_boundaries", text);
+  for (const std::string_view text : {"yes", "", "truee"}) expect_invalid("split_boundaries", text);
 }
 
 TEST(options, words_are_read_in_any_order_each_once) {

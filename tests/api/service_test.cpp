@@ -15,6 +15,7 @@
 #include "api/request_code.h"
 #include "core/base/vec.h"
 #include "core/io/gzip.h"
+#include "tests/support/errors.h"
 
 namespace remesh::api {
 namespace {
@@ -500,6 +501,51 @@ TEST(run_remesh, an_upload_cannot_choose_an_unsafe_name) {
               "attachment; filename=\"" + safe + "\"");
   }
   EXPECT_EQ(header(remesh(request_of(kRing)), "Content-Disposition"), "attachment; filename=\"remeshed.obj\"");
+}
+
+TEST(run_remesh, a_name_beyond_ascii_comes_back) {
+  const std::pair<std::string, std::string> names[] = {
+      {"Räder.stl", "attachment; filename=\"R_der.obj\"; filename*=UTF-8''R%C3%A4der.obj"},
+      {"部品 1.obj", "attachment; filename=\"___1.obj\"; filename*=UTF-8''%E9%83%A8%E5%93%81_1.obj"},
+      {"a\xff.obj", "attachment; filename=\"a_.obj\""},
+      {"a\xe2\x80\xaejbo.exe", "attachment; filename=\"a_jbo.exe.obj\""}};
+  for (const auto& [given, value] : names) {
+    std::string form;
+    EXPECT_EQ(header(remesh(upload_of(form, kRing, given)), "Content-Disposition"), value) << given;
+  }
+}
+
+TEST(run_remesh, a_name_may_come_in_the_extended_form) {
+  const std::string type = "multipart/form-data; boundary=B";
+  const auto form = [](const std::string& parameter) {
+    return "--B\r\nContent-Disposition: form-data; name=\"mesh\"; " + parameter + "\r\n\r\n" + std::string(kRing) +
+           "\r\n--B--";
+  };
+  const std::string named = form("filename*=utf-8''R%c3%a4der.obj");
+  EXPECT_THAT(header(remesh(request_of(named, type)), "Content-Disposition"), HasSubstr("R%C3%A4der.obj"));
+  const std::string unknown = form("filename=\"a.obj\"; filename*=latin1''b.obj");
+  EXPECT_EQ(header(remesh(request_of(unknown, type)), "Content-Disposition"), "attachment; filename=\"a.obj\"");
+}
+
+TEST(run_remesh, what_is_wrong_in_the_options_of_a_form_is_told_with_their_part) {
+  const std::string type = "multipart/form-data; boundary=B";
+  for (const char* options : {"{\"refine\": }", "{\"refine\": 1}", "{\"refin\": true}", "refine=true"}) {
+    const std::string form = std::string("--B\r\nContent-Disposition: form-data; name=\"options\"\r\n\r\n") + options +
+                             "\r\n--B\r\nContent-Disposition: form-data; name=\"mesh\"\r\n\r\n" + std::string(kRing) +
+                             "\r\n--B--";
+    const Error error = test::error_of([&] { remesh(request_of(form, type)); });
+    EXPECT_THAT(error.what(), HasSubstr("in the part \"options\"")) << options;
+  }
+}
+
+TEST(run_remesh, a_urlencoded_form_is_told_apart_from_a_mesh_of_that_type) {
+  const std::string type = "application/x-www-form-urlencoded";
+  EXPECT_EQ(remesh(request_of(kRing, type)).status, 200);
+  for (const char* body : {"mesh=v+0+0+0&refine=false", "file%5B0%5D=x", "a.b=c"}) {
+    const Error error = test::error_of([&] { remesh(request_of(body, type)); });
+    EXPECT_EQ(error.code, Code::kUnsupportedMediaType) << body;
+    EXPECT_THAT(error.what(), HasSubstr("urlencoded")) << body;
+  }
 }
 
 TEST(run_analyze, an_analysis_is_a_report_without_an_output) {

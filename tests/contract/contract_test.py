@@ -54,7 +54,7 @@ def receive(connection):
 
 
 def request_bytes(method, target, body=None, fields=None):
-    lines = [f"{method} {target} HTTP/1.1", "Host: x", "Connection: close"]
+    lines = [f"{method} {target} HTTP/1.1", "Host: localhost", "Connection: close"]
     lines += [f"{name}: {value}" for name, value in (fields or {}).items()]
     if body is not None:
         lines.append(f"Content-Length: {len(body)}")
@@ -87,10 +87,10 @@ class Daemon:
         self.process.kill()
         self.process.wait()
 
-    def start_endless(self, request_id):
+    def start_endless(self, request_id, body=SQUARE):
         """A connection whose request computes."""
         connection = connect(self.port)
-        connection.sendall(request_bytes("POST", f"/v1/remesh?{ENDLESS}", SQUARE, {"X-Request-Id": request_id}))
+        connection.sendall(request_bytes("POST", f"/v1/remesh?{ENDLESS}", body, {"X-Request-Id": request_id}))
         for _ in range(500):
             answer = ask(self.port, "GET", f"/v1/requests/{request_id}")
             if answer.status == 200 and json.loads(answer.body)["stage"] != "queued":
@@ -338,13 +338,15 @@ def check_running(contract, program):
         contract.check("cancelRequest", ask(daemon.port, "DELETE", path), 204)
         contract.check("remesh", receive(first), 499)
     with Daemon(program, "--max-running", "1", "--queue-size", "1") as daemon:
-        held = [daemon.start_endless("contract-running-2")]
-        for _ in range(2):  # one passes once the first has run for a second, one waits
-            held.append(connect(daemon.port))
-            held[-1].sendall(request_bytes("POST", f"/v1/remesh?{ENDLESS}", SQUARE))
-            time.sleep(1.3)
+        large = SQUARE + b"#" * (1 << 20) + b"\n"  # so many small ones may wait as their work permits
+        held = [daemon.start_endless("contract-running-2", large), connect(daemon.port)]
+        held[1].sendall(request_bytes("POST", f"/v1/remesh?{ENDLESS}", large, {"X-Request-Id": "contract-running-3"}))
+        for _ in range(500):
+            if ask(daemon.port, "GET", "/v1/requests/contract-running-3").status == 200:
+                break
+            time.sleep(0.01)
         for operation in ("remesh", "analyze"):
-            answer = ask(daemon.port, "POST", contract.operations[operation][1], SQUARE)
+            answer = ask(daemon.port, "POST", contract.operations[operation][1], large)
             contract.check(operation, answer, 503, "overloaded")
             if "retry-after" not in answer.headers:
                 contract.fail("503 without Retry-After")
@@ -438,6 +440,12 @@ def check_jobs(contract, program, folder):
         check_result(contract, port, job, 200)
         for kind in ("obj", "json", "stl", "ply", "off", "vtu", "msh"):
             contract.check("getJobResult", ask(port, "GET", f"/v1/jobs/{job}/result?format={kind}"), 200, kind)
+        for operation, name in (("getJobResult", "result"), ("getJobReport", "report")):
+            path = f"/v1/jobs/{job}/{name}"
+            tag = ask(port, "GET", path).headers["etag"]
+            contract.check(operation, ask(port, "GET", path, None, {"If-None-Match": tag}), 304)
+            contract.check(operation, ask(port, "GET", path, None, {"Range": "bytes=2-5", "If-Range": tag}), 206)
+            contract.check(operation, ask(port, "GET", path, None, {"Range": "bytes=999999999-"}), 416)
         contract.check("getJobResult", ask(port, "GET", f"/v1/jobs/{job}/result?refine=false"), 400)
         contract.check("getJobResult", ask(port, "GET", f"/v1/jobs/{job}/result", None, {"Accept": "image/png"}), 406)
         stream = ask(port, "GET", f"/v1/jobs/{job}/events")

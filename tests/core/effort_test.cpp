@@ -20,6 +20,7 @@
 #include "tests/support/refined_checks.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"
+#include "tests/support/time_limit.h"
 
 namespace remesh {
 namespace {
@@ -137,7 +138,7 @@ TEST(effort, when_attempts_have_taken_all_the_work_nothing_is_refined_and_all_is
   const Goals goals = goals_of(options, std::sqrt(3));
   const std::size_t before = chain.meshes[PatchId(0)].mesh.triangle_count();
   const PatchedSurface on{chain.surface, chain.adjacency, chain.patches, 1e-6};
-  GoalRefinement spent(goals, chain.control, kWorkOfAttempts.steps(0, goals.max_faces));
+  GoalRefinement spent(goals, chain.control, {.triangles = kWorkOfAttempts.steps(0, goals.max_faces)});
   const Refinement refinement = spent.refine(on, Ladder(chain.surface, {}), {}, chain.triangulated);
   EXPECT_EQ(chain.meshes[PatchId(0)].mesh.triangle_count(), before);
   ASSERT_EQ(refinement.reason.size(), 12u);
@@ -175,7 +176,7 @@ TEST(effort, when_half_of_the_work_was_in_vain_patches_that_have_not_failed_are_
   options.max_output_faces = 4000;
   const Goals goals = goals_of(options, std::sqrt(3));
   const PatchedSurface on{chain.surface, chain.adjacency, chain.patches, 1e-6};
-  GoalRefinement nearly(goals, chain.control, kWorkOfAttempts.steps(0, goals.max_faces) - 1100);
+  GoalRefinement nearly(goals, chain.control, {.triangles = kWorkOfAttempts.steps(0, goals.max_faces) - 1100});
   const Ladder ladder(chain.surface, {});
   // The first attempt is to show whether a result passes at all.
   nearly.begin_attempt();
@@ -193,6 +194,21 @@ TEST(effort, when_half_of_the_work_was_in_vain_patches_that_have_not_failed_are_
   EXPECT_LE(little.reason.size(), 1100u / 2);
   // If that passes, it is the result.
   EXPECT_FALSE(nearly.goes_on_with_the_rest());
+}
+
+TEST(effort, long_walks_through_needles_are_bounded) {
+  // Each face is a needle of 8e7 by 6, on which some points of a lattice of 0.5 find room. It takes two seconds on an
+  // idle machine, and took twenty when only cavities counted as work.
+  const double far = 8e7, near = 3;
+  const PolygonMesh spindle =
+      shapes::from_lists({{-near, 0, 0}, {near, 0, 0}, {far, -near, 0}, {0, near, 0}, {0, 0, near}, {0, 0, -near}},
+                         {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4}, {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}});
+  Options options;
+  options.max_edge_length = 0.5;
+  options.max_output_faces = 200'000;
+  const test::Seconds before = test::processor_time();
+  EXPECT_TRUE(refined(spindle, options, 1).report.verified.all_true());
+  test::expect_within(test::Seconds(10), test::processor_time() - before);
 }
 
 }  // namespace

@@ -46,7 +46,7 @@ int main(int argc, char** argv) {
 
   const std::map<std::string, std::vector<std::string>> seeds{
       {"head",
-       {"GET /v1/capabilities?a=b%20c HTTP/1.1\r\nHost: x\r\n\r\n",
+       {"GET /v1/capabilities?a=b%20c HTTP/1.1\r\nHost: localhost\r\n\r\n",
         "POST http://x/v1/remesh HTTP/1.0\r\nContent-Length: 5\r\nTraceparent: "
         "00-4bf92f3577b34da6a3ce929d0e0e4736-00f067aa0ba902b7-01\r\n\r\n",
         "OPTIONS * HTTP/1.1\r\nhost:x\r\nTransfer-Encoding:\tchunked \r\n\r\n"}},

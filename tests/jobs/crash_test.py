@@ -232,7 +232,7 @@ def main():
             stopping.set()
             for client in clients:
                 client.join()
-            wait_for(lambda: ask(fleet[0].port, "GET", "/readyz").status == 200, seconds=30)
+            wait_for(lambda: ask(fleet[0].port, "GET", "/readyz").status == 200)
         finally:
             for daemon in fleet:
                 daemon.kill()

@@ -24,6 +24,9 @@ SHORT = "max_edge_length=0.01"
 FIFTH = "max_edge_length=0.0033"
 SECOND = "max_edge_length=0.0015"
 ENDLESS = "max_edge_length=0.0003"
+# How long to wait for what should happen, in seconds. It is no bound on the daemons' speed: their workers have a low
+# priority, so that a busy machine can make them twenty times as slow.
+LONG_S = 120 * int(os.environ.get("REMESHD_PATIENCE", "1"))
 
 
 class Answer:
@@ -37,7 +40,7 @@ class Answer:
         return self.json().get("code") if "json" in self.headers.get("content-type", "") else None
 
 
-def ask(port, method, target, body=None, fields=None, timeout=30):
+def ask(port, method, target, body=None, fields=None, timeout=LONG_S):
     """Errors: OSError, http.client.HTTPException - nobody answers, or not to the end."""
     connection = http.client.HTTPConnection("127.0.0.1", port, timeout=timeout)
     with contextlib.closing(connection):
@@ -50,7 +53,7 @@ def submit(port, query=QUICK, mesh=SQUARE, **fields):
     return ask(port, "POST", f"/v1/jobs?{query}", mesh, {name.replace("_", "-"): value for name, value in fields.items()})
 
 
-def events(port, job_id, last_event_id=None, timeout=30):
+def events(port, job_id, last_event_id=None, timeout=LONG_S):
     """Yields (id, event, data) until the stream ends."""
     connection = http.client.HTTPConnection("127.0.0.1", port, timeout=timeout)
     with contextlib.closing(connection):
@@ -79,7 +82,7 @@ def state_of(port, job_id):
 FINAL = ("succeeded", "failed", "cancelled", "expired")
 
 
-def wait_for(condition, seconds=20, step=0.02):
+def wait_for(condition, seconds=LONG_S, step=0.02):
     """What the condition gives once it is true. Errors: TimeoutError."""
     deadline = time.monotonic() + seconds
     while True:
@@ -91,7 +94,7 @@ def wait_for(condition, seconds=20, step=0.02):
         time.sleep(step)
 
 
-def wait_for_state(port, job_id, *states, seconds=20):
+def wait_for_state(port, job_id, *states, seconds=LONG_S):
     def reached():
         job = state_of(port, job_id)
         return job if job["state"] in states else None
@@ -116,7 +119,7 @@ class Daemon:
                                         env=self.environment)
         self.reader = threading.Thread(target=self.read_log, args=(self.process.stderr,), daemon=True)
         self.reader.start()
-        wait_for(lambda: self.answers() or self.process.poll() is not None, 30, 0.01)
+        wait_for(lambda: self.answers() or self.process.poll() is not None, step=0.01)
         if self.process.poll() is not None:
             raise RuntimeError(f"remeshd does not start: {self.lines[-3:]}")
         return self

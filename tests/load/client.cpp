@@ -36,7 +36,7 @@ void send_and_leave(int port, const std::string& bytes) {
   client.send(bytes);
 }
 
-std::string get_text(const std::string& path) { return "GET " + path + " HTTP/1.1\r\nHost: x\r\n\r\n"; }
+std::string get_text(const std::string& path) { return "GET " + path + " HTTP/1.1\r\nHost: localhost\r\n\r\n"; }
 std::string post_text(const std::string& target, const std::string& body) { return server::post_text(target, body); }
 
 double metric(const std::string& metrics, const std::string& series) {

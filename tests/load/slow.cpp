@@ -45,8 +45,8 @@ int slow(std::size_t connections) {
   for (std::size_t i = 0; i < connections; ++i) {
     senders.push_back(std::make_unique<RawClient>(port));
     // Half of them are slow in the head, and half in the body.
-    senders.back()->send(i % 2 == 0 ? "POST /v1/remesh HTTP/1.1\r\nHost: x\r\nX-Slow: "
-                                    : "POST /v1/remesh HTTP/1.1\r\nHost: x\r\nContent-Length: 100000\r\n\r\n");
+    senders.back()->send(i % 2 == 0 ? "POST /v1/remesh HTTP/1.1\r\nHost: localhost\r\nX-Slow: "
+                                    : "POST /v1/remesh HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100000\r\n\r\n");
   }
   // The answers are too large for the buffers on the way, and these clients hardly read.
   const std::string large = post_text("/v1/remesh?refine=false&format=json", server::bumpy_sheet(15));

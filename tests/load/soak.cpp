@@ -24,7 +24,7 @@ struct Sample {
 
 std::vector<Sample> samples() {
   const std::string& frame = server::kFrame;
-  const std::string head = "POST /v1/remesh HTTP/1.1\r\nHost: x\r\n";
+  const std::string head = "POST /v1/remesh HTTP/1.1\r\nHost: localhost\r\n";
   const std::string chunked = head + "Transfer-Encoding: chunked\r\n\r\n";
   return {
       {Kind::kGood, post_text("/v1/remesh", frame)},
@@ -37,7 +37,7 @@ std::vector<Sample> samples() {
       {Kind::kGood, chunked + "4\r\nv 0 \r\n0\r\n\r\n"},
       {Kind::kBroken, post_text("/v1/remesh", frame + "f 1 2 99\n")},
       {Kind::kBroken, post_text("/v1/remesh?refin=true", frame)},
-      {Kind::kBroken, "GET /livez HTTP/1.1\nHost: x\n\n"},
+      {Kind::kBroken, "GET /livez HTTP/1.1\nHost: localhost\n\n"},
       {Kind::kBroken, chunked + "0x5\r\nhello\r\n0\r\n\r\n"},
       {Kind::kBroken, head + "\r\n"},
       {Kind::kBroken, get_text("/nowhere")},

@@ -52,10 +52,11 @@ export function assertSoonerThan(ms, start) {
   assert.ok(took < ms, `it took ${took} ms, and the bound is ${ms} ms`);
 }
 
-/** The real daemon on a free port. */
+/** The real daemon on a free port, of 127.0.0.1 unless an option says another address. */
 export async function startDaemon(...options) {
   const environment = Object.fromEntries(Object.entries(process.env).filter(([name]) => !name.startsWith("REMESHD_")));
-  const child = spawn(process.env.REMESHD_PATH, ["--bind", "127.0.0.1:0", "--log-format", "json", ...options], {
+  const bind = options.includes("--bind") ? [] : ["--bind", "127.0.0.1:0"];
+  const child = spawn(process.env.REMESHD_PATH, [...bind, "--log-format", "json", ...options], {
     stdio: ["ignore", "ignore", "pipe"],
     env: environment,
   });
@@ -112,7 +113,8 @@ export async function pageModules(folder, names) {
   return import(pathToFileURL(outfile));
 }
 
-export async function startBrowser() {
+/** `options` are further flags of the browser. */
+export async function startBrowser(...options) {
   return puppeteer.launch({
     executablePath: process.env.CHROMIUM_PATH,
     headless: true,
@@ -124,6 +126,7 @@ export async function startBrowser() {
       "--disable-dev-shm-usage",
       "--force-device-scale-factor=1",
       "--hide-scrollbars",
+      ...options,
     ],
     protocolTimeout: 120_000,
   });

@@ -93,6 +93,24 @@ TEST(api_keys, requests_are_compared_while_the_file_is_read_again) {
   for (std::thread& asker : askers) asker.join();
 }
 
+TEST(api_keys, a_token_is_valid_for_its_path_and_time) {
+  const KeyFile file(kKey + "\n" + kOtherKey + "\n");
+  const ApiKeys keys(file.path(), "");
+  const RequestHead mine = with_header("x-api-key", kOtherKey);
+  const auto now = std::chrono::system_clock::now();
+  const std::string token = keys.token(mine, "/v1/jobs/1/events", now);
+  EXPECT_EQ(keys.owner_by_token(token, "/v1/jobs/1/events", now), keys.owner(mine));
+  EXPECT_EQ(ApiKeys("", kOtherKey).owner_by_token(token, "/v1/jobs/1/events", now), keys.owner(mine))
+      << "another daemon";
+  EXPECT_FALSE(keys.owner_by_token(token, "/v1/jobs/2/events", now));
+  EXPECT_FALSE(keys.owner_by_token(token, "/v1/jobs/1/events", now + ApiKeys::kTokenLife + std::chrono::seconds(1)));
+  EXPECT_FALSE(ApiKeys("", kKey).owner_by_token(token, "/v1/jobs/1/events", now));
+  const std::string later = "9" + token;  // the time is part of what is signed
+  for (const std::string& wrong : {std::string(), std::string("."), token.substr(1), later, token + "0", "-" + token})
+    EXPECT_FALSE(keys.owner_by_token(wrong, "/v1/jobs/1/events", now)) << wrong;
+  EXPECT_EQ(ApiKeys("", "").token(mine, "/", now), "");
+}
+
 TEST(api_keys, a_missing_file_and_a_short_key_are_errors) {
   EXPECT_THROW(ApiKeys("/nowhere/keys", ""), std::invalid_argument);
   EXPECT_THROW(ApiKeys("", "short"), std::invalid_argument);
@@ -159,7 +177,7 @@ TEST_F(access, without_the_key_no_byte_of_a_body_is_read) {
   config_.api_key = kKey;
   start();
   RawClient client(port_);
-  client.send("POST /v1/remesh HTTP/1.1\r\nHost: x\r\nContent-Length: 500\r\nExpect: 100-continue\r\n\r\n");
+  client.send("POST /v1/remesh HTTP/1.1\r\nHost: localhost\r\nContent-Length: 500\r\nExpect: 100-continue\r\n\r\n");
   EXPECT_EQ(client.answer().status, 401);
 }
 
@@ -170,7 +188,8 @@ TEST_F(access, a_running_request_belongs_to_the_key_that_sent_it) {
   const std::string mine = "X-API-Key: " + kKey + "\r\n";
   const auto client = start_blocking(kIdField + mine);
   const auto ask_as = [&](const std::string& key, const std::string& method, const std::string& rest) {
-    return ask(port_, method + " /v1/requests/" + kId + rest + " HTTP/1.1\r\nHost: x\r\nX-API-Key: " + key + "\r\n\r\n")
+    return ask(port_, method + " /v1/requests/" + kId + rest + " HTTP/1.1\r\nHost: localhost\r\nX-API-Key: " + key +
+                          "\r\n\r\n")
         .status;
   };
   EXPECT_EQ(ask_as(kOtherKey, "GET", ""), 404);
@@ -195,10 +214,11 @@ TEST_F(access, a_page_of_an_allowed_origin_may_ask_and_see_errors) {
   config_.api_key = kKey;
   start();
   const std::string origin = "Origin: https://tool.example\r\n";
-  const Answer preflight = ask(port_,
-                               "OPTIONS /v1/remesh HTTP/1.1\r\nHost: x\r\nAccess-Control-Request-Method: POST\r\n"
-                               "Access-Control-Request-Headers: x-api-key\r\n" +
-                                   origin + "\r\n");
+  const Answer preflight =
+      ask(port_,
+          "OPTIONS /v1/remesh HTTP/1.1\r\nHost: localhost\r\nAccess-Control-Request-Method: POST\r\n"
+          "Access-Control-Request-Headers: x-api-key\r\n" +
+              origin + "\r\n");
   EXPECT_EQ(preflight.status, 204);
   EXPECT_EQ(preflight.header("Access-Control-Allow-Origin"), "https://tool.example");
   EXPECT_NE(preflight.header("Access-Control-Allow-Methods").find("POST"), std::string::npos);
@@ -220,8 +240,45 @@ TEST_F(access, one_address_cannot_shut_out_another) {
   EXPECT_EQ(code_of(refused), "rate_limited");
   EXPECT_FALSE(refused.header("Retry-After").empty());
   RawClient other(port_, "127.0.0.2");
-  other.send("GET /livez HTTP/1.1\r\nHost: x\r\n\r\n");
+  other.send("GET /livez HTTP/1.1\r\nHost: localhost\r\n\r\n");
   EXPECT_EQ(other.answer().status, 200);
+}
+
+/// Sends a request that waits for its body, from an address of this machine and with the fields of a proxy.
+std::unique_ptr<RawClient> ask_through(int port, const char* from, const std::string& fields) {
+  auto client = std::make_unique<RawClient>(port, from);
+  client->send("POST /v1/remesh HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1\r\nExpect: 100-continue\r\n" + fields +
+               "\r\n");
+  return client;
+}
+
+TEST_F(access, each_client_behind_a_trusted_proxy_is_limited_by_itself) {
+  config_.connections.max_connections_per_address = 2;
+  config_.trusted_proxies = TrustedProxies("127.0.0.2");
+  start();
+  std::vector<std::unique_ptr<RawClient>> held;
+  const auto is_taken = [&](const char* from, const std::string& fields) {
+    held.push_back(ask_through(port_, from, fields));
+    return held.back()->receive("\r\n\r\n") == "HTTP/1.1 100 Continue\r\n\r\n";
+  };
+  for (const char* client : {"9.9.9.1", "9.9.9.2", "9.9.9.3"}) {
+    for (int i = 0; i < 2; ++i) EXPECT_TRUE(is_taken("127.0.0.2", "X-Forwarded-For: " + std::string(client) + "\r\n"));
+    const Answer refused = ask_through(port_, "127.0.0.2", "Forwarded: for=" + std::string(client) + "\r\n")->answer();
+    EXPECT_EQ(refused.status, 429) << client;
+  }
+  for (int i = 0; i < 5; ++i) EXPECT_TRUE(is_taken("127.0.0.2", "")) << "the proxy itself has no limit";
+}
+
+TEST_F(access, from_others_the_fields_of_proxies_change_nothing) {
+  config_.connections.max_connections_per_address = 2;
+  config_.trusted_proxies = TrustedProxies("127.0.0.2");
+  start();
+  std::vector<std::unique_ptr<RawClient>> held;
+  for (int i = 0; i < 2; ++i) {
+    held.push_back(ask_through(port_, "127.0.0.3", "X-Forwarded-For: 9.9.9." + std::to_string(i) + "\r\n"));
+    EXPECT_EQ(held.back()->receive("\r\n\r\n"), "HTTP/1.1 100 Continue\r\n\r\n");
+  }
+  EXPECT_EQ(ask_through(port_, "127.0.0.3", "X-Forwarded-For: 9.9.9.9\r\n")->answer().status, 429);
 }
 
 }  // namespace

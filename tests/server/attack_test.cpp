@@ -30,7 +30,7 @@ struct Attack {
   std::string code;
 };
 
-const std::string kPost = "POST /v1/remesh HTTP/1.1\r\nHost: x\r\n";
+const std::string kPost = "POST /v1/remesh HTTP/1.1\r\nHost: localhost\r\n";
 const std::string kChunked = kPost + "Transfer-Encoding: chunked\r\n\r\n";
 
 std::string repeated(const std::string& text, std::size_t times) {
@@ -53,7 +53,8 @@ std::vector<Attack> attacks() {
       {"100,000 fields", kPost + repeated("A: b\r\n", 100'000) + "\r\n", 431, "header_fields_too_large"},
       {"101 fields", kPost + repeated("A: b\r\n", 100) + "\r\n", 431, "header_fields_too_large"},
       {"a field of 100 kB", kPost + "A: " + std::string(100'000, 'b') + "\r\n\r\n", 431, "header_fields_too_large"},
-      {"a path of 100 kB", "GET /" + std::string(100'000, 'b') + " HTTP/1.1\r\nHost: x\r\n\r\n", 414, "uri_too_long"},
+      {"a path of 100 kB", "GET /" + std::string(100'000, 'b') + " HTTP/1.1\r\nHost: localhost\r\n\r\n", 414,
+       "uri_too_long"},
       {"length and chunks", kPost + "Content-Length: 5\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n", 400, bad},
       {"chunks and length", kPost + "Transfer-Encoding: chunked\r\nContent-Length: 5\r\n\r\n0\r\n\r\n", 400, bad},
       {"two lengths", kPost + "Content-Length: 5\r\nContent-Length: 6\r\n\r\nhello", 400, bad},
@@ -61,24 +62,24 @@ std::vector<Attack> attacks() {
       {"chunked twice", kPost + "Transfer-Encoding: chunked\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n", 400, bad},
       {"chunks of gzip", kPost + "Transfer-Encoding: gzip, chunked\r\n\r\n0\r\n\r\n", 501, "not_implemented"},
       {"chunks in 1.0", "POST /v1/remesh HTTP/1.0\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n", 400, bad},
-      {"no blank line end", "GET /livez HTTP/1.1\nHost: x\n\n", 400, bad},
-      {"one bare line feed", "GET /livez HTTP/1.1\r\nHost: x\nA: b\r\n\r\n", 400, bad},
-      {"a carriage return in a line", "GET /livez HTTP/1.1\r\nHost: x\rA: b\r\n\r\n", 400, bad},
-      {"a folded field", "GET /livez HTTP/1.1\r\nHost: x\r\nA: b\r\n  c\r\n\r\n", 400, bad},
+      {"no blank line end", "GET /livez HTTP/1.1\nHost: localhost\n\n", 400, bad},
+      {"one bare line feed", "GET /livez HTTP/1.1\r\nHost: localhost\nA: b\r\n\r\n", 400, bad},
+      {"a carriage return in a line", "GET /livez HTTP/1.1\r\nHost: localhost\rA: b\r\n\r\n", 400, bad},
+      {"a folded field", "GET /livez HTTP/1.1\r\nHost: localhost\r\nA: b\r\n  c\r\n\r\n", 400, bad},
       {"a blank before the colon", "GET /livez HTTP/1.1\r\nHost : x\r\n\r\n", 400, bad},
-      {"no name", "GET /livez HTTP/1.1\r\nHost: x\r\n: b\r\n\r\n", 400, bad},
-      {"a NUL in a field", std::string("GET /livez HTTP/1.1\r\nHost: x\r\nA: \0\r\n\r\n", 38), 400, bad},
-      {"a NUL in the path", "GET /livez%00 HTTP/1.1\r\nHost: x\r\n\r\n", 400, bad},
-      {"half an escape", "GET /livez%0 HTTP/1.1\r\nHost: x\r\n\r\n", 400, bad},
-      {"an escaped line end", "GET /livez%0d%0aA:%20b HTTP/1.1\r\nHost: x\r\n\r\n", 404, "not_found"},
+      {"no name", "GET /livez HTTP/1.1\r\nHost: localhost\r\n: b\r\n\r\n", 400, bad},
+      {"a NUL in a field", std::string("GET /livez HTTP/1.1\r\nHost: localhost\r\nA: \0\r\n\r\n", 46), 400, bad},
+      {"a NUL in the path", "GET /livez%00 HTTP/1.1\r\nHost: localhost\r\n\r\n", 400, bad},
+      {"half an escape", "GET /livez%0 HTTP/1.1\r\nHost: localhost\r\n\r\n", 400, bad},
+      {"an escaped line end", "GET /livez%0d%0aA:%20b HTTP/1.1\r\nHost: localhost\r\n\r\n", 404, "not_found"},
       {"no host", "GET /livez HTTP/1.1\r\n\r\n", 400, bad},
-      {"two hosts", "GET /livez HTTP/1.1\r\nHost: x\r\nHost: y\r\n\r\n", 400, bad},
+      {"two hosts", "GET /livez HTTP/1.1\r\nHost: localhost\r\nHost: y\r\n\r\n", 400, bad},
       {"no version", "GET /livez\r\n\r\n", 400, bad},
-      {"HTTP/2", "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n", 400, bad},
+      {"HTTP/2", "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n", 505, "http_version_not_supported"},
       {"TLS", std::string("\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03", 11), 400, bad},
-      {"an empty line first", "\r\nGET /livez HTTP/1.1\r\nHost: x\r\n\r\n", 400, bad},
-      {"an unknown method", "BREW /livez HTTP/1.1\r\nHost: x\r\n\r\n", 501, "not_implemented"},
-      {"a body where none is taken", "GET /livez HTTP/1.1\r\nHost: x\r\nContent-Length: 5\r\n\r\nhello", 413,
+      {"an empty line first", "\r\nGET /livez HTTP/1.1\r\nHost: localhost\r\n\r\n", 400, bad},
+      {"an unknown method", "BREW /livez HTTP/1.1\r\nHost: localhost\r\n\r\n", 501, "not_implemented"},
+      {"a body where none is taken", "GET /livez HTTP/1.1\r\nHost: localhost\r\nContent-Length: 5\r\n\r\nhello", 413,
        "body_too_large"},
       {"another body coding", with_length("Content-Encoding: br\r\n", "hello"), 415, "unsupported_media_type"},
       {"JSON a million deep", with_length("Content-Type: application/json\r\n", "{\"x\":" + repeated("[", 1'000'000)),
@@ -96,7 +97,7 @@ std::vector<Attack> attacks() {
        with_length("Content-Type: multipart/form-data; boundary=" + std::string(5'000, 'b') + "\r\n", "x"), 400,
        "malformed_multipart"},
       {"100,000 options",
-       "POST /v1/remesh?" + repeated("a&", 15'000) + " HTTP/1.1\r\nHost: x\r\nContent-Length: 1\r\n\r\nx", 400,
+       "POST /v1/remesh?" + repeated("a&", 15'000) + " HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1\r\n\r\nx", 400,
        "unknown_option"},
   };
   for (const std::string length : {"+5", "-5", "0x5", "5,5", "5 5", "", "five", "99999999999999999999999"})
@@ -195,13 +196,13 @@ TEST_F(attack, many_bodies_that_never_end_take_no_memory) {
 }
 
 TEST_F(attack, what_follows_a_refused_request_is_not_taken_for_another) {
-  const std::string smuggled = "GET /v1/capabilities HTTP/1.1\r\nHost: x\r\n\r\n";
+  const std::string smuggled = "GET /v1/capabilities HTTP/1.1\r\nHost: localhost\r\n\r\n";
   const std::string length = "Content-Length: " + std::to_string(smuggled.size()) + "\r\n\r\n";
   // The connection is closed even if the client asks to keep it open.
   const std::string keep = "Connection: keep-alive\r\n";
   for (const std::string& first :
-       {kPost + keep + "Content-Length: 0\r\n" + length, "GET /livez HTTP/1.1\r\nHost: x\r\n" + keep + length,
-        "GET /none HTTP/1.1\r\nHost: x\r\n" + keep + length,
+       {kPost + keep + "Content-Length: 0\r\n" + length, "GET /livez HTTP/1.1\r\nHost: localhost\r\n" + keep + length,
+        "GET /none HTTP/1.1\r\nHost: localhost\r\n" + keep + length,
         kPost + keep + "Transfer-Encoding: chunked\r\n\r\n0\r\n\r\n"}) {
     const std::string received = [&] {
       RawClient client(daemon_.port());

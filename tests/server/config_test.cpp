@@ -53,9 +53,9 @@ TEST(config, the_defaults_are_those_of_the_contract) {
 }
 
 TEST(config, the_queue_follows_the_workers) {
-  EXPECT_EQ(read({"--workers", "2"}).invocation.config.queue_size, 16u);
-  EXPECT_EQ(read({"--workers", "10"}).invocation.config.queue_size, 40u);
-  EXPECT_EQ(read({"--workers", "10", "--queue-size", "3"}).invocation.config.queue_size, 3u);
+  EXPECT_EQ(read({"--workers", "2"}).invocation.config.limits.queue.max_large, 16u);
+  EXPECT_EQ(read({"--workers", "10"}).invocation.config.limits.queue.max_large, 40u);
+  EXPECT_EQ(read({"--workers", "10", "--queue-size", "3"}).invocation.config.limits.queue.max_large, 3u);
 }
 
 TEST(config, a_flag_goes_before_the_environment_and_that_before_the_default) {

@@ -39,7 +39,7 @@ TEST_F(service, the_small_routes_answer) {
   EXPECT_EQ(code_of(get(port_, "/nothing")), "not_found");
   EXPECT_EQ(code_of(get(port_, "/v1/remesh")), "method_not_allowed");
   EXPECT_EQ(get(port_, "/v1/remesh").header("Allow"), "POST, OPTIONS");
-  const Answer head = ask(port_, "HEAD /livez HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
+  const Answer head = ask(port_, "HEAD /livez HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
   EXPECT_EQ(head.status, 200);
   EXPECT_EQ(head.body, "");
   EXPECT_EQ(head.header("Content-Length"), "6");
@@ -49,7 +49,7 @@ TEST_F(service, http_1_0_and_chunks_are_served) {
   start();
   EXPECT_EQ(ask(port_, "GET /livez HTTP/1.0\r\n\r\n").status, 200);
   EXPECT_EQ(ask(port_,
-                "POST /v1/remesh HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n"
+                "POST /v1/remesh HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n"
                 "5\r\nhello\r\n0\r\n\r\n")
                 .body,
             "5  ");
@@ -70,11 +70,11 @@ TEST_F(service, bad_requests_are_told_why_and_the_next_one_is_served) {
   expect(503, "out_of_memory", post(port_, "/v1/remesh", "no memory"));
   expect(413, "body_too_large", post(port_, "/v1/remesh", std::string(1001, 'x')));
   expect(413, "body_too_large",
-         ask(port_, "POST /v1/remesh HTTP/1.1\r\nHost: x\r\nContent-Length: 10000000000\r\n\r\n"));
-  expect(413, "body_too_large", ask(port_, "GET /livez HTTP/1.1\r\nHost: x\r\nContent-Length: 1\r\n\r\nx"));
-  expect(411, "length_required", ask(port_, "POST /v1/remesh HTTP/1.1\r\nHost: x\r\n\r\n"));
+         ask(port_, "POST /v1/remesh HTTP/1.1\r\nHost: localhost\r\nContent-Length: 10000000000\r\n\r\n"));
+  expect(413, "body_too_large", ask(port_, "GET /livez HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1\r\n\r\nx"));
+  expect(411, "length_required", ask(port_, "POST /v1/remesh HTTP/1.1\r\nHost: localhost\r\n\r\n"));
   expect(400, "malformed_request", ask(port_, "rubbish\r\n\r\n"));
-  expect(400, "malformed_request", ask(port_, "GET / HTTP/1.1\nHost: x\n\n"));
+  expect(400, "malformed_request", ask(port_, "GET / HTTP/1.1\nHost: localhost\n\n"));
   expect(400, "malformed_request", post(port_, "/v1/remesh", "x", "Content-Length: 1\r\n"));
   expect(400, "malformed_request", post(port_, "/v1/remesh", "x", "Transfer-Encoding: chunked\r\n"));
   expect(414, "uri_too_long", ask(port_, "GET /" + std::string(100'000, 'a')));
@@ -85,7 +85,7 @@ TEST_F(service, a_request_that_does_not_come_to_its_end_is_told_so) {
   config_.connections.gate.head_timeout = milliseconds(300);
   start();
   for (const char* begun :
-       {"POST /v1/remesh HT", "POST /v1/remesh HTTP/1.1\r\nHost: x\r\nContent-Length: 9\r\n\r\nx"}) {
+       {"POST /v1/remesh HT", "POST /v1/remesh HTTP/1.1\r\nHost: localhost\r\nContent-Length: 9\r\n\r\nx"}) {
     const Answer answer = ask(port_, begun);
     EXPECT_EQ(answer.status, 408) << begun;
     EXPECT_EQ(code_of(answer), "request_timeout") << begun;
@@ -102,7 +102,7 @@ TEST_F(service, an_unexpected_failure_stays_opaque) {
 TEST_F(service, an_upload_that_goes_on_after_its_refusal_still_gets_the_answer) {
   start();
   RawClient client(port_);
-  client.send("POST /v1/remesh HTTP/1.1\r\nHost: x\r\nContent-Length: 20000000\r\n\r\n");
+  client.send("POST /v1/remesh HTTP/1.1\r\nHost: localhost\r\nContent-Length: 20000000\r\n\r\n");
   for (int i = 0; i < 200; ++i) client.send(std::string(10'000, 'x'));
   EXPECT_EQ(client.answer().status, 413);
 }
@@ -118,10 +118,10 @@ TEST_F(service, a_running_request_is_shown_and_can_be_cancelled) {
   EXPECT_EQ(progress["fraction"], 0.5);
   EXPECT_GE(progress["elapsed_s"], 0.0);
 
-  EXPECT_EQ(ask(port_, "DELETE /v1/requests/" + kId + " HTTP/1.1\r\nHost: x\r\n\r\n").status, 204);
+  EXPECT_EQ(ask(port_, "DELETE /v1/requests/" + kId + " HTTP/1.1\r\nHost: localhost\r\n\r\n").status, 204);
   EXPECT_EQ(code_of(client->answer()), "cancelled");
   EXPECT_EQ(get(port_, "/v1/requests/" + kId).status, 404);
-  EXPECT_EQ(ask(port_, "DELETE /v1/requests/" + kId + " HTTP/1.1\r\nHost: x\r\n\r\n").status, 404);
+  EXPECT_EQ(ask(port_, "DELETE /v1/requests/" + kId + " HTTP/1.1\r\nHost: localhost\r\n\r\n").status, 404);
   expect_well();
 }
 
@@ -141,7 +141,7 @@ TEST_F(service, events_follow_a_request_to_its_end) {
   start();
   const auto client = start_blocking(kIdField);
   RawClient follower(port_);
-  follower.send("GET /v1/requests/" + kId + "/events HTTP/1.1\r\nHost: x\r\n\r\n");
+  follower.send("GET /v1/requests/" + kId + "/events HTTP/1.1\r\nHost: localhost\r\n\r\n");
   std::string stream = follower.receive("event: progress\ndata: {");
   EXPECT_NE(stream.find("Content-Type: text/event-stream\r\n"), std::string::npos);
   stub_.released = true;
@@ -207,8 +207,8 @@ TEST_F(service, a_small_request_from_a_half_closed_client_is_answered_without_ad
 
 TEST_F(service, a_refusal_carries_the_id_that_the_client_sent) {
   start();
-  for (const char* request : {"GET /nothing HTTP/1.1\r\nHost: x\r\n", "BREW / HTTP/1.1\r\nHost: x\r\n",
-                              "POST /v1/remesh HTTP/1.1\r\nHost: x\r\n"}) {
+  for (const char* request : {"GET /nothing HTTP/1.1\r\nHost: localhost\r\n", "BREW / HTTP/1.1\r\nHost: localhost\r\n",
+                              "POST /v1/remesh HTTP/1.1\r\nHost: localhost\r\n"}) {
     const Answer answer = ask(port_, request + kIdField + "\r\n");
     EXPECT_EQ(answer.header("X-Request-Id"), kId) << request;
     EXPECT_NE(answer.body.find(kId), std::string::npos) << request;
@@ -238,7 +238,7 @@ TEST_F(service, a_full_queue_refuses_at_once_and_says_when_to_come_back) {
   EXPECT_EQ(refused.status, 503);
   EXPECT_EQ(code_of(refused), "overloaded");
   EXPECT_FALSE(refused.header("Retry-After").empty());
-  const Answer early = ask(port_, "POST /v1/remesh HTTP/1.1\r\nHost: x\r\nContent-Length: 500\r\n\r\n");
+  const Answer early = ask(port_, "POST /v1/remesh HTTP/1.1\r\nHost: localhost\r\nContent-Length: 500\r\n\r\n");
   EXPECT_EQ(early.status, 503) << "before its body has come";
   EXPECT_EQ(get(port_, "/livez").status, 200);
   EXPECT_EQ(get(port_, "/v1/capabilities").status, 200);
@@ -253,7 +253,7 @@ TEST_F(service, a_waiting_request_can_be_cancelled_and_frees_its_place) {
   waiting.send(post_text("/v1/remesh", "good", kIdField));
   ASSERT_TRUE(eventually([&] { return get(port_, "/v1/requests/" + kId).status == 200; }));
   EXPECT_EQ(nlohmann::json::parse(get(port_, "/v1/requests/" + kId).body)["stage"], "queued");
-  EXPECT_EQ(ask(port_, "DELETE /v1/requests/" + kId + " HTTP/1.1\r\nHost: x\r\n\r\n").status, 204);
+  EXPECT_EQ(ask(port_, "DELETE /v1/requests/" + kId + " HTTP/1.1\r\nHost: localhost\r\n\r\n").status, 204);
   EXPECT_EQ(code_of(waiting.answer()), "cancelled");
   EXPECT_EQ(stub_.calls, 1);
 }
@@ -292,7 +292,8 @@ TEST_F(service, slow_clients_hold_nobody_up) {
   std::vector<std::unique_ptr<RawClient>> slow;
   for (int i = 0; i < 200; ++i) {
     slow.push_back(std::make_unique<RawClient>(port_));
-    slow.back()->send(i % 2 == 0 ? "POST /v1/re" : "POST /v1/remesh HTTP/1.1\r\nHost: x\r\nContent-Length: 9\r\n\r\nx");
+    slow.back()->send(i % 2 == 0 ? "POST /v1/re"
+                                 : "POST /v1/remesh HTTP/1.1\r\nHost: localhost\r\nContent-Length: 9\r\n\r\nx");
   }
   const auto running = start_blocking();
   const auto probe = [&] {
@@ -314,6 +315,71 @@ TEST_F(service, connections_beyond_the_limit_are_refused_with_an_answer) {
   EXPECT_EQ(code_of(refused), "overloaded");
   idle.clear();
   EXPECT_TRUE(eventually([&] { return get(port_, "/livez").status == 200; }));
+}
+
+TEST_F(service, a_slow_upload_gets_the_answer_that_came_before_its_end) {
+  start();
+  RawClient client(port_);
+  client.send("POST /v1/remesh HTTP/1.1\r\nHost: localhost\r\nContent-Length: 100000000\r\n\r\n");
+  // Like many clients, this one looks for an answer only when it has sent everything.
+  const std::string piece(64 << 10, 'x');
+  for (int i = 0; i < 30; ++i) {
+    ASSERT_TRUE(client.send(piece)) << i;
+    std::this_thread::sleep_for(milliseconds(100));
+  }
+  client.close_sending();
+  const Answer answer = client.answer();
+  EXPECT_EQ(answer.status, 413);
+  EXPECT_NE(answer.body.find("longer than 1000 bytes"), std::string::npos) << answer.body;
+}
+
+TEST_F(service, another_content_coding_is_refused_before_its_body) {
+  start();
+  for (const char* coding : {"br", "gzip, gzip", "deflate"}) {
+    const Answer answer =
+        ask(port_, "POST /v1/remesh HTTP/1.1\r\nHost: localhost\r\nContent-Length: 9\r\nContent-Encoding: " +
+                       std::string(coding) + "\r\n\r\n");
+    EXPECT_EQ(answer.status, 415) << coding;
+    EXPECT_EQ(code_of(answer), "unsupported_media_type");
+    EXPECT_EQ(answer.header("Accept-Encoding"), "gzip");
+  }
+  EXPECT_EQ(post(port_, "/v1/remesh", "good", "Content-Encoding: identity\r\n").status, 200);
+}
+
+TEST_F(service, a_slash_too_many_is_told) {
+  start();
+  const Answer answer = post(port_, "/v1/remesh/", "good");
+  EXPECT_EQ(answer.status, 404);
+  EXPECT_NE(answer.body.find("there is /v1/remesh"), std::string::npos) << answer.body;
+  EXPECT_EQ(get(port_, "/nowhere/").body.find("slash"), std::string::npos);
+}
+
+TEST_F(service, streams_of_events_tell_proxies_not_to_hold_them_back) {
+  start();
+  const auto running = start_blocking(kIdField);
+  RawClient events(port_);
+  events.send("GET /v1/requests/" + kId + "/events HTTP/1.1\r\nHost: localhost\r\n\r\n");
+  EXPECT_EQ(Answer::parse(events.receive("\r\n\r\n")).header("X-Accel-Buffering"), "no");
+  stub_.released = true;
+}
+
+TEST_F(service, lists_may_come_as_several_fields) {
+  start();
+  const Answer answer = post(port_, "/v1/remesh", "good", "Accept: text/plain\r\nAccept: model/obj\r\n");
+  EXPECT_EQ(answer.body, "4  text/plain, model/obj");
+}
+
+TEST_F(service, the_contract_names_the_server_as_the_client_sees_it) {
+  openapi_ = R"({"servers": [{"url": "/"}]})";
+  config_.trusted_proxies = TrustedProxies("127.0.0.2");
+  start();
+  const auto contract = [&](const char* from) {
+    RawClient client(port_, from);
+    client.send("GET /openapi.json HTTP/1.1\r\nHost: localhost\r\nX-Forwarded-Prefix: /mesh/\r\n\r\n");
+    return client.answer().body;
+  };
+  EXPECT_EQ(contract("127.0.0.1"), R"({"servers": [{"url": "/"}]})");
+  EXPECT_EQ(contract("127.0.0.2"), R"({"servers": [{"url": "/mesh"}]})");
 }
 
 TEST_F(service, the_operations_port_answers_for_health_only) {

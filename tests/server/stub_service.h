@@ -63,7 +63,7 @@ class StubService : public ::testing::Test {
     config_.bind.port = 0;
     config_.limits.workers = 1;
     config_.max_running = 1;
-    config_.queue_size = 1;
+    config_.limits.queue = {.max_large = 1, .max_small_bytes = 5};  // "block" has as many
     config_.limits.max_body = 1000;
   }
   ~StubService() override { stub_.released = true; }
@@ -92,7 +92,7 @@ class StubService : public ::testing::Test {
   /// Opens a connection that occupies a place and stays there. The server has asked for its body, which never comes.
   std::unique_ptr<RawClient> hold_connection() {
     auto client = std::make_unique<RawClient>(port_);
-    client->send("POST /v1/remesh HTTP/1.1\r\nHost: x\r\nContent-Length: 1\r\nExpect: 100-continue\r\n\r\n");
+    client->send("POST /v1/remesh HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1\r\nExpect: 100-continue\r\n\r\n");
     EXPECT_EQ(client->receive("\r\n\r\n"), "HTTP/1.1 100 Continue\r\n\r\n");
     return client;
   }

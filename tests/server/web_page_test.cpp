@@ -37,7 +37,7 @@ class web_page : public ::testing::Test {
     server_->start();
   }
   Answer get(const std::string& path, const std::string& fields = "") const {
-    return ask(server_->port(), "GET " + path + " HTTP/1.1\r\nHost: x\r\n" + fields + "\r\n");
+    return ask(server_->port(), "GET " + path + " HTTP/1.1\r\nHost: localhost\r\n" + fields + "\r\n");
   }
 
   std::string packed_;

@@ -85,7 +85,7 @@ class Page {
       event.preventDefault();
       void this.remesh();
     });
-    byId("analyze").addEventListener("click", () => void this.run("/v1/analyze"));
+    byId("analyze").addEventListener("click", () => void this.run("v1/analyze"));
     byId("reset").addEventListener("click", () => this.options?.reset());
     this.clearResults();
   }
@@ -189,7 +189,7 @@ class Page {
   // ---- a run
 
   private async remesh(): Promise<void> {
-    if (await this.isWanted()) await this.run("/v1/remesh");
+    if (await this.isWanted()) await this.run("v1/remesh");
   }
 
   /** Whether a remeshing would not be large, or is wanted all the same. */
@@ -212,7 +212,7 @@ class Page {
     byId("problem").hidden = true;
     this.progress.start();
     this.running = this.service.post(
-      { path: "/v1/analyze", query, body: file },
+      { path: "v1/analyze", query, body: file },
       {
         onSent: (part) => this.progress.enter(part < 1 ? "send" : "queued", part < 1 ? part : null),
         onState: (state) => this.progress.show(state),
@@ -245,7 +245,7 @@ class Page {
     if (!this.options.check()) return this.say("An option is out of its range.");
     const file = this.file;
     const query = this.options.values();
-    const isRemesh = path === "/v1/remesh";
+    const isRemesh = path === "v1/remesh";
     byId("problem").hidden = true;
     byId("after-empty").hidden = true;
     this.progress.start();

@@ -133,6 +133,42 @@ TEST(bounded_search, a_pair_that_is_not_expected_is_found_among_any_number_of_ex
   EXPECT_FALSE(find(mesh, limits).is_complete) << "too many that are not expected";
 }
 
+TEST(bounded_search, pairs_that_are_not_expected_end_the_search) {
+  const TriangleMesh mesh = triangles_of("soup_in_a_cube", 1000);
+  const Pairs all = all_pairs(mesh);
+  // Half of all pairs are expected.
+  const auto is_expected = [](FaceId f, FaceId g) { return (f.value + g.value) % 2 == 0; };
+  const auto unexpected = static_cast<std::size_t>(
+      std::count_if(all.begin(), all.end(), [&](const auto& pair) { return !is_expected(pair.first, pair.second); }));
+  for (const std::size_t max_pairs : {all.size() / 20, 2 * all.size()}) {
+    SearchLimits limits(max_pairs);
+    limits.is_expected = is_expected;
+    limits.max_unexpected = unexpected;
+    EXPECT_EQ(find(mesh, limits).is_complete, max_pairs > unexpected) << "the smaller limit holds";
+    limits.max_unexpected = max_pairs / 4;
+    const SelfIntersections some = find(mesh, limits);
+    EXPECT_EQ(some.is_complete, limits.max_unexpected >= unexpected);
+    EXPECT_EQ(some.are_all_listed, some.is_complete);
+    EXPECT_TRUE(std::includes(all.begin(), all.end(), some.pairs.begin(), some.pairs.end()));
+  }
+}
+
+TEST(bounded_search, one_pair_that_is_not_expected_is_enough_after_many_steps) {
+  const TriangleMesh mesh = triangles_of("soup_in_a_cube", 1000);
+  const std::uint64_t steps = find(mesh, kAllPairs).steps;
+  const Pairs all = all_pairs(mesh);
+  for (const bool is_any_unexpected : {false, true}) {
+    SearchLimits limits(kAllPairs);
+    limits.is_expected = [&](FaceId f, FaceId g) {
+      return !is_any_unexpected || std::pair(std::min(f, g), std::max(f, g)) != all.front();
+    };
+    limits.max_steps_with_unexpected = steps / 4;
+    const SelfIntersections found = find(mesh, limits);
+    EXPECT_EQ(found.is_complete, !is_any_unexpected);
+    EXPECT_EQ(found.steps < steps, is_any_unexpected);
+  }
+}
+
 TEST(bounded_search, well_shaped_faces_take_less_than_a_tenth_of_the_steps_that_are_allowed) {
   for (const PolygonMesh& shape : {shapes::sphere(6), shapes::rotated(shapes::box({1, 2, 3}, 40), {1, 2, 3}, 30)}) {
     const TriangleMesh mesh = shapes::as_triangles(shape);

@@ -167,5 +167,27 @@ TEST(corner_shells, a_stop_is_obeyed_soon_on_the_way_along_many_sides) {
   test::expect_within(test::Seconds(0.5), *took);
 }
 
+TEST(corner_shells, where_few_faces_are_allowed_many_corners_are_cut_together_for_fewer_pieces) {
+  // Each needle would take a million pieces.
+  PolygonMesh needles;
+  constexpr int kNeedles = 20;
+  for (int i = 0; i < kNeedles; ++i) {
+    const PolygonMesh needle = shapes::moved(shapes::triangle(1e-5, 1, 1), {0, 2.0 * i, 0});
+    needles = i == 0 ? needle : shapes::joined(needles, needle);
+  }
+  StageChain chain(needles);
+  const SizeField sizes(1e-6);
+  const auto cuts_of_all = [&](std::uint64_t max_faces) {
+    Goals goals = goals_of(with_angle(25), 1);
+    goals.max_faces = max_faces;
+    const SegmentTable table = planned(chain, sizes, goals, chain.control);
+    std::size_t cuts = 0;
+    for (std::uint32_t s = 0; s < table.size(); ++s) cuts += table.size_cuts(SegmentId(s), sizes, max_faces).size();
+    return cuts;
+  };
+  EXPECT_LT(cuts_of_all(1000), std::size_t{2} * kNeedles * (1024 + 1000));
+  EXPECT_GT(cuts_of_all(1'000'000), std::size_t{2} * kNeedles * 100'000) << "what is allowed is used";
+}
+
 }  // namespace
 }  // namespace remesh

@@ -70,8 +70,10 @@ TEST(verify, it_tells_where_intersections_are_too_many_to_be_all_known) {
     sheets = i == 0 ? sheet : shapes::joined(sheets, sheet);
   }
   const Verdict many = example(sheets, sheets).verify();
-  EXPECT_EQ(many.intersections.size(), 100'000u);
+  EXPECT_FALSE(many.conforming);
   EXPECT_FALSE(many.are_all_intersections_known);
+  EXPECT_LT(many.intersections.size(), 10'000u) << "a result that has failed needs no list of them all";
+  EXPECT_EQ(many.failed_patches.size(), 330u) << "but most patches show";
 }
 
 TEST(verify, rounding_noise_of_a_rotation_is_within_tolerance) {

@@ -39,7 +39,7 @@ class runner : public ::testing::Test {
 
   void start(int places = 1) {
     settings_.max_held = static_cast<std::size_t>(places);
-    pool_ = std::make_unique<WorkerPool>(places, 16, 1);
+    pool_ = std::make_unique<WorkerPool>(places, api::QueueLimits{.max_large = 16}, 1);
     runner_ = std::make_unique<JobRunner>(
         *store_, *pool_, registry_, memory_, metrics_,
         [this](const api::Request& request, const api::Limits&, RunControl& control) { return work(request, control); },

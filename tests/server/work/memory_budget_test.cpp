@@ -129,11 +129,11 @@ TEST_F(memory, a_body_that_cannot_fit_is_refused_before_it_is_sent) {
   config_.memory_budget = 160;  // less than the process: every body is too much now, or for ever
   start();
   RawClient client(port_);
-  client.send("POST /v1/remesh HTTP/1.1\r\nHost: x\r\nContent-Length: 500\r\nExpect: 100-continue\r\n\r\n");
+  client.send("POST /v1/remesh HTTP/1.1\r\nHost: localhost\r\nContent-Length: 500\r\nExpect: 100-continue\r\n\r\n");
   const Answer answer = client.answer();
   EXPECT_EQ(answer.status, 413);
   EXPECT_EQ(code_of(answer), "mesh_too_large");
-  const std::string chunked = "POST /v1/remesh HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n";
+  const std::string chunked = "POST /v1/remesh HTTP/1.1\r\nHost: localhost\r\nTransfer-Encoding: chunked\r\n\r\n";
   EXPECT_EQ(ask(port_, chunked + "1f4\r\n" + std::string(500, 'x') + "\r\n0\r\n\r\n").status, 413);
 }
 

@@ -39,6 +39,18 @@ TEST(request_registry, a_request_is_found_by_its_owner_alone) {
   EXPECT_EQ(registry.find("abcdefgh-12345678"), nullptr);
 }
 
+TEST(request_registry, an_id_in_use_by_another_owner_is_like_a_free_one) {
+  RequestRegistry registry;
+  const auto theirs = registry.add("abcdefgh-12345678", "one");
+  {
+    const auto mine = registry.add("abcdefgh-12345678", "another");
+    EXPECT_EQ(mine->id, "abcdefgh-12345678");
+    EXPECT_EQ(registry.find("abcdefgh-12345678", "another"), mine.get());
+  }
+  EXPECT_EQ(registry.find("abcdefgh-12345678", "another"), nullptr);
+  EXPECT_EQ(registry.find("abcdefgh-12345678", "one"), theirs.get());
+}
+
 TEST(request_registry, cancelling_reaches_the_work_and_wakes_who_waits_for_it) {
   RequestRegistry registry;
   const auto entry = registry.add(new_request_id());

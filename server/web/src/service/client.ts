@@ -12,7 +12,8 @@ export class ServiceProblem extends Error {
 }
 
 export interface Post {
-  path: "/v1/remesh" | "/v1/analyze";
+  /** Relative, as all paths here are, so that the page works below any path that a proxy gives it. */
+  path: "v1/remesh" | "v1/analyze";
   query: [string, string][];
   body: Blob;
 }
@@ -42,7 +43,7 @@ export class ServiceClient {
 
   async capabilities(): Promise<Capabilities> {
     return this.withKey(async () => {
-      const response = await fetch("/v1/capabilities", { headers: this.headers() });
+      const response = await fetch("v1/capabilities", { headers: this.headers() });
       if (!response.ok) throw await problemOf(response.status, response.statusText, await response.text());
       return (await response.json()) as Capabilities;
     });
@@ -94,7 +95,7 @@ export class ServiceClient {
     }).finally(() => ended.abort());
     const cancel = async (): Promise<void> => {
       // The daemon answers the request itself; while it is still being sent, nobody there knows it.
-      const response = await fetch(`/v1/requests/${id}`, { method: "DELETE", headers: this.headers() }).catch(
+      const response = await fetch(`v1/requests/${id}`, { method: "DELETE", headers: this.headers() }).catch(
         () => null,
       );
       if (response?.status !== 204 && !ended.signal.aborted) request.abort();
@@ -108,7 +109,7 @@ export class ServiceClient {
       await new Promise((resolve) => setTimeout(resolve, wait));
       if (signal.aborted) return;
       try {
-        const response = await fetch(`/v1/requests/${id}/events`, { headers: this.headers(), signal });
+        const response = await fetch(`v1/requests/${id}/events`, { headers: this.headers(), signal });
         if (response.ok && response.body) return await readEvents(response.body, signal, onState);
       } catch {
         // Not known yet, or ended with the request: tried again, or not.

@@ -10,14 +10,14 @@ export function resultName(file: string, ending: string): string {
 
 /** The line that does what the page does. */
 export function curlLine(
-  origin: string,
+  page: string,
   file: string,
   query: [string, string][],
   format: string,
   ending: string,
   hasKey: boolean,
 ): string {
-  const url = new URL("/v1/remesh", origin);
+  const url = new URL("v1/remesh", page);
   // Commas and the like may stand in a query as they are, and read better.
   const parameters = [...query, ["format", format]].map(
     ([name, value]) => `${name}=${encodeURIComponent(value!).replaceAll("%2C", ",")}`,

@@ -93,7 +93,14 @@ export class DownloadPanel {
   private showLine(): void {
     const { file, query, hasKey } = this.settings;
     const format = this.format.value || "obj";
-    this.line.textContent = curlLine(location.origin, file, query, format, this.endingOf(format), hasKey);
+    this.line.textContent = curlLine(
+      new URL(".", location.href).href,
+      file,
+      query,
+      format,
+      this.endingOf(format),
+      hasKey,
+    );
   }
 
   private endingOf(format: string): string {
@@ -111,7 +118,7 @@ export class DownloadPanel {
         format === "json"
           ? json
           : await this.service.post(
-              { path: "/v1/remesh", query: [...query, ["format", format]], body: file },
+              { path: "v1/remesh", query: [...query, ["format", format]], body: file },
               { onSent: nothing, onState: nothing, onReceived: nothing },
             ).answer;
       const name = resultName(file.name, this.endingOf(format));

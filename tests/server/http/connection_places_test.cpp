@@ -1,4 +1,4 @@
-#include "server/http/idle_connections.h"
+#include "server/http/connection_places.h"
 
 #include <gtest/gtest.h>
 #include <sys/socket.h>
@@ -45,46 +45,66 @@ struct Pair {
 
 Clock::time_point soon() { return Clock::now() + kPatience; }
 
-TEST(idle_connections, the_one_that_has_waited_longest_goes) {
-  IdleConnections idle(2);
+TEST(connection_places, the_one_that_has_waited_longest_goes) {
+  ConnectionPlaces places(2);
   Event first, second, third;
   {
-    const IdleConnections::Stay a(idle, first), b(idle, second);
+    const ConnectionPlaces::Wait a(places, first), b(places, second);
     EXPECT_FALSE(first.wait(Clock::now()));
-    const IdleConnections::Stay c(idle, third);
-    EXPECT_EQ(idle.count(), 3u) << "until its thread has seen it";
+    const ConnectionPlaces::Wait c(places, third);
+    EXPECT_EQ(places.waiting(), 3u) << "until its thread has seen it";
     EXPECT_TRUE(first.wait(Clock::now()));
     EXPECT_FALSE(second.wait(Clock::now()));
     EXPECT_FALSE(third.wait(Clock::now()));
   }
-  EXPECT_EQ(idle.count(), 0u);
-  const IdleConnections::Stay again(idle, first);
+  EXPECT_EQ(places.waiting(), 0u);
+  const ConnectionPlaces::Wait again(places, first);
   EXPECT_FALSE(first.wait(Clock::now()));
 }
 
-TEST(idle_connections, all_end_and_begin_again) {
-  IdleConnections idle(2);
+TEST(connection_places, one_that_is_served_ends_the_longest_wait_only_if_there_is_no_free_place) {
+  ConnectionPlaces places(3);
+  Event first, second;
+  const ConnectionPlaces::Wait a(places, first), b(places, second);
+  const auto free_place = places.enter();
+  ASSERT_TRUE(free_place);
+  EXPECT_FALSE(first.wait(Clock::now()));
+  const auto of_the_first = places.enter();
+  ASSERT_TRUE(of_the_first);
+  EXPECT_TRUE(first.wait(Clock::now()));
+  EXPECT_FALSE(second.wait(Clock::now()));
+  auto of_the_second = places.enter();
+  ASSERT_TRUE(of_the_second);
+  EXPECT_TRUE(second.wait(Clock::now()));
+  EXPECT_FALSE(places.enter()) << "all three are served";
+  EXPECT_EQ(places.served(), 3u);
+  of_the_second.reset();
+  EXPECT_TRUE(places.enter());
+}
+
+TEST(connection_places, all_end_and_begin_again) {
+  ConnectionPlaces places(2);
   Event before, after, anew;
-  const IdleConnections::Stay a(idle, before);
-  idle.end_all();
-  EXPECT_TRUE(idle.is_over());
+  const ConnectionPlaces::Wait a(places, before);
+  places.end_all();
+  EXPECT_TRUE(places.is_over());
   EXPECT_TRUE(before.wait(Clock::now()));
-  const IdleConnections::Stay b(idle, after);
+  const ConnectionPlaces::Wait b(places, after);
   EXPECT_TRUE(after.wait(Clock::now()));
-  idle.begin_again();
-  EXPECT_FALSE(idle.is_over());
-  const IdleConnections::Stay c(idle, anew);
+  places.begin_again();
+  EXPECT_FALSE(places.is_over());
+  const ConnectionPlaces::Wait c(places, anew);
   EXPECT_FALSE(anew.wait(Clock::now()));
 }
 
-TEST(idle_connections, a_request_that_comes_as_its_connection_is_ended_is_read_to_its_end) {
-  IdleConnections idle(1);
+TEST(connection_places, a_request_that_comes_as_its_connection_is_ended_is_read_to_its_end) {
+  ConnectionPlaces places(1);
   Pair pair;
   Event other;
   {
-    const IdleConnections::Stay stay(idle, pair.end);
+    const ConnectionPlaces::Wait wait(places, pair.end);
     pair.send("begun");
-    const IdleConnections::Stay next(idle, other);
+    const ConnectionPlaces::Wait next(places, other);
     EXPECT_TRUE(pair.connection->wait_for_input(pair.end, soon()));
   }
   EXPECT_EQ(pair.read(), "begun");
@@ -93,7 +113,7 @@ TEST(idle_connections, a_request_that_comes_as_its_connection_is_ended_is_read_t
   EXPECT_EQ(pair.connection->wait(nullptr, Clock::now() + std::chrono::milliseconds(10)), Connection::Wake::kTime);
 }
 
-TEST(idle_connections, the_wait_ends_by_the_event_the_time_and_the_client) {
+TEST(connection_places, the_wait_ends_by_the_event_the_time_and_the_client) {
   Pair pair;
   EXPECT_FALSE(pair.connection->wait_for_input(pair.end, Clock::now()));
   pair.end.set();

@@ -1,0 +1,31 @@
+/// Shares out the steps that patches may take above the bounds on their work.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/base/work_bound.h"
+
+namespace remesh {
+
+/// The steps that all patches together may still take above their bounds (kWorkOfPatch).
+/// Holds: what a patch gets depends on the rounds before, and not on threads.
+class StepsAboveBounds {
+ public:
+  /// Must be called before each round, with the number of its patches.
+  void begin_round(std::size_t patches) {
+    constexpr std::uint64_t kUneven = 4, kMin = 1 << 13;
+    of_turn_ = left_ == 0 ? 0 : std::max(kMin, kUneven * left_ / std::max<std::size_t>(1, patches));
+  }
+  /// Returns how many steps each patch of the round may take. It is 0 as soon as none are left.
+  std::uint64_t of_turn() const { return of_turn_; }
+  /// Takes the steps of a patch, after the round.
+  void take(std::uint64_t steps) { left_ -= std::min(left_, steps); }
+
+ private:
+  std::uint64_t left_ = kWorkAboveBounds;
+  std::uint64_t of_turn_ = 0;
+};
+
+}  // namespace remesh

@@ -1,0 +1,44 @@
+/// The address of the client of a request, which a proxy in front of the daemon knows.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "server/http/http_message.h"
+
+namespace remesh::server {
+
+/// The proxies whose word about their clients is taken (--trusted-proxies).
+class TrustedProxies {
+ public:
+  /// Trusts nobody.
+  TrustedProxies() = default;
+  /// Input:  addresses and networks, separated by commas, such as `127.0.0.1, 10.0.0.0/8, fd00::/8`.
+  /// Errors: std::invalid_argument - an element is neither.
+  explicit TrustedProxies(std::string_view addresses);
+
+  /// Input: `address` - a numeric address; any other text is never trusted.
+  bool contains(std::string_view address) const;
+  std::string text() const;
+
+ private:
+  struct Network {
+    std::array<std::uint8_t, 16> bits;  ///< an IPv4 address stands here as it is mapped to IPv6
+    int length;                         ///< the number of leading bits that count
+    std::string text;
+  };
+
+  std::vector<Network> networks_;
+};
+
+/// Finds the client of a request. If the peer is a trusted proxy, that is the last address in `X-Forwarded-For`, or in
+/// `Forwarded` (RFC 7239) if there is no `X-Forwarded-For`, that is no trusted proxy itself. What stands before it can
+/// be forged.
+/// Input:  `peer` - the address of the other end of the connection.
+/// Output: a numeric address without a port; the peer if it is not trusted or names no client.
+std::string client_address(const RequestHead& head, const std::string& peer, const TrustedProxies& proxies);
+
+}  // namespace remesh::server

@@ -1,0 +1,59 @@
+#include "server/http/host_name.h"
+
+#include <algorithm>
+
+#include "api/text.h"
+
+namespace remesh::server {
+namespace {
+
+constexpr std::string_view kLocalhost = "localhost";
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// True if browsers read a name as an IPv4 address: its last part is a number (URL Standard, "ends in a number").
+bool ends_in_number(std::string_view name) {
+  const std::string_view last = name.substr(name.rfind('.') + 1);
+  if (!last.empty() && std::all_of(last.begin(), last.end(), is_digit)) return true;
+  return last.starts_with("0x") &&
+         std::all_of(last.begin() + 2, last.end(), [](char c) { return is_digit(c) || (c >= 'a' && c <= 'f'); });
+}
+
+std::string_view standard_port(std::string_view scheme) {
+  return scheme == "http" ? "80" : scheme == "https" ? "443" : "";
+}
+
+}  // namespace
+
+Host parse_host(std::string_view text) {
+  const std::size_t name_end = text.starts_with('[') ? text.find(']') : 0;
+  const std::size_t colon = name_end == std::string_view::npos ? name_end : text.find(':', name_end);
+  Host host{api::ascii_lower(text.substr(0, colon)), ""};
+  if (colon != std::string_view::npos) host.port = text.substr(colon + 1);
+  if (host.name.ends_with('.')) host.name.pop_back();
+  return host;
+}
+
+HostKind kind_of(const Host& host) {
+  const std::string& name = host.name;
+  if (name.empty()) return HostKind::kNone;
+  if (name.starts_with('[') || ends_in_number(name)) return HostKind::kAddress;
+  if (name == kLocalhost || name.ends_with("." + std::string(kLocalhost))) return HostKind::kLocalhost;
+  return name.find('.') == std::string::npos ? HostKind::kDotless : HostKind::kDomain;
+}
+
+std::optional<Origin> parse_origin(std::string_view text) {
+  const std::size_t end = text.find("://");
+  if (end == std::string_view::npos || end == 0) return std::nullopt;
+  const std::string_view host = text.substr(end + 3);
+  if (host.empty() || host.find_first_of("/?#@, \"\\") != std::string_view::npos) return std::nullopt;
+  return Origin{api::ascii_lower(text.substr(0, end)), parse_host(host)};
+}
+
+bool is_at(const Origin& origin, const Host& host) {
+  const std::string_view standard = standard_port(origin.scheme);
+  const auto port_of = [&](const Host& h) { return h.port.empty() ? standard : std::string_view(h.port); };
+  return origin.host.name == host.name && port_of(origin.host) == port_of(host);
+}
+
+}  // namespace remesh::server

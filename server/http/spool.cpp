@@ -1,0 +1,121 @@
+#include "server/http/spool.h"
+
+#include <fcntl.h>
+#include <linux/magic.h>
+#include <sys/statvfs.h>
+#include <sys/vfs.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <thread>
+#include <utility>
+
+#include "server/observe/log.h"
+
+namespace remesh::server {
+namespace {
+
+/// How often a reader that found no room looks again, while the slowest one ends.
+constexpr std::chrono::milliseconds kLookAgain{20};
+
+bool is_tmpfs(const std::string& folder) {
+  struct statfs system {};
+  return ::statfs(folder.c_str(), &system) == 0 && (system.f_type == TMPFS_MAGIC || system.f_type == RAMFS_MAGIC);
+}
+
+/// True if the file takes no more than half of what is free. Others need room there, too: jobs, for example.
+bool has_disk_for(const std::string& folder, std::uint64_t bytes) {
+  struct statvfs system {};
+  return ::statvfs(folder.c_str(), &system) == 0 && bytes <= std::uint64_t{system.f_bavail} * system.f_frsize / 2;
+}
+
+bool write_all(int file, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t put = ::write(file, bytes.data(), bytes.size());
+    if (put < 0 && errno == EINTR) continue;
+    if (put <= 0) return false;
+    bytes.remove_prefix(static_cast<std::size_t>(put));
+  }
+  return true;
+}
+
+}  // namespace
+
+Spool::Spool(std::string folder, std::uint64_t max_bytes, std::uint64_t max_held)
+    : folder_(std::move(folder)), max_bytes_(max_bytes), max_held_(max_held), is_in_memory_(is_tmpfs(folder_)) {}
+
+Spool::Reader::Reader(Spool& spool, Connection& connection) : spool_(spool), connection_(connection) {
+  const std::lock_guard lock(spool_.mutex_);
+  spool_.readers_.insert(this);
+}
+
+Spool::Reader::~Reader() {
+  // The lock makes sure that whoever cuts this reader off does so while its connection exists.
+  const std::lock_guard lock(spool_.mutex_);
+  spool_.readers_.erase(this);
+  if (fd_ >= 0) ::close(fd_);
+  spool_.in_files_ -= in_file_;
+  spool_.held_ -= held_;
+}
+
+double Spool::Reader::rate() const {
+  const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
+  return static_cast<double>(sent_) / std::max(seconds, 1e-3);
+}
+
+bool Spool::Reader::place(std::string_view rest) {
+  for (;;) {
+    if (spool_.reserve_file(rest.size())) {
+      in_file_ = rest.size();
+      fd_ = spool_.write_file(rest);
+      if (fd_ >= 0) return true;
+      spool_.in_files_ -= std::exchange(in_file_, 0);
+    }
+    if (spool_.reserve_memory(rest.size())) {
+      held_ = rest.size();
+      return false;
+    }
+    if (!spool_.cut_slowest(*this)) throw ConnectionLost("there is no room for an answer that is read so slowly");
+    std::this_thread::sleep_for(kLookAgain);
+  }
+}
+
+int Spool::write_file(std::string_view bytes) const {
+  if (!has_disk_for(folder_, bytes.size())) return -1;
+  const int file = ::open(folder_.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+  if (file < 0) return -1;
+  if (write_all(file, bytes)) return file;
+  ::close(file);
+  return -1;
+}
+
+bool Spool::reserve_file(std::uint64_t bytes) {
+  const std::lock_guard lock(mutex_);
+  if (in_files_ + bytes > max_bytes_) return false;
+  in_files_ += bytes;
+  return true;
+}
+
+bool Spool::reserve_memory(std::uint64_t bytes) {
+  const std::lock_guard lock(mutex_);
+  if (held_ + bytes > max_held_) return false;
+  held_ += bytes;
+  return true;
+}
+
+bool Spool::cut_slowest(const Reader& reader) {
+  const std::lock_guard lock(mutex_);
+  // One that was cut off already is about to free its place.
+  if (std::any_of(readers_.begin(), readers_.end(), [](const Reader* r) { return r->is_cut_; })) return true;
+  Reader* const slowest = *std::min_element(readers_.begin(), readers_.end(),
+                                            [](const Reader* a, const Reader* b) { return a->rate() < b->rate(); });
+  log::write(log::Level::kWarning, "a slow reader was cut off", {{"bytes_per_second", slowest->rate()}});
+  if (slowest == &reader) return false;
+  slowest->is_cut_ = true;
+  slowest->connection_.abort();
+  return true;
+}
+
+}  // namespace remesh::server
