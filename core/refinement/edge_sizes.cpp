@@ -1,9 +1,13 @@
 #include "core/refinement/edge_sizes.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
+#include <utility>
 
+#include "core/base/blocks.h"
 #include "core/base/stoppable.h"
 #include "core/refinement/strips.h"
 
@@ -37,6 +41,8 @@ constexpr double kLess = 0.9;
 constexpr std::uint32_t kFewSamples = 6;
 /// Sizes at two places are not told apart if they differ by at most this factor.
 constexpr double kAboutSame = 0.1;
+/// Patches and edges are looked at in blocks of these sizes.
+constexpr std::size_t kPatchesPerBlock = 64, kEdgesPerBlock = 512;
 /// No length is a smaller part of its edge than this.
 constexpr double kSmallest = 0x1p-60;
 
@@ -67,6 +73,271 @@ double magnitude_of(const PatchMesh& patch, const PatchChart& chart) {
 
 }  // namespace
 
+/// Looks for vertices and edges that are near a constrained edge in one of its patches and do not touch it. These limit
+/// the lengths of its pieces, and its floor. Triangles are looked at from the edge outwards.
+class EdgeSizes::LookAround {
+ public:
+  LookAround(EdgeSizes& sizes, EdgeSide side)
+      : sizes_(sizes),
+        side_(side),
+        edge_(sizes.edges_[sizes.edges_.edge_at(side)]),
+        patch_(sizes.edges_.patch(side)),
+        mesh_(patch_.mesh),
+        scale_(sizes.edges_.scale(side)),
+        start_(mesh_.from(side.half_edge)),
+        end_(mesh_.to(side.half_edge)),
+        a_(patch_.uv[start_]),
+        b_(patch_.uv[end_]),
+        nearest_(length_of(b_ - a_)) {
+    enter(side.half_edge);
+  }
+
+  /// Returns the distance to the nearest thing that was found, in model units. It is not more than the edge is long.
+  double run() {
+    for (std::size_t k = 0; k < count_; ++k) {
+      const std::uint32_t h = queue_[k];
+      look_at_vertex(mesh_.apex(h), k == 0);
+      for (const std::uint32_t g : {Mesh::next(h), Mesh::previous(h)}) look_at_edge(g);
+    }
+    return nearest_ * scale_;
+  }
+
+ private:
+  bool is_own(std::uint32_t v) const { return v == start_ || v == end_; }
+  /// Returns whether anything that is so far away limits lengths.
+  bool is_in_reach(double distance, double factor) const { return factor * distance * scale_ < edge_.length; }
+
+  void look_at_vertex(std::uint32_t v, bool is_first) {
+    if (is_own(v)) return;
+    const Vec2 point = patch_.uv[v];
+    const double distance = distance_from(a_, b_, point);
+    nearest_ = std::min(nearest_, distance);
+    if (!is_in_reach(distance, sizes_.beside_vertex_)) return;
+    const std::uint8_t excused = sizes_.excused_side_[sizes_.edges_.triangle_of(side_)];
+    const bool is_long_side_of_excused = excused != kNoSide && excused != side_.half_edge % 3;
+    if (!(is_first && is_long_side_of_excused)) sizes_.limit_by_point(side_, point);
+  }
+
+  void look_at_edge(std::uint32_t g) {
+    const bool touches = is_own(mesh_.from(g)) || is_own(mesh_.to(g)), is_constrained = mesh_.is_constrained(g);
+    if (touches && is_constrained) return;
+    const Vec2 c = patch_.uv[mesh_.from(g)], d = patch_.uv[mesh_.to(g)];
+    const double distance = touches ? 0 : distance_between(a_, b_, c, d);
+    if (is_constrained) {
+      nearest_ = std::min(nearest_, distance);
+      if (is_in_reach(distance, sizes_.beside_segment_)) sizes_.limit_by_segment(side_, c, d);
+      return;
+    }
+    const std::uint32_t twin = mesh_.twin(g);
+    if (twin == Mesh::kNoHalfEdge || count_ == kTriangles) return;
+    if (!is_in_reach(distance, std::max(sizes_.beside_vertex_, sizes_.beside_segment_))) return;
+    if (touches && leads_away(g)) return;
+    const auto triangles_end = triangle_.begin() + static_cast<std::ptrdiff_t>(count_);
+    if (std::find(triangle_.begin(), triangles_end, twin / 3) == triangles_end) enter(twin);
+  }
+
+  /// Returns whether an edge leaves one end of this edge backwards. The short edges at that end see the things beyond.
+  bool leads_away(std::uint32_t g) const {
+    const Vec2 c = patch_.uv[mesh_.from(g)], d = patch_.uv[mesh_.to(g)];
+    const bool is_from_own = is_own(mesh_.from(g));
+    const bool is_at_start = (is_from_own ? mesh_.from(g) : mesh_.to(g)) == start_;
+    const double along = dot(is_from_own ? d - c : c - d, b_ - a_);
+    return is_at_start ? along <= 0 : along >= 0;
+  }
+
+  void enter(std::uint32_t h) {
+    triangle_[count_] = h / 3;
+    queue_[count_++] = h;
+  }
+
+  EdgeSizes& sizes_;
+  const EdgeSide side_;
+  const SampledEdge& edge_;
+  const PatchMesh& patch_;
+  const Mesh& mesh_;
+  const double scale_;
+  const std::uint32_t start_, end_;
+  const Vec2 a_, b_;
+  double nearest_;
+  std::array<std::uint32_t, kTriangles> queue_;     ///< the half-edges through which triangles were entered
+  std::array<std::uint32_t, kTriangles> triangle_;  ///< their triangles
+  std::size_t count_ = 0;
+};
+
+/// Spreads lengths from sample to sample. Samples that wait for being spread from are in buckets of like lengths. The
+/// shortest come first, so few lengths are changed more than once.
+///
+/// A sample that got its length from another one has less to spread: the other one has spread to all of its triangles
+/// itself, on ways that are no longer. So only the triangles on the other sides of an edge are left, and nothing at all
+/// if the other sample is on the same edge.
+class EdgeSizes::Spreading {
+ public:
+  Spreading(EdgeSizes& sizes, RunControl& control)
+      : sizes_(sizes), edges_(sizes.edges_), lengths_(sizes.length_), control_(control) {
+    control.memory().ask_for<Item>(lengths_.size());
+    from_.assign(lengths_.size(), kNowhere);
+    double longest = 0;
+    for (const double length : lengths_) {
+      if (length > 0) shortest_ = std::min(shortest_, length);
+      if (std::isfinite(length)) longest = std::max(longest, length);
+    }
+    buckets_.resize(longest > 0 ? bucket_of(longest) + 1 : 1);
+  }
+
+  void run() {
+    StopCheck check(control_);
+    for (std::uint32_t i = 0; i < edges_.size(); ++i) {
+      check();
+      begin_at(i);
+    }
+    for (std::vector<Item>& bucket : buckets_) {
+      // More items may come into the bucket meanwhile.
+      for (std::size_t k = 0; k < bucket.size(); ++k) {
+        check();
+        spread_from(bucket[k]);
+      }
+      bucket = {};
+    }
+  }
+
+ private:
+  /// These stand beside half-edges of triangles through which lengths came.
+  static constexpr std::uint32_t kNowhere = 0xffffffff;  ///< there is nothing to spread
+  static constexpr std::uint32_t kItself = 0xfffffffe;   ///< the length is the sample's own
+
+  struct Item {
+    std::uint32_t edge, sample;
+  };
+
+  /// Returns the number of a length's bucket. There is one for each factor of the root of two.
+  std::size_t bucket_of(double length) const {
+    const double ratio = std::clamp(length / shortest_, 1.0, 0x1p200);
+    return static_cast<std::size_t>(std::ilogb(ratio * ratio));
+  }
+
+  void put(std::uint32_t edge, std::uint32_t sample, std::uint32_t from) {
+    from_[sample] = from;
+    buckets_[std::min(bucket_of(lengths_[sample]), buckets_.size() - 1)].push_back({edge, sample});
+  }
+
+  /// Makes the length at a sample no larger than `length`, but not smaller than its floor allows.
+  bool lower(const Limits& limit, std::uint32_t sample, double length) {
+    length = std::max(length, kOverFloor * limit.floor);
+    if (!(length < kLess * lengths_[sample])) return false;
+    lengths_[sample] = length;
+    return true;
+  }
+
+  /// Puts the samples of an edge that are shorter than any length beside them.
+  void begin_at(std::uint32_t edge) {
+    const SampledEdge& e = edges_[edge];
+    double longest = sizes_.limits_[edge].longest;
+    for (const std::uint32_t h : edges_.half_edges(e))
+      for (const std::uint32_t g : {Mesh::next(h), Mesh::previous(h)}) {
+        const Limits& limit = sizes_.limits_[edges_.edge_of(g)];
+        if (!limit.has_no_room) longest = std::max(longest, limit.longest);
+      }
+    for (std::uint32_t n = e.first_sample; n < e.first_sample + e.sample_count; ++n)
+      if (lengths_[n] < kLess * longest) put(edge, n, kItself);
+  }
+
+  void spread_from(Item item) {
+    const std::uint32_t from = std::exchange(from_[item.sample], kNowhere);
+    // A sample may be in several buckets.
+    if (from == kNowhere) return;
+    if (from == kItself && !sizes_.limits_[item.edge].has_no_room) spread_along(item);
+    for (const std::uint32_t h : edges_.half_edges(edges_[item.edge]))
+      if (h != from) spread_across(item, h);
+  }
+
+  /// Spreads the length at a sample along its edge, up to those samples whose lengths are not changed.
+  void spread_along(Item item) {
+    const SampledEdge& e = edges_[item.edge];
+    const double length = lengths_[item.sample];
+    const auto reaches = [&](std::uint32_t n) {
+      const double way = std::fabs(edges_.place(n) - edges_.place(item.sample)) * e.length;
+      if (!lower(sizes_.limits_[item.edge], n, length + sizes_.growth_ * way)) return false;
+      from_[n] = kNowhere;
+      return true;
+    };
+    for (std::uint32_t n = item.sample; n > e.first_sample && reaches(n - 1);) --n;
+    for (std::uint32_t n = item.sample + 1; n < e.first_sample + e.sample_count && reaches(n);) ++n;
+  }
+
+  /// Spreads the length at a sample to the other edges of the triangle of h, which is a half-edge of its edge.
+  void spread_across(Item item, std::uint32_t h) {
+    const SampledEdge& e = edges_[item.edge];
+    if (sizes_.excused_side_[h / 3] == h % 3 && lengths_[item.sample] > kCutShare * e.length) return;
+    const double place = edges_.place(item.sample);
+    for (const bool is_next : {true, false}) {
+      // Both edges begin at one corner of the triangle. Distances along them are counted from there.
+      const std::uint32_t g = is_next ? Mesh::next(h) : Mesh::previous(h);
+      const double here = (edges_.is_forward(h) != is_next ? place : 1 - place) * e.length;
+      spread_to({g, edges_.is_forward(g) == is_next, here, edges_.versine(is_next ? g : h), lengths_[item.sample]});
+    }
+  }
+
+  /// A way from a sample to another edge of a triangle. The two edges meet in a corner.
+  struct Across {
+    std::uint32_t half_edge;  ///< of the other edge
+    bool begins_there;        ///< whether the samples of the other edge begin at the corner
+    double here;              ///< the distance of the sample from the corner
+    double versine;           ///< of the angle at the corner
+    double length;            ///< at the sample
+  };
+
+  void spread_to(const Across& way) {
+    const std::uint32_t other = edges_.edge_of(way.half_edge);
+    Limits& limit = sizes_.limits_[other];
+    if (limit.has_no_room || !(way.length < kLess * limit.longest)) return;
+    const double reach = (kLess * limit.longest - way.length) / sizes_.growth_;
+    const double sine_squared = way.versine < 1 ? way.versine * (2 - way.versine) : 1;
+    if (way.here * way.here * sine_squared >= reach * reach) return;
+    // On a long edge, only the samples near the foot are looked at.
+    const SampledEdge& there = edges_[other];
+    std::uint32_t first = there.first_sample;
+    double last_place = 1;
+    if (there.sample_count > kFewSamples && 2 * reach < there.length) {
+      const double foot = way.here * (1 - way.versine) / there.length, part = reach / there.length;
+      const double middle = way.begins_there ? foot : 1 - foot;
+      first = edges_.first_sample_after(there, middle - part);
+      last_place = middle + part;
+    } else {
+      limit.longest = 0;
+    }
+    const bool is_end = there.side_count < 2;
+    const std::uint32_t end = there.first_sample + there.sample_count;
+    for (std::uint32_t n = first; n < end && edges_.place(n) <= last_place; ++n) {
+      const double from_corner = (way.begins_there ? edges_.place(n) : 1 - edges_.place(n)) * there.length;
+      if (offer(way, from_corner, limit, n)) {
+        if (is_end) {
+          from_[n] = kNowhere;
+        } else {
+          put(other, n, way.half_edge);
+        }
+      }
+      limit.longest = std::max(limit.longest, lengths_[n]);
+    }
+  }
+
+  /// Offers a length to a sample of the other edge, and returns whether it is lower there.
+  bool offer(const Across& way, double from_corner, const Limits& limit, std::uint32_t sample) {
+    const double reach = (kLess * lengths_[sample] - way.length) / sizes_.growth_;
+    if (!(reach > 0)) return false;
+    const double apart = way.here - from_corner;
+    const double squared = apart * apart + 2 * way.here * from_corner * way.versine;
+    return squared < reach * reach && lower(limit, sample, way.length + sizes_.growth_ * std::sqrt(squared));
+  }
+
+  EdgeSizes& sizes_;
+  const SampledEdges& edges_;
+  std::vector<double>& lengths_;
+  RunControl& control_;
+  double shortest_ = HUGE_VAL;
+  std::vector<std::uint32_t> from_;  ///< one per sample: where its length came from, if it has to be spread
+  std::vector<std::vector<Item>> buckets_;
+};
+
 double EdgeSizes::asked_for(const Goals& goals, const SizeField& sizes, const PatchChart& chart, Vec2 place) {
   static const double ideal = std::sqrt(kFacesPerIdeal);
   const double longest = std::min(sizes.largest(), equilateral_edge(goals.max_area));
@@ -75,52 +346,67 @@ double EdgeSizes::asked_for(const Goals& goals, const SizeField& sizes, const Pa
 
 EdgeSizes::EdgeSizes(const SampledEdges& edges, const TriangulatedPatches& triangulated, const Goals& goals,
                      const SizeField& sizes, RunControl& control)
-    : edges_(edges), goals_(goals), sizes_(sizes), limits_(edges.size()) {
+    : edges_(edges), goals_(goals), sizes_(sizes) {
   const auto tangent_of = [](double degrees) { return std::tan(degrees * std::numbers::pi / 180); };
   slack_ = 1 - std::pow(goals.min_angle_deg / kHopelessDeg, 4);
   growth_ = kGrowth * slack_;
   tangent_ = tangent_of(goals.min_angle_deg);
   beside_segment_ = 2 / tangent_of(std::max(goals.min_angle_deg, least_strip_angle_deg(sizes)));
   beside_vertex_ = kBesideVertex * slack_ * 2 / tangent_;
-  StopCheck check(control);
+  control.memory().ask_for<double>(edges.sample_count());
   length_.resize(edges.sample_count());
-  for (std::uint32_t i = 0; i < edges.size(); ++i) {
-    check();
-    const SampledEdge& e = edges[i];
-    const double most = (e.is_constrained ? 1 : kInside * slack_) * e.length;
-    std::fill_n(length_.begin() + e.first_sample, e.sample_count, most);
-  }
+  control.memory().ask_for<Limits>(edges.size());
+  limits_.resize(edges.size());
+  excused_side_.assign(edges_.triangle_count(), kNoSide);
   find_excused(triangulated, control);
-  for (std::size_t p = 0; p < triangulated.size(); ++p) {
-    const PatchMesh& patch = triangulated.meshes[PatchId(p)];
-    const PatchChart chart = triangulated.charts[PatchId(p)];
-    const double rounding = 0x1p-52 * magnitude_of(patch, chart);
-    std::vector<std::uint32_t> seen(patch.mesh.triangle_count(), Mesh::kNoHalfEdge);
-    for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
-      check();
-      const EdgeSide side{PatchId(p), h};
-      if (patch.mesh.is_constrained(h)) look_around(side, seen, std::max(rounding, chart.grid() * edges.scale(side)));
-    }
-  }
-  limit_by_goals(triangulated, control);
-  spread(control);
+  limit_all(triangulated, control);
+  Spreading(*this, control).run();
+  for_blocks(edges.size(), kEdgesPerBlock, control, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) count_pieces(static_cast<std::uint32_t>(i));
+  });
 }
 
 /// Finds the triangles whose only angle below the bound is one between two constrained edges.
 void EdgeSizes::find_excused(const TriangulatedPatches& triangulated, RunControl& control) {
-  StopCheck check(control);
-  excused_side_.assign(edges_.triangle_count(), kNoSide);
-  for (std::size_t p = 0; p < triangulated.size(); ++p) {
-    const PatchMesh& patch = triangulated.meshes[PatchId(p)];
-    for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
-      check();
-      if (!patch.mesh.is_constrained(Mesh::next(h)) || !patch.mesh.is_constrained(Mesh::previous(h))) continue;
-      const Vec2 a = patch.uv[patch.mesh.from(h)], b = patch.uv[patch.mesh.to(h)], c = patch.uv[patch.mesh.apex(h)];
-      const auto is_small = [&](Vec2 u, Vec2 v) { return std::fabs(cross(u, v)) < tangent_ * dot(u, v); };
-      if (is_small(a - c, b - c) && !is_small(c - a, b - a) && !is_small(c - b, a - b))
-        excused_side_[edges_.triangle_of({PatchId(p), h})] = static_cast<std::uint8_t>(h % 3);
+  for_blocks(triangulated.size(), kPatchesPerBlock, control, [&](std::size_t begin, std::size_t end) {
+    StopCheck check(control);
+    for (PatchId p(static_cast<std::uint32_t>(begin)); p.value < end; ++p.value) {
+      const PatchMesh& patch = triangulated.meshes[p];
+      for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
+        check();
+        if (!patch.mesh.is_constrained(Mesh::next(h)) || !patch.mesh.is_constrained(Mesh::previous(h))) continue;
+        const Vec2 a = patch.uv[patch.mesh.from(h)], b = patch.uv[patch.mesh.to(h)], c = patch.uv[patch.mesh.apex(h)];
+        const auto is_small = [&](Vec2 u, Vec2 v) { return std::fabs(cross(u, v)) < tangent_ * dot(u, v); };
+        if (is_small(a - c, b - c) && !is_small(c - a, b - a) && !is_small(c - b, a - b))
+          excused_side_[edges_.triangle_of({p, h})] = static_cast<std::uint8_t>(h % 3);
+      }
     }
-  }
+  });
+}
+
+/// Limits the lengths of all edges by what is near them and by the goals. Each edge is on its own.
+void EdgeSizes::limit_all(const TriangulatedPatches& triangulated, RunControl& control) {
+  IdVector<PatchId, double> rounding(triangulated.size());
+  for_blocks(triangulated.size(), kPatchesPerBlock, control, [&](std::size_t begin, std::size_t end) {
+    for (PatchId p(static_cast<std::uint32_t>(begin)); p.value < end; ++p.value)
+      rounding[p] = 0x1p-52 * magnitude_of(triangulated.meshes[p], triangulated.charts[p]);
+  });
+  for_blocks(edges_.size(), kEdgesPerBlock, control, [&](std::size_t begin, std::size_t end) {
+    StopCheck check(control);
+    for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
+      const SampledEdge& e = edges_[i];
+      const double longest = (e.is_constrained ? 1 : kInside * slack_) * e.length;
+      std::fill_n(length_.begin() + e.first_sample, e.sample_count, longest);
+      Surroundings near;
+      check();
+      for (const EdgeSide side : e.is_constrained ? edges_.sides(e) : std::span<const EdgeSide>()) {
+        near.feature = std::min(near.feature, LookAround(*this, side).run());
+        const double step = std::max(rounding[side.patch], triangulated.charts[side.patch].grid() * edges_.scale(side));
+        near.noise = std::max(near.noise, kRoundings * step);
+      }
+      limit_by_goals(i, near, triangulated);
+    }
+  });
 }
 
 void EdgeSizes::limit_by_point(EdgeSide side, Vec2 point) {
@@ -139,214 +425,44 @@ void EdgeSizes::limit_by_segment(EdgeSide side, Vec2 from, Vec2 to) {
     length_[n] = std::min(length_[n], factor * distance_from(from, to, way.at(edges_.place(n))));
 }
 
-/// Looks for vertices and edges that are near a constrained edge in one of its patches and do not touch it. These limit
-/// the lengths of its pieces, and its floor.
-/// Input: `seen` has one entry per triangle of the patch; `rounding` is a step of coordinates, in model units.
-void EdgeSizes::look_around(EdgeSide side, std::vector<std::uint32_t>& seen, double rounding) {
-  const PatchMesh& patch = edges_.patch(side);
-  const Mesh& mesh = patch.mesh;
-  const std::uint32_t h = side.half_edge, i = edges_.edge_at(side), start = mesh.from(h), end = mesh.to(h);
-  const SampledEdge& e = edges_[i];
-  const Vec2 a = patch.uv[start], b = patch.uv[end];
-  const double scale = edges_.scale(side);
-  const auto is_own = [&](std::uint32_t v) { return v == start || v == end; };
-  // What lies beyond an edge that leaves one end of this edge backwards is seen from the short edges at that end.
-  const auto leads_away = [&](std::uint32_t g) {
-    const Vec2 c = patch.uv[mesh.from(g)], d = patch.uv[mesh.to(g)];
-    const bool is_from_own = is_own(mesh.from(g));
-    const bool is_at_start = (is_from_own ? mesh.from(g) : mesh.to(g)) == start;
-    const double along = dot(is_from_own ? d - c : c - d, b - a);
-    return is_at_start ? along <= 0 : along >= 0;
-  };
-  const auto limits = [&](double distance, double factor) { return factor * distance * scale < e.length; };
-  const std::uint8_t excused = excused_side_[edges_.triangle_of(side)];
-  const bool is_long_side_of_excused = excused != kNoSide && excused != h % 3;
-  double nearest = length_of(b - a);
-  std::uint32_t queue[kTriangles] = {h};
-  std::size_t count = 1;
-  seen[h / 3] = h;
-  for (std::size_t k = 0; k < count; ++k) {
-    const std::uint32_t v = mesh.apex(queue[k]);
-    if (!is_own(v)) {
-      const double distance = distance_from(a, b, patch.uv[v]);
-      nearest = std::min(nearest, distance);
-      if (limits(distance, beside_vertex_) && !(k == 0 && is_long_side_of_excused)) limit_by_point(side, patch.uv[v]);
-    }
-    for (const std::uint32_t g : {Mesh::next(queue[k]), Mesh::previous(queue[k])}) {
-      const bool touches = is_own(mesh.from(g)) || is_own(mesh.to(g));
-      const Vec2 c = patch.uv[mesh.from(g)], d = patch.uv[mesh.to(g)];
-      const double distance = touches ? 0 : distance_between(a, b, c, d);
-      if (mesh.is_constrained(g)) {
-        if (touches) continue;
-        nearest = std::min(nearest, distance);
-        if (limits(distance, beside_segment_)) limit_by_segment(side, c, d);
-        continue;
-      }
-      const std::uint32_t twin = mesh.twin(g);
-      if (twin == Mesh::kNoHalfEdge || seen[twin / 3] == h || count == kTriangles) continue;
-      if (!limits(distance, std::max(beside_vertex_, beside_segment_))) continue;
-      if (touches && leads_away(g)) continue;
-      seen[twin / 3] = h;
-      queue[count++] = twin;
-    }
-  }
-  Limits& limit = limits_[i];
-  limit.feature = std::min(limit.feature, nearest * scale);
-  limit.noise = std::max(limit.noise, kRoundings * rounding);
-}
-
-/// Limits lengths by the sizes that are asked for, and by floors.
-void EdgeSizes::limit_by_goals(const TriangulatedPatches& triangulated, RunControl& control) {
-  StopCheck check(control);
-  for (std::uint32_t i = 0; i < edges_.size(); ++i) {
-    check();
-    const SampledEdge& e = edges_[i];
-    Limits& limit = limits_[i];
-    limit.floor = goals_.min_edge_length;
-    if (e.is_constrained) {
-      limit.has_no_room = !(limit.feature > limit.noise) || limit.feature < goals_.min_edge_length;
-      limit.floor = std::max({limit.floor, limit.noise, kFloorShare * limit.feature});
-    }
-    const double least = std::max(std::min(e.length, kOverFloor * limit.floor), kSmallest * e.length);
-    const EdgeSide side = edges_.sides(e).front();
-    const SampledEdges::Way way = edges_.way(side);
-    // The sizes that are asked for in triangles are smaller than the longest edge by this factor.
-    const double longest_per_size = std::sqrt(kFacesPerIdeal);
-    const PatchChart chart = sizes_.is_uniform() ? PatchChart() : triangulated.charts[side.patch];
-    const double in_middle = asked_for(goals_, sizes_, chart, way.at(0.5));
-    double read_at = 0.5, asked = in_middle;
-    for (std::uint32_t n = e.first_sample; n < e.first_sample + e.sample_count; ++n) {
-      const double apart = std::fabs(edges_.place(n) - read_at) * e.length;
-      const bool is_about_same = sizes_.slope() * apart <= kAboutSame * asked;
-      if (!sizes_.is_uniform() && !is_about_same && asked - sizes_.slope() * apart < length_[n]) {
-        read_at = edges_.place(n);
-        asked = asked_for(goals_, sizes_, chart, way.at(read_at));
-      }
-      length_[n] = limit.has_no_room ? e.length : std::max(least, std::min(length_[n], asked));
-      limit.longest = std::max(limit.longest, length_[n]);
-    }
-    const double longest = longest_per_size * in_middle;
-    if (longest > limit.floor) limit.pieces = std::max(1.0, std::ceil(e.length / longest * (1 - 1e-9)));
-  }
-}
-
-/// The samples that wait for being spread from, in buckets of like lengths. The shortest come first, so few lengths are
-/// changed more than once.
-struct EdgeSizes::Spreading {
-  struct Item {
-    std::uint32_t edge, sample;
-  };
-
-  explicit Spreading(std::vector<double>& its_lengths) : lengths(its_lengths) {
-    double most = 0;
-    least = HUGE_VAL;
-    for (const double length : lengths) {
-      if (length > 0) least = std::min(least, length);
-      if (std::isfinite(length)) most = std::max(most, length);
-    }
-    buckets.resize(most > 0 ? bucket_of(most) + 1 : 1);
-  }
-
-  /// Returns the number of a length's bucket. There is one for each factor of the root of two.
-  std::size_t bucket_of(double length) const {
-    const double ratio = std::clamp(length / least, 1.0, 0x1p200);
-    return static_cast<std::size_t>(std::ilogb(ratio * ratio));
-  }
-
-  void put(std::uint32_t edge, std::uint32_t sample) {
-    buckets[std::min(bucket_of(lengths[sample]), buckets.size() - 1)].push_back({edge, sample});
-  }
-
-  /// Makes the length at a sample no larger than `most`, but not smaller than its floor allows.
-  void offer(std::uint32_t edge, const Limits& limit, std::uint32_t sample, double most) {
-    most = std::max(most, kOverFloor * limit.floor);
-    if (!(most < kLess * lengths[sample])) return;
-    lengths[sample] = most;
-    put(edge, sample);
-  }
-
-  std::vector<double>& lengths;
-  double least;
-  std::vector<std::vector<Item>> buckets;
-};
-
-void EdgeSizes::spread(RunControl& control) {
-  StopCheck check(control);
-  Spreading spreading(length_);
-  std::vector<double> last_spread(length_.size(), HUGE_VAL);
-  for (std::uint32_t i = 0; i < edges_.size(); ++i) {
-    check();
-    for (std::uint32_t k = 0; k < edges_[i].sample_count; ++k) spreading.put(i, edges_[i].first_sample + k);
-  }
-  for (std::size_t b = 0; b < spreading.buckets.size(); ++b) {
-    for (std::size_t k = 0; k < spreading.buckets[b].size(); ++k) {
-      check();
-      const auto [edge, sample] = spreading.buckets[b][k];
-      // A sample may be here more than once, or have been in an earlier bucket since it became shorter.
-      if (!(length_[sample] < last_spread[sample])) continue;
-      last_spread[sample] = length_[sample];
-      if (!limits_[edge].has_no_room) spread_along(edge, sample, spreading);
-      spread_across(edge, sample, spreading);
-    }
-    spreading.buckets[b] = {};
-  }
-}
-
-/// Spreads the length at a sample to the samples beside it on its edge.
-void EdgeSizes::spread_along(std::uint32_t edge, std::uint32_t sample, Spreading& to) const {
+/// Limits the lengths of an edge by the sizes that are asked for, and by floors.
+void EdgeSizes::limit_by_goals(std::uint32_t edge, const Surroundings& near, const TriangulatedPatches& triangulated) {
   const SampledEdge& e = edges_[edge];
-  const auto offer = [&](std::uint32_t n) {
-    const double way = std::fabs(edges_.place(n) - edges_.place(sample)) * e.length;
-    to.offer(edge, limits_[edge], n, length_[sample] + growth_ * way);
-  };
-  if (sample > e.first_sample) offer(sample - 1);
-  if (sample + 1 < e.first_sample + e.sample_count) offer(sample + 1);
-}
-
-/// Spreads the length at a sample to the other edges of the triangles beside it.
-void EdgeSizes::spread_across(std::uint32_t edge, std::uint32_t sample, Spreading& to) {
-  const SampledEdge& e = edges_[edge];
-  const double length = length_[sample];
-  for (const std::uint32_t h : edges_.half_edges(e)) {
-    if (excused_side_[h / 3] == h % 3 && length > kCutShare * e.length) continue;
-    for (const bool is_next : {true, false}) {
-      const std::uint32_t g = is_next ? Mesh::next(h) : Mesh::previous(h), other = edges_.edge_of(g);
-      Limits& limit = limits_[other];
-      if (limit.has_no_room || !(length < kLess * limit.longest)) continue;
-      // Both edges begin at one corner of the triangle. Distances along them are counted from there.
-      const double versine = edges_.versine(is_next ? g : h), place = edges_.place(sample);
-      const double here = (edges_.is_forward(h) != is_next ? place : 1 - place) * e.length;
-      const bool begins_there = edges_.is_forward(g) == is_next;
-      const SampledEdge& there = edges_[other];
-      // On a long edge, only the samples near the foot are looked at.
-      std::uint32_t first = there.first_sample;
-      double last_place = 1;
-      const double half = (kLess * limit.longest - length) / growth_;
-      if (there.sample_count > kFewSamples && 2 * half < there.length) {
-        const double foot = here * (1 - versine) / there.length, part = half / there.length;
-        const double middle = begins_there ? foot : 1 - foot;
-        first = edges_.first_sample_after(there, middle - part);
-        last_place = middle + part;
-      } else {
-        limit.longest = 0;
-      }
-      const std::uint32_t end = there.first_sample + there.sample_count;
-      for (std::uint32_t n = first; n < end && edges_.place(n) <= last_place; ++n) {
-        const double reach = (kLess * length_[n] - length) / growth_;
-        if (reach > 0) {
-          const double from_corner = (begins_there ? edges_.place(n) : 1 - edges_.place(n)) * there.length;
-          const double apart = here - from_corner, squared = apart * apart + 2 * here * from_corner * versine;
-          if (squared < reach * reach) to.offer(other, limit, n, length + growth_ * std::sqrt(squared));
-        }
-        limit.longest = std::max(limit.longest, length_[n]);
-      }
-    }
+  Limits& limit = limits_[edge];
+  limit.floor = goals_.min_edge_length;
+  if (e.is_constrained) {
+    limit.has_no_room = !(near.feature > near.noise) || near.feature < goals_.min_edge_length;
+    limit.floor = std::max({limit.floor, near.noise, kFloorShare * near.feature});
   }
+  const double shortest = std::max(std::min(e.length, kOverFloor * limit.floor), kSmallest * e.length);
+  const EdgeSide side = edges_.sides(e).front();
+  const SampledEdges::Way way = edges_.way(side);
+  const PatchChart chart = sizes_.is_uniform() ? PatchChart() : triangulated.charts[side.patch];
+  const double in_middle = asked_for(goals_, sizes_, chart, way.at(0.5));
+  double read_at = 0.5, asked = in_middle;
+  for (std::uint32_t n = e.first_sample; n < e.first_sample + e.sample_count; ++n) {
+    const double apart = std::fabs(edges_.place(n) - read_at) * e.length;
+    const bool is_about_same = sizes_.slope() * apart <= kAboutSame * asked;
+    if (!sizes_.is_uniform() && !is_about_same && asked - sizes_.slope() * apart < length_[n]) {
+      read_at = edges_.place(n);
+      asked = asked_for(goals_, sizes_, chart, way.at(read_at));
+    }
+    length_[n] = limit.has_no_room ? e.length : std::max(shortest, std::min(length_[n], asked));
+    limit.longest = std::max(limit.longest, length_[n]);
+  }
+  // The sizes that are asked for in triangles are smaller than the longest edge by this factor.
+  const double longest = std::sqrt(kFacesPerIdeal) * in_middle;
+  if (longest > limit.floor) limit.pieces = std::max(1.0, std::ceil(e.length / longest * (1 - 1e-9)));
 }
 
-double EdgeSizes::pieces(std::uint32_t edge) const {
+/// Sets the number of pieces that an edge is expected to be cut into.
+void EdgeSizes::count_pieces(std::uint32_t edge) {
   const SampledEdge& e = edges_[edge];
-  if (!e.is_constrained || limits_[edge].has_no_room || !(e.length > 0)) return 1;
+  Limits& limit = limits_[edge];
+  if (!e.is_constrained || limit.has_no_room || !(e.length > 0)) {
+    limit.pieces = 1;
+    return;
+  }
   double pieces = 0;
   for (std::uint32_t n = e.first_sample; n + 1 < e.first_sample + e.sample_count; ++n) {
     const double part = (edges_.place(n + 1) - edges_.place(n)) * e.length;
@@ -354,7 +470,7 @@ double EdgeSizes::pieces(std::uint32_t edge) const {
     // This is the integral of one over a length that changes evenly.
     pieces += part * (std::fabs(b - a) > 1e-3 * a ? std::log(b / a) / (b - a) : 1 / a);
   }
-  return std::max(pieces < kAnyPieces ? 1 : pieces, limits_[edge].pieces);
+  limit.pieces = std::max(pieces < kAnyPieces ? 1 : pieces, limit.pieces);
 }
 
 }  // namespace remesh

@@ -23,13 +23,14 @@ namespace remesh {
 /// the floors under the lengths of edges allow, and where there is no room for a cut the edge stays as it is. From its
 /// short side, nothing spreads into a triangle with an angle of the input below the bound, because such a triangle may
 /// stay.
-/// Holds:  the lengths do not depend on the order of patches or on the number of threads, up to a twentieth.
-/// Cost:   O(n log n) for n edges; some 150 bytes an edge. Each length is changed a bounded number of times.
+/// Holds:  the lengths do not depend on the number of threads. With another order of patches, they differ by a tenth at
+///         most: a length that would fall by less stays.
+/// Cost:   O(n log n) for n edges; some 100 bytes an edge. Each length is changed a bounded number of times.
 /// Source: experiments.md, Prediction.
 class EdgeSizes {
  public:
   /// Input:  goals.min_angle_deg > 0. All arguments must outlive this object.
-  /// Errors: kCancelled, kTimeout - asked to stop through `control`.
+  /// Errors: kOutOfMemory - see MemoryBound; kCancelled, kTimeout - asked to stop through `control`.
   EdgeSizes(const SampledEdges& edges, const TriangulatedPatches& triangulated, const Goals& goals,
             const SizeField& sizes, RunControl& control);
 
@@ -37,7 +38,7 @@ class EdgeSizes {
   /// Returns the length at a sample, in model units.
   double at(std::uint32_t sample) const { return length_[sample]; }
   /// Returns how many pieces an edge is expected to be cut into. This need not be a whole number.
-  double pieces(std::uint32_t edge) const;
+  double pieces(std::uint32_t edge) const { return limits_[edge].pieces; }
   /// Returns by how much lengths grow per distance.
   double growth() const { return growth_; }
   /// Returns how far the bound is from those with which refinement does not end: 0 is there, 1 is no bound.
@@ -53,25 +54,27 @@ class EdgeSizes {
  private:
   static constexpr std::uint8_t kNoSide = 3;
 
-  /// All lengths are in model units.
+  // All lengths are in model units.
+
   struct Limits {
-    double feature = std::numeric_limits<double>::infinity();  ///< the distance to what is near in any patch
-    double noise = 0;    ///< no cut is nearer to a vertex than this, because of rounding
     double floor = 0;    ///< no piece becomes shorter than this
-    double pieces = 1;   ///< the size that is asked for in the middle needs so many
+    double pieces = 1;   ///< into how many it is cut; before lengths have spread, so many as the size in the middle needs
     double longest = 0;  ///< the largest of the lengths at its samples
     bool has_no_room = false;
   };
-  struct Spreading;
+  struct Surroundings {
+    double feature = std::numeric_limits<double>::infinity();  ///< the distance to what is near in any patch
+    double noise = 0;  ///< no cut is nearer to a vertex than this, because of rounding
+  };
+  class LookAround;
+  class Spreading;
 
   void find_excused(const TriangulatedPatches& triangulated, RunControl& control);
-  void look_around(EdgeSide side, std::vector<std::uint32_t>& seen, double rounding);
+  void limit_all(const TriangulatedPatches& triangulated, RunControl& control);
   void limit_by_point(EdgeSide side, Vec2 point);
   void limit_by_segment(EdgeSide side, Vec2 from, Vec2 to);
-  void limit_by_goals(const TriangulatedPatches& triangulated, RunControl& control);
-  void spread(RunControl& control);
-  void spread_along(std::uint32_t edge, std::uint32_t sample, Spreading& to) const;
-  void spread_across(std::uint32_t edge, std::uint32_t sample, Spreading& to);
+  void limit_by_goals(std::uint32_t edge, const Surroundings& near, const TriangulatedPatches& triangulated);
+  void count_pieces(std::uint32_t edge);
 
   const SampledEdges& edges_;
   const Goals& goals_;

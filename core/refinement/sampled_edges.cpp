@@ -5,6 +5,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/base/blocks.h"
 #include "core/base/stoppable.h"
 
 namespace remesh {
@@ -47,6 +48,13 @@ void add_around(double place, double step, double factor, std::vector<double>& p
   }
 }
 
+/// Errors: kOutOfMemory - see MemoryBound.
+template <class T>
+void reserve_asking(std::vector<T>& items, std::size_t count, const RunControl& control) {
+  control.memory().ask_for<T>(count);
+  items.reserve(count);
+}
+
 }  // namespace
 
 SampledEdges::SampledEdges(const TriangulatedPatches& triangulated, bool has_middles, RunControl& control)
@@ -54,8 +62,8 @@ SampledEdges::SampledEdges(const TriangulatedPatches& triangulated, bool has_mid
   StopCheck check(control);
   std::uint32_t half_edges = 0;
   begin_.reserve(meshes_.size());
-  scale_.reserve(triangulated.triangle_count());
-  versine_.reserve(3 * triangulated.triangle_count());
+  reserve_asking(scale_, triangulated.triangle_count(), control);
+  reserve_asking(versine_, 3 * triangulated.triangle_count(), control);
   for (std::size_t p = 0; p < meshes_.size(); ++p) {
     const PatchMesh& patch = meshes_[PatchId(p)];
     begin_.push_back(half_edges);
@@ -69,9 +77,10 @@ SampledEdges::SampledEdges(const TriangulatedPatches& triangulated, bool has_mid
       add_versines(p);
     }
   }
+  reserve_asking(edge_of_, half_edges, control);
   edge_of_.resize(half_edges);
-  sides_.reserve(half_edges);
-  half_edges_.reserve(half_edges);
+  reserve_asking(sides_, half_edges, control);
+  reserve_asking(half_edges_, half_edges, control);
   number_constrained(control);
   number_others(control);
   place_samples(has_middles, control);
@@ -129,6 +138,7 @@ void SampledEdges::number_constrained(RunControl& control) {
     ++count;
   });
   for (std::size_t v = 1; v < begin.size(); ++v) begin[v] += begin[v - 1];
+  control.memory().ask_for<Use>(count);
   std::vector<Use> uses(count);
   for_all_sides([&](const Use& use) { uses[begin[use.low.value]++] = use; });
   for (std::size_t first = 0, end = 0; first < uses.size(); first = end) {
@@ -136,10 +146,17 @@ void SampledEdges::number_constrained(RunControl& control) {
     const auto at = [&](std::size_t i) { return uses.begin() + static_cast<std::ptrdiff_t>(i); };
     sort_stoppable(at(first), at(end), control);
   }
+  const auto is_other_edge = [&](std::size_t i) {
+    return i == 0 || uses[i - 1].low != uses[i].low || uses[i - 1].high != uses[i].high;
+  };
+  std::size_t edges = 0;
+  for (std::size_t i = 0; i < uses.size(); ++i) edges += is_other_edge(i) ? 1 : 0;
+  // The other sides are those of edges between two triangles of a patch, or few more.
+  reserve_asking(edges_, edges + (edge_of_.size() - uses.size() + 1) / 2, control);
   for (std::size_t i = 0; i < uses.size(); ++i) {
     check();
     const EdgeSide side = uses[i].side;
-    if (i == 0 || uses[i - 1].low != uses[i].low || uses[i - 1].high != uses[i].high) add_edge(side, true);
+    if (is_other_edge(i)) add_edge(side, true);
     const PatchMesh& patch = meshes_[side.patch];
     add_side(side, patch.vertices[patch.mesh.from(side.half_edge)] == uses[i].low);
   }
@@ -187,7 +204,8 @@ void SampledEdges::add_beside(std::uint32_t index, const std::vector<double>& sh
   }
 }
 
-void SampledEdges::place_samples(bool has_middles, RunControl& control) {
+/// Returns the length of the shortest edge at each vertex.
+std::vector<double> SampledEdges::shortest_at_vertices(RunControl& control) const {
   StopCheck check(control);
   std::vector<double> shortest;
   for (const SampledEdge& e : edges_) {
@@ -196,28 +214,42 @@ void SampledEdges::place_samples(bool has_middles, RunControl& control) {
     const PatchMesh& patch = meshes_[side.patch];
     for (const std::uint32_t v : {patch.mesh.from(side.half_edge), patch.mesh.to(side.half_edge)}) {
       const std::size_t vertex = patch.vertices[v].value;
-      if (vertex >= shortest.size()) shortest.resize(std::max(vertex + 1, 2 * shortest.size()), HUGE_VAL);
+      if (vertex >= shortest.size()) {
+        const std::size_t count = std::max(vertex + 1, 2 * shortest.size());
+        control.memory().ask_for<double>(count);
+        shortest.resize(count, HUGE_VAL);
+      }
       shortest[vertex] = std::min(shortest[vertex], e.length);
     }
   }
-  std::vector<double> places;
-  for (std::uint32_t i = 0; i < size(); ++i) {
-    check();
-    places.clear();
-    add_beside(i, shortest, places);
-    if (has_middles || !places.empty()) places.push_back(0.5);
-    places.insert(places.end(), {0, 1});
-    std::sort(places.begin(), places.end());
-    SampledEdge& e = edges_[i];
-    e.first_sample = static_cast<std::uint32_t>(place_.size());
-    for (const double place : places) {
-      const bool is_near = place_.size() > e.first_sample && place - place_.back() < kNearest;
-      if (!is_near)
-        place_.push_back(place);
-      else if (place == 1)
-        place_.back() = 1;
+  return shortest;
+}
+
+void SampledEdges::place_samples(bool has_middles, RunControl& control) {
+  constexpr std::size_t kEdges = 1024;
+  const std::vector<double> shortest = shortest_at_vertices(control);
+  const auto blocks = map_blocks<std::vector<double>>(edges_.size(), kEdges, control, [&](std::size_t i, std::size_t end) {
+    std::vector<double> all, places;
+    for (; i < end; ++i) {
+      places.clear();
+      add_beside(static_cast<std::uint32_t>(i), shortest, places);
+      const bool has_middle = has_middles || !places.empty();
+      if (has_middle) places.push_back(0.5);
+      std::sort(places.begin(), places.end());
+      const std::size_t first = all.size();
+      all.push_back(0);
+      for (const double place : places)
+        if (place - all.back() >= kNearest && 1 - place >= kNearest) all.push_back(place);
+      all.push_back(1);
+      edges_[i].sample_count = static_cast<std::uint32_t>(all.size() - first);
     }
-    e.sample_count = static_cast<std::uint32_t>(place_.size()) - e.first_sample;
+    return all;
+  });
+  place_ = concatenate<double>(blocks, control);
+  std::uint32_t first = 0;
+  for (std::size_t i = 0; i < edges_.size(); ++i) {
+    edges_[i].first_sample = first;
+    first += edges_[i].sample_count;
   }
 }
 

@@ -36,7 +36,7 @@ class SampledEdges {
  public:
   /// Input:  the patches, which must outlive this object. `has_middles` asks for a sample in the middle of each edge,
   ///         and not only where something is near.
-  /// Errors: kCancelled, kTimeout - asked to stop through `control`.
+  /// Errors: kOutOfMemory - see MemoryBound; kCancelled, kTimeout - asked to stop through `control`.
   SampledEdges(const TriangulatedPatches& triangulated, bool has_middles, RunControl& control);
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(edges_.size()); }
@@ -94,6 +94,7 @@ class SampledEdges {
   void add_edge(EdgeSide side, bool is_constrained);
   void add_side(EdgeSide side, bool is_forward);
   bool is_forward(EdgeSide side) const { return is_forward(begin_[side.patch] + side.half_edge); }
+  std::vector<double> shortest_at_vertices(RunControl& control) const;
   void place_samples(bool has_middles, RunControl& control);
   void add_beside(std::uint32_t e, const std::vector<double>& shortest, std::vector<double>& places) const;
 
@@ -105,7 +106,7 @@ class SampledEdges {
   std::vector<SampledEdge> edges_;
   std::vector<EdgeSide> sides_;
   std::vector<std::uint32_t> half_edges_;  ///< one per side
-  std::vector<double> place_;
+  std::vector<double, DefaultInit<double>> place_;
 };
 
 }  // namespace remesh

@@ -1,8 +1,14 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
+#include <random>
+#include <string>
+#include <vector>
 
 #include "core/refinement/prediction.h"
+#include "core/remesh.h"
+#include "tests/support/hostile_families.h"
 #include "tests/support/refined_checks.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"
@@ -14,6 +20,97 @@ Prediction predicted(const PolygonMesh& mesh, const Options& options) {
   StageChain chain(mesh);
   const Goals goals = goals_of(options, 1);
   return predict_closely(chain.triangulated, goals, SizeField(goals.max_edge_length), chain.control);
+}
+
+struct Member {
+  std::string name;
+  PolygonMesh mesh;
+};
+
+/// Makes a terrain over n x n squares, with random heights and two triangles for each square.
+PolygonMesh terrain(int n, double height, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> heights(0, height), noise(-0.3, 0.3);
+  PolygonMesh mesh = shapes::sheet(n, n, n, n);
+  for (Vec3& p : mesh.positions) p += Vec3{noise(random), noise(random), heights(random)};
+  return mesh;
+}
+
+/// Makes a sheet of long facets that is folded to and fro.
+PolygonMesh folded_sheet(int facets, double width, double length) {
+  std::vector<Vec3> positions;
+  std::vector<std::vector<std::uint32_t>> faces;
+  for (int i = 0; i <= facets; ++i)
+    for (const double y : {0.0, length}) positions.push_back({width * i, y, i % 2 == 0 ? 0 : width});
+  for (int i = 0; i < facets; ++i) {
+    const auto v = static_cast<std::uint32_t>(2 * i);
+    faces.push_back({v, v + 2, v + 3, v + 1});
+  }
+  return shapes::from_lists(positions, faces);
+}
+
+std::vector<Member> families() {
+  return {{"box", shapes::box({10, 4, 1})},
+          {"plate", shapes::box({10, 10, 0.2})},
+          {"fan", hostile::family("fan_around_a_vertex").make(60)},
+          {"cylinder", shapes::cylinder(48, 1, 3)},
+          {"disc", shapes::cylinder(64, 10, 0.5)},
+          {"folded sheet", folded_sheet(20, 0.25, 6)},
+          {"terrain", terrain(12, 1.5, 7)},
+          {"plate with a hole", shapes::plate_with_round_hole(32)}};
+}
+
+/// Expects that what the report predicts is right within a factor.
+void expect_right_within(double factor, const Member& member, const Options& options) {
+  const Result result = refined(member.mesh, options);
+  const auto predicted = static_cast<double>(result.report.predicted_faces);
+  const auto made = static_cast<double>(result.mesh.faces.size());
+  EXPECT_LE(std::fabs(std::log(predicted / made)), std::log(factor))
+      << member.name << " at " << options.min_angle_deg.value_or(25) << " degrees: " << predicted << " instead of "
+      << made;
+}
+
+TEST(close_prediction, it_is_right_within_a_factor_where_angles_alone_ask_for_faces) {
+  for (const Member& member : families())
+    for (const double angle : {20.0, 25.0, 30.0}) expect_right_within(1.5, member, with_angle(angle));
+}
+
+TEST(close_prediction, it_is_right_within_a_factor_where_sizes_are_asked_for) {
+  for (const Member& member : families())
+    for (const double angle : {20.0, 25.0, 30.0}) {
+      Options options = with_angle(angle);
+      options.max_edge_length = 0.5;
+      expect_right_within(1.5, member, options);
+    }
+}
+
+TEST(close_prediction, it_is_right_within_a_factor_where_gaps_ask_for_sizes) {
+  for (const Member& member : families())
+    for (const double angle : {20.0, 25.0, 30.0}) {
+      Options options = with_angle(angle);
+      options.proximity = 0.5;
+      expect_right_within(1.5, member, options);
+    }
+}
+
+TEST(close_prediction, it_is_the_same_for_any_number_of_threads) {
+  for (const Member& member : families()) {
+    Options options = with_angle(25);
+    options.proximity = 0.5;
+    EXPECT_EQ(refined(member.mesh, options, 1).report.predicted_faces,
+              refined(member.mesh, options, 4).report.predicted_faces)
+        << member.name;
+  }
+}
+
+TEST(close_prediction, neither_a_scale_nor_a_turn_changes_much) {
+  for (const Member& member : families()) {
+    const double one = predicted(member.mesh, with_angle(25)).expected;
+    const double scaled = predicted(shapes::scaled(member.mesh, 0x1p20), with_angle(25)).expected;
+    const double turned = predicted(shapes::rotated(member.mesh, {1, 2, 3}, 40), with_angle(25)).expected;
+    EXPECT_NEAR(scaled / one, 1, 1e-6) << member.name;
+    EXPECT_NEAR(turned / one, 1, 0.15) << member.name;
+  }
 }
 
 TEST(close_prediction, a_needle_whose_only_small_angle_is_that_of_the_input_is_one_face) {
