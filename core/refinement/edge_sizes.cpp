@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <span>
 #include <utility>
@@ -176,12 +178,13 @@ class EdgeSizes::Spreading {
       : sizes_(sizes), edges_(sizes.edges_), lengths_(sizes.length_), control_(control) {
     control.memory().ask_for<Item>(lengths_.size());
     from_.assign(lengths_.size(), kNowhere);
-    double longest = 0;
+    double shortest = std::numeric_limits<double>::max(), longest = 0;
     for (const double length : lengths_) {
-      if (length > 0) shortest_ = std::min(shortest_, length);
+      if (length > 0) shortest = std::min(shortest, length);
       if (std::isfinite(length)) longest = std::max(longest, length);
     }
-    buckets_.resize(longest > 0 ? bucket_of(longest) + 1 : 1);
+    first_step_ = step_of(shortest);
+    buckets_.resize(longest > 0 ? step_of(longest) - first_step_ + 1 : 1);
   }
 
   void run() {
@@ -209,15 +212,14 @@ class EdgeSizes::Spreading {
     std::uint32_t edge, sample;
   };
 
-  /// Returns the number of a length's bucket. There is one for each factor of the root of two.
-  std::size_t bucket_of(double length) const {
-    const double ratio = std::clamp(length / shortest_, 1.0, 0x1p200);
-    return static_cast<std::size_t>(std::ilogb(ratio * ratio));
-  }
+  /// Returns a number that grows with the length, by eight for each factor of two: it is the exponent and three bits of
+  /// the fraction.
+  static std::size_t step_of(double length) { return std::bit_cast<std::uint64_t>(length) >> 49; }
 
   void put(std::uint32_t edge, std::uint32_t sample, std::uint32_t from) {
     from_[sample] = from;
-    buckets_[std::min(bucket_of(lengths_[sample]), buckets_.size() - 1)].push_back({edge, sample});
+    const std::size_t step = std::max(step_of(lengths_[sample]), first_step_);
+    buckets_[std::min(step - first_step_, buckets_.size() - 1)].push_back({edge, sample});
   }
 
   /// Makes the length at a sample no larger than `length`, but not smaller than its floor allows.
@@ -290,7 +292,7 @@ class EdgeSizes::Spreading {
     const std::uint32_t other = edges_.edge_of(way.half_edge);
     Limits& limit = sizes_.limits_[other];
     if (limit.has_no_room || !(way.length < kLess * limit.longest)) return;
-    const double reach = (kLess * limit.longest - way.length) / sizes_.growth_;
+    const double reach = (kLess * limit.longest - way.length) * per_growth_;
     const double sine_squared = way.versine < 1 ? way.versine * (2 - way.versine) : 1;
     if (way.here * way.here * sine_squared >= reach * reach) return;
     // On a long edge, only the samples near the foot are looked at.
@@ -322,7 +324,7 @@ class EdgeSizes::Spreading {
 
   /// Offers a length to a sample of the other edge, and returns whether it is lower there.
   bool offer(const Across& way, double from_corner, const Limits& limit, std::uint32_t sample) {
-    const double reach = (kLess * lengths_[sample] - way.length) / sizes_.growth_;
+    const double reach = (kLess * lengths_[sample] - way.length) * per_growth_;
     if (!(reach > 0)) return false;
     const double apart = way.here - from_corner;
     const double squared = apart * apart + 2 * way.here * from_corner * way.versine;
@@ -333,7 +335,8 @@ class EdgeSizes::Spreading {
   const SampledEdges& edges_;
   std::vector<double>& lengths_;
   RunControl& control_;
-  double shortest_ = HUGE_VAL;
+  const double per_growth_ = 1 / sizes_.growth_;
+  std::size_t first_step_;           ///< of the shortest length
   std::vector<std::uint32_t> from_;  ///< one per sample: where its length came from, if it has to be spread
   std::vector<std::vector<Item>> buckets_;
 };
@@ -353,6 +356,7 @@ EdgeSizes::EdgeSizes(const SampledEdges& edges, const TriangulatedPatches& trian
   tangent_ = tangent_of(goals.min_angle_deg);
   beside_segment_ = 2 / tangent_of(std::max(goals.min_angle_deg, least_strip_angle_deg(sizes)));
   beside_vertex_ = kBesideVertex * slack_ * 2 / tangent_;
+  if (sizes.is_uniform()) asked_ = asked_for(goals, sizes, PatchChart(), {});
   control.memory().ask_for<double>(edges.sample_count());
   length_.resize(edges.sample_count());
   control.memory().ask_for<Limits>(edges.size());
@@ -438,7 +442,7 @@ void EdgeSizes::limit_by_goals(std::uint32_t edge, const Surroundings& near, con
   const EdgeSide side = edges_.sides(e).front();
   const SampledEdges::Way way = edges_.way(side);
   const PatchChart chart = sizes_.is_uniform() ? PatchChart() : triangulated.charts[side.patch];
-  const double in_middle = asked_for(goals_, sizes_, chart, way.at(0.5));
+  const double in_middle = sizes_.is_uniform() ? asked_ : asked_for(goals_, sizes_, chart, way.at(0.5));
   double read_at = 0.5, asked = in_middle;
   for (std::uint32_t n = e.first_sample; n < e.first_sample + e.sample_count; ++n) {
     const double apart = std::fabs(edges_.place(n) - read_at) * e.length;

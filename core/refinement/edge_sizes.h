@@ -82,6 +82,7 @@ class EdgeSizes {
   double slack_, growth_, tangent_;
   double beside_segment_;                   ///< the length beside a segment, per distance from it
   double beside_vertex_;                    ///< the length beside a vertex, per distance from it
+  double asked_ = 0;                        ///< the length that is asked for, if it is the same everywhere
   std::vector<double> length_;              ///< one per sample
   std::vector<Limits> limits_;              ///< one per edge
   std::vector<std::uint8_t> excused_side_;  ///< one per triangle: its short side, or kNoSide

@@ -15,7 +15,7 @@ using Mesh = Triangulation2d;
 
 /// The distances of samples from what they are beside grow by this factor. Samples on constrained edges, where pieces
 /// are counted, are denser.
-constexpr double kStep = 6, kStepInside = 8;
+constexpr double kStep = 6, kStepInside = 16;
 /// Samples are no nearer to each other than this fraction of their edge.
 constexpr double kNearest = 0x1p-10;
 /// The first sample beside something is no nearer to it than this fraction of the edge.
@@ -39,10 +39,13 @@ struct Use {
 
 double length_of(Vec2 way) { return std::sqrt(dot(way, way)); }
 
-/// Adds places around one of them, from 0 to 1. The first ones are one step away from it.
+/// Adds places around one of them, from 0 to 1. The first ones are about one step away from it. The distances are the
+/// same for all steps, so that places coincide where several things ask for them.
 void add_around(double place, double step, double factor, std::vector<double>& places) {
   if (place > 0 && place < 1) places.push_back(place);
-  for (double away = std::max(step, kFirst); away < 1; away *= factor) {
+  double away = kFirst;
+  while (away * away * factor <= step * step) away *= factor;
+  for (; away < 1; away *= factor) {
     if (place - away > 0) places.push_back(place - away);
     if (place + away < 1) places.push_back(place + away);
   }
