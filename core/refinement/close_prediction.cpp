@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "core/base/blocks.h"
 #include "core/refinement/edge_sizes.h"
@@ -20,12 +19,11 @@ class PatchWithCuts {
                 const SizeField& sizes)
       : id_(p),
         patch_(triangulated.meshes[p]),
-        chart_(triangulated.charts[p]),
+        chart_(sizes.is_uniform() ? PatchChart() : triangulated.charts[p]),
         lengths_(lengths),
         edges_(lengths.edges()),
         goals_(goals),
-        sizes_(sizes),
-        tangent_(std::tan(goals.min_angle_deg * std::numbers::pi / 180)) {}
+        sizes_(sizes) {}
 
   double run(RunControl& control) const {
     double faces = 0;
@@ -113,7 +111,7 @@ class PatchWithCuts {
     for (std::uint32_t k = h; k < h + 3; ++k) {
       const Vec2 corner = patch_.uv[mesh.from(k)];
       const Vec2 u = patch_.uv[mesh.to(k)] - corner, v = patch_.uv[mesh.apex(k)] - corner;
-      if (cross(u, v) < tangent_ * dot(u, v)) return false;
+      if (cross(u, v) < lengths_.tangent() * dot(u, v)) return false;
     }
     return true;
   }
@@ -132,7 +130,6 @@ class PatchWithCuts {
   const SampledEdges& edges_;
   const Goals& goals_;
   const SizeField& sizes_;
-  const double tangent_;
 };
 
 }  // namespace

@@ -63,16 +63,6 @@ double distance_between(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
   return std::min({distance_from(a, b, c), distance_from(a, b, d), distance_from(c, d, a), distance_from(c, d, b)});
 }
 
-/// Returns the largest coordinate of a patch in space, up to its sign.
-double magnitude_of(const PatchMesh& patch, const PatchChart& chart) {
-  double largest = 0;
-  for (const Vec2 place : patch.uv) {
-    const Vec3 p = chart.to_space(place);
-    largest = std::max({largest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
-  }
-  return largest;
-}
-
 }  // namespace
 
 /// Looks for vertices and edges that are near a constrained edge in one of its patches and do not touch it. These limit
@@ -272,8 +262,10 @@ class EdgeSizes::Spreading {
     if (sizes_.excused_side_[h / 3] == h % 3 && lengths_[item.sample] > kCutShare * e.length) return;
     const double place = edges_.place(item.sample);
     for (const bool is_next : {true, false}) {
-      // Both edges begin at one corner of the triangle. Distances along them are counted from there.
       const std::uint32_t g = is_next ? Mesh::next(h) : Mesh::previous(h);
+      const Limits& limit = sizes_.limits_[edges_.edge_of(g)];
+      if (limit.has_no_room || !(lengths_[item.sample] < kLess * limit.longest)) continue;
+      // Both edges begin at one corner of the triangle. Distances along them are counted from there.
       const double here = (edges_.is_forward(h) != is_next ? place : 1 - place) * e.length;
       spread_to({g, edges_.is_forward(g) == is_next, here, edges_.versine(is_next ? g : h), lengths_[item.sample]});
     }
@@ -291,7 +283,6 @@ class EdgeSizes::Spreading {
   void spread_to(const Across& way) {
     const std::uint32_t other = edges_.edge_of(way.half_edge);
     Limits& limit = sizes_.limits_[other];
-    if (limit.has_no_room || !(way.length < kLess * limit.longest)) return;
     const double reach = (kLess * limit.longest - way.length) * per_growth_;
     const double sine_squared = way.versine < 1 ? way.versine * (2 - way.versine) : 1;
     if (way.here * way.here * sine_squared >= reach * reach) return;
@@ -390,11 +381,6 @@ void EdgeSizes::find_excused(const TriangulatedPatches& triangulated, RunControl
 
 /// Limits the lengths of all edges by what is near them and by the goals. Each edge is on its own.
 void EdgeSizes::limit_all(const TriangulatedPatches& triangulated, RunControl& control) {
-  IdVector<PatchId, double> rounding(triangulated.size());
-  for_blocks(triangulated.size(), kPatchesPerBlock, control, [&](std::size_t begin, std::size_t end) {
-    for (PatchId p(static_cast<std::uint32_t>(begin)); p.value < end; ++p.value)
-      rounding[p] = 0x1p-52 * magnitude_of(triangulated.meshes[p], triangulated.charts[p]);
-  });
   for_blocks(edges_.size(), kEdgesPerBlock, control, [&](std::size_t begin, std::size_t end) {
     StopCheck check(control);
     for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
@@ -405,8 +391,7 @@ void EdgeSizes::limit_all(const TriangulatedPatches& triangulated, RunControl& c
       check();
       for (const EdgeSide side : e.is_constrained ? edges_.sides(e) : std::span<const EdgeSide>()) {
         near.feature = std::min(near.feature, LookAround(*this, side).run());
-        const double step = std::max(rounding[side.patch], triangulated.charts[side.patch].grid() * edges_.scale(side));
-        near.noise = std::max(near.noise, kRoundings * step);
+        near.noise = std::max(near.noise, kRoundings * edges_.rounding(side));
       }
       limit_by_goals(i, near, triangulated);
     }

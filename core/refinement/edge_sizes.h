@@ -39,6 +39,8 @@ class EdgeSizes {
   double at(std::uint32_t sample) const { return length_[sample]; }
   /// Returns how many pieces an edge is expected to be cut into. This need not be a whole number.
   double pieces(std::uint32_t edge) const { return limits_[edge].pieces; }
+  /// Returns the tangent of the bound on angles.
+  double tangent() const { return tangent_; }
   /// Returns by how much lengths grow per distance.
   double growth() const { return growth_; }
   /// Returns how far the bound is from those with which refinement does not end: 0 is there, 1 is no bound.

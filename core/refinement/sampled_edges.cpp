@@ -15,9 +15,9 @@ using Mesh = Triangulation2d;
 
 /// The distances of samples from what they are beside grow by this factor. Samples on constrained edges, where pieces
 /// are counted, are denser.
-constexpr double kStep = 6, kStepInside = 16;
+constexpr double kStep = 12, kStepInside = 16;
 /// Samples are no nearer to each other than this fraction of their edge.
-constexpr double kNearest = 0x1p-10;
+constexpr double kNearest = 0x1p-9;
 /// The first sample beside something is no nearer to it than this fraction of the edge.
 constexpr double kFirst = 0x1p-8;
 /// An end of an edge gets samples if another edge there is shorter than this share of the edge.
@@ -62,24 +62,22 @@ void reserve_asking(std::vector<T>& items, std::size_t count, const RunControl& 
 
 SampledEdges::SampledEdges(const TriangulatedPatches& triangulated, bool has_middles, RunControl& control)
     : meshes_(triangulated.meshes) {
-  StopCheck check(control);
+  constexpr std::size_t kPatches = 64;
   std::uint32_t half_edges = 0;
   begin_.reserve(meshes_.size());
-  reserve_asking(scale_, triangulated.triangle_count(), control);
-  reserve_asking(versine_, 3 * triangulated.triangle_count(), control);
-  for (std::size_t p = 0; p < meshes_.size(); ++p) {
-    const PatchMesh& patch = meshes_[PatchId(p)];
+  for (const PatchMesh& patch : meshes_) {
     begin_.push_back(half_edges);
     half_edges += patch.mesh.half_edge_count();
-    const PatchChart chart = triangulated.charts[PatchId(p)];
-    for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); h += 3) {
-      check();
-      const Vec2 p[3] = {patch.uv[patch.mesh.from(h)], patch.uv[patch.mesh.from(h + 1)],
-                         patch.uv[patch.mesh.from(h + 2)]};
-      scale_.push_back(chart.scale(p[0]));
-      add_versines(p);
-    }
   }
+  control.memory().ask_for<Steps>(meshes_.size());
+  steps_.resize(meshes_.size());
+  control.memory().ask_for<double>(half_edges / 3);
+  scale_.resize(half_edges / 3);
+  control.memory().ask_for<float>(half_edges);
+  versine_.resize(half_edges);
+  for_blocks(meshes_.size(), kPatches, control, [&](std::size_t begin, std::size_t end) {
+    for (PatchId p(static_cast<std::uint32_t>(begin)); p.value < end; ++p.value) measure(triangulated, p, control);
+  });
   reserve_asking(edge_of_, half_edges, control);
   edge_of_.resize(half_edges);
   reserve_asking(sides_, half_edges, control);
@@ -89,18 +87,40 @@ SampledEdges::SampledEdges(const TriangulatedPatches& triangulated, bool has_mid
   place_samples(has_middles, control);
 }
 
+/// Measures the triangles of a patch.
+void SampledEdges::measure(const TriangulatedPatches& triangulated, PatchId p, RunControl& control) {
+  StopCheck check(control);
+  const PatchMesh& patch = meshes_[p];
+  const PatchChart chart = triangulated.charts[p];
+  double largest = 0;
+  for (const Vec2 place : patch.uv) {
+    check();
+    const Vec3 v = chart.to_space(place);
+    largest = std::max({largest, std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)});
+  }
+  steps_[p] = {0x1p-52 * largest, chart.grid()};
+  for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); h += 3) {
+    check();
+    const Vec2 corners[3] = {patch.uv[patch.mesh.from(h)], patch.uv[patch.mesh.from(h + 1)],
+                             patch.uv[patch.mesh.from(h + 2)]};
+    scale_[triangle_of({p, h})] = chart.scale(corners[0]);
+    add_versines(begin_[p] + h, corners);
+  }
+}
+
 /// Adds the versines of a triangle's corners.
-void SampledEdges::add_versines(const Vec2 (&p)[3]) {
+/// Input: `first` is its first half-edge among those of all patches.
+void SampledEdges::add_versines(std::uint32_t first, const Vec2 (&p)[3]) {
   Vec2 direction[3];
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec2 side = p[(k + 1) % 3] - p[k];
     const double length = length_of(side);
     direction[k] = length > 0 ? (1 / length) * side : Vec2{};
   }
-  for (std::size_t k = 0; k < 3; ++k) {
+  for (std::uint32_t k = 0; k < 3; ++k) {
     // The sum of one side's direction and the reversed one of the side before: exact also where the angle is tiny.
     const Vec2 apart = direction[k] + direction[(k + 2) % 3];
-    versine_.push_back(static_cast<float>(dot(apart, apart) / 2));
+    versine_[first + k] = static_cast<float>(dot(apart, apart) / 2);
   }
 }
 

@@ -73,6 +73,10 @@ class SampledEdges {
   std::uint32_t triangle_count() const { return static_cast<std::uint32_t>(scale_.size()); }
   /// Returns the length in model units per length in the plane of the patch, at a half-edge's triangle.
   double scale(EdgeSide side) const { return scale_[triangle_of(side)]; }
+  /// Returns the step of coordinates at a half-edge's triangle, in model units.
+  double rounding(EdgeSide side) const {
+    return std::max(steps_[side.patch].in_space, steps_[side.patch].in_plane * scale(side));
+  }
   const PatchMesh& patch(EdgeSide side) const { return meshes_[side.patch]; }
 
   /// A straight way in the plane of a patch.
@@ -88,7 +92,12 @@ class SampledEdges {
   }
 
  private:
-  void add_versines(const Vec2 (&p)[3]);
+  struct Steps {
+    double in_space, in_plane;
+  };
+
+  void measure(const TriangulatedPatches& triangulated, PatchId p, RunControl& control);
+  void add_versines(std::uint32_t first, const Vec2 (&p)[3]);
   void number_constrained(RunControl& control);
   void number_others(RunControl& control);
   void add_edge(EdgeSide side, bool is_constrained);
@@ -100,6 +109,7 @@ class SampledEdges {
 
   const PatchMeshes& meshes_;
   IdVector<PatchId, std::uint32_t> begin_;  ///< the first half-edge of each patch among those of all patches
+  IdVector<PatchId, Steps> steps_;          ///< the steps of coordinates
   std::vector<std::uint32_t> edge_of_;      ///< one per half-edge: twice its edge, and 1 more if it runs forward
   std::vector<float> versine_;              ///< one per half-edge
   std::vector<double> scale_;               ///< one per triangle
