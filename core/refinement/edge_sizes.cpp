@@ -277,7 +277,7 @@ class EdgeSizes::Spreading {
     bool begins_there;        ///< whether the samples of the other edge begin at the corner
     double here;              ///< the distance of the sample from the corner
     double versine;           ///< of the angle at the corner
-    double length;            ///< at the sample
+    double length;            ///< the length at the sample
   };
 
   void spread_to(const Across& way) {
@@ -318,6 +318,7 @@ class EdgeSizes::Spreading {
     const double reach = (kLess * lengths_[sample] - way.length) * per_growth_;
     if (!(reach > 0)) return false;
     const double apart = way.here - from_corner;
+    if (std::fabs(apart) >= reach) return false;
     const double squared = apart * apart + 2 * way.here * from_corner * way.versine;
     return squared < reach * reach && lower(limit, sample, way.length + sizes_.growth_ * std::sqrt(squared));
   }
@@ -429,13 +430,15 @@ void EdgeSizes::limit_by_goals(std::uint32_t edge, const Surroundings& near, con
   const PatchChart chart = sizes_.is_uniform() ? PatchChart() : triangulated.charts[side.patch];
   const double in_middle = sizes_.is_uniform() ? asked_ : asked_for(goals_, sizes_, chart, way.at(0.5));
   double read_at = 0.5, asked = in_middle;
-  for (std::uint32_t n = e.first_sample; n < e.first_sample + e.sample_count; ++n) {
+  const auto read_near = [&](std::uint32_t n) {
     const double apart = std::fabs(edges_.place(n) - read_at) * e.length;
     const bool is_about_same = sizes_.slope() * apart <= kAboutSame * asked;
-    if (!sizes_.is_uniform() && !is_about_same && asked - sizes_.slope() * apart < length_[n]) {
-      read_at = edges_.place(n);
-      asked = asked_for(goals_, sizes_, chart, way.at(read_at));
-    }
+    if (is_about_same || asked - sizes_.slope() * apart >= length_[n]) return;
+    read_at = edges_.place(n);
+    asked = asked_for(goals_, sizes_, chart, way.at(read_at));
+  };
+  for (std::uint32_t n = e.first_sample; n < e.first_sample + e.sample_count; ++n) {
+    if (!sizes_.is_uniform()) read_near(n);
     length_[n] = limit.has_no_room ? e.length : std::max(shortest, std::min(length_[n], asked));
     limit.longest = std::max(limit.longest, length_[n]);
   }

@@ -25,7 +25,7 @@ namespace remesh {
 /// stay.
 /// Holds:  the lengths do not depend on the number of threads. With another order of patches, they differ by a tenth at
 ///         most: a length that would fall by less stays.
-/// Cost:   O(n log n) for n edges; some 100 bytes an edge. Each length is changed a bounded number of times.
+/// Cost:   O(n log n) for n edges; some 100 bytes an edge and 20 a sample. Each length is changed a bounded number of times.
 /// Source: experiments.md, Prediction.
 class EdgeSizes {
  public:
@@ -59,8 +59,9 @@ class EdgeSizes {
   // All lengths are in model units.
 
   struct Limits {
-    double floor = 0;    ///< no piece becomes shorter than this
-    double pieces = 1;   ///< into how many it is cut; before lengths have spread, so many as the size in the middle needs
+    double floor = 0;  ///< no piece becomes shorter than this
+    double pieces =
+        1;  ///< into how many it is cut; before lengths have spread, so many as the size in the middle needs
     double longest = 0;  ///< the largest of the lengths at its samples
     bool has_no_room = false;
   };

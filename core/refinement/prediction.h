@@ -47,7 +47,7 @@ Prediction predict_roughly(const TriangulatedPatches& triangulated, const Goals&
 /// fails the check, which nobody can know before.
 /// Input: Triangulated patches over the vertices that stay.
 /// Holds: The numbers do not depend on the number of threads.
-/// Cost:  O(n log n), some microseconds and some 400 bytes for each triangle.
+/// Cost:  O(n log n), some microseconds and 300 to 800 bytes for each triangle.
 Prediction predict_closely(const TriangulatedPatches& triangulated, const Goals& goals, const SizeField& sizes,
                            RunControl& control);
 

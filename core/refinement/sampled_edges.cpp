@@ -251,23 +251,25 @@ std::vector<double> SampledEdges::shortest_at_vertices(RunControl& control) cons
 void SampledEdges::place_samples(bool has_middles, RunControl& control) {
   constexpr std::size_t kEdges = 1024;
   const std::vector<double> shortest = shortest_at_vertices(control);
-  const auto blocks = map_blocks<std::vector<double>>(edges_.size(), kEdges, control, [&](std::size_t i, std::size_t end) {
-    std::vector<double> all, places;
-    for (; i < end; ++i) {
-      places.clear();
-      add_beside(static_cast<std::uint32_t>(i), shortest, places);
-      const bool has_middle = has_middles || !places.empty();
-      if (has_middle) places.push_back(0.5);
-      std::sort(places.begin(), places.end());
-      const std::size_t first = all.size();
-      all.push_back(0);
-      for (const double place : places)
-        if (place - all.back() >= kNearest && 1 - place >= kNearest) all.push_back(place);
-      all.push_back(1);
-      edges_[i].sample_count = static_cast<std::uint32_t>(all.size() - first);
-    }
-    return all;
-  });
+  const auto blocks =
+      map_blocks<std::vector<double>>(edges_.size(), kEdges, control, [&](std::size_t i, std::size_t end) {
+        std::vector<double> all, places;
+        all.reserve(4 * (end - i));
+        for (; i < end; ++i) {
+          places.clear();
+          add_beside(static_cast<std::uint32_t>(i), shortest, places);
+          const bool has_middle = has_middles || !places.empty();
+          if (has_middle) places.push_back(0.5);
+          std::sort(places.begin(), places.end());
+          const std::size_t first = all.size();
+          all.push_back(0);
+          for (const double place : places)
+            if (place - all.back() >= kNearest && 1 - place >= kNearest) all.push_back(place);
+          all.push_back(1);
+          edges_[i].sample_count = static_cast<std::uint32_t>(all.size() - first);
+        }
+        return all;
+      });
   place_ = concatenate<double>(blocks, control);
   std::uint32_t first = 0;
   for (std::size_t i = 0; i < edges_.size(); ++i) {

@@ -31,7 +31,7 @@ struct EdgeSide {
 /// The edges of all patches, and samples on them. The samples are dense where sizes may change quickly: beside ends at
 /// which something short begins, and beside the foot of a vertex that is near. From there their distances grow by a
 /// factor. So an edge of a good mesh has a sample at each end, and no edge has more than some 60.
-/// Cost: O(n log n) for n edges, mostly to sort them; some 100 bytes an edge.
+/// Cost: O(n log n) for n edges, mostly to sort them; some 100 bytes an edge and 8 a sample.
 class SampledEdges {
  public:
   /// Input:  the patches, which must outlive this object. `has_middles` asks for a sample in the middle of each edge,
