@@ -23,8 +23,8 @@ namespace remesh {
 /// the floors under the lengths of edges allow, and where there is no room for a cut the edge stays as it is. From its
 /// short side, nothing spreads into a triangle with an angle of the input below the bound, because such a triangle may
 /// stay.
-/// Holds:  the lengths do not depend on the number of threads. With another order of patches, they differ by a tenth at
-///         most: a length that would fall by less stays.
+/// Holds:  the lengths do not depend on the number of threads. With another order of patches, they may differ by about
+///         a tenth: a length that would fall by less stays.
 /// Cost:   O(n log n) for n edges; some 100 bytes an edge and 20 a sample. Each length is changed a bounded number of times.
 /// Source: experiments.md, Prediction.
 class EdgeSizes {

@@ -36,8 +36,7 @@ double peak_of(const Work& work) {
   return static_cast<double>(peak);
 }
 
-/// The close prediction is made when the lists of refinement and of the check are gone. So a run that needs 1,000 bytes
-/// a triangle before is not larger because of it.
+/// These are the bytes of a prediction alone. What it adds to the peak of a run is less, and is not tested.
 TEST(prediction_memory, the_close_prediction_holds_some_hundred_bytes_a_triangle) {
   constexpr double kMaxBytes = 800;
   const int n = unless_sanitized(12, 4);
