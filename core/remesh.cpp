@@ -176,7 +176,7 @@ class Run {
     examine_input();
     report_.surfaces.join_bands();
     watch_.enter(Stage::kRefinement);
-    refiner_->predict_faces(patched(), candidate_.triangulated);
+    refiner_->predict_before(patched(), candidate_.triangulated);
     report_.min_edge_length = refiner_->goals().min_edge_length;
     tell_curves({[&](PatchId p) {
                    return goals() != nullptr ? refiner_->predicted_of_patch()[p.value]
@@ -634,6 +634,7 @@ class Run {
       faces.push_back(static_cast<float>(patch.mesh.triangle_count()));
     // Other options are predicted for the triangles as they were before refinement.
     candidate_.refinement.before.exchange_with(candidate_.triangulated.meshes);
+    refiner_->predict_after(patched(), candidate_.triangulated);
     tell_many_faces(RefinedFaces::Are::kCounted, faces);
     candidate_.refinement.before.exchange_with(candidate_.triangulated.meshes);
     candidate_.refinement.before.clear();

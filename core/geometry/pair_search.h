@@ -321,7 +321,7 @@ std::size_t find_pairs(const SearchedTriangles& triangles, const Reported& repor
     return done;
   }
 
-  const TriangleTree by_shape(triangles.positions, triangles.faces, control, triangles.groups, TriangleTree::kByShape);
+  const TriangleTree by_shape(triangles.positions, triangles.faces, control, {}, TriangleTree::kByShape);
   const EarlierSearch earlier(
       tree, by_shape, [&](std::size_t slot) { return std::binary_search(slots.begin(), slots.end(), slot); }, control);
   slots =

@@ -55,21 +55,29 @@ bool GoalRefinement::has_goals() const {
          std::isfinite(goals_.max_area) || goals_.proximity > 0 || goals_.gradation > 0;
 }
 
-std::uint64_t GoalRefinement::predict_faces(const PatchedSurface& on, const TriangulatedPatches& triangulated) {
+void GoalRefinement::predict_before(const PatchedSurface& on, const TriangulatedPatches& triangulated) {
   const auto gaps = gap_search(on, triangulated);
   const SizeField& sizes = size_field(on, triangulated, gaps.get());
-  if (!has_goals()) return predicted_faces_;
-  Prediction prediction = predict(triangulated, goals_, sizes, control_);
-  while (needs_other_floor(whole(prediction.expected))) prediction = predict(triangulated, goals_, sizes, control_);
+  if (!has_goals()) return;
+  // A floor may leave far fewer faces than are in proportion. So one is expected only where a prediction that is right
+  // within this factor leaves no doubt of it.
+  constexpr double kDoubt = 1.5;
+  Prediction prediction = predict_closely(triangulated, goals_, sizes, control_);
+  while (needs_other_floor(whole(prediction.expected / kDoubt)))
+    prediction = predict_closely(triangulated, goals_, sizes, control_);
   limit_to_proportion(prediction);
-  predicted_faces_ = whole(prediction.expected);
-  // The patches' own shares leave out what comes from cuts that other patches need.
   double sum = 0;
   for (const float share : prediction.of_patch) sum += share;
   const double factor = sum > 0 ? prediction.expected / sum : 1;
   for (float& share : prediction.of_patch) share = static_cast<float>(share * factor);
-  predicted_of_patch_ = std::move(prediction.of_patch);
-  return predicted_faces_;
+  predicted_ = std::move(prediction);
+}
+
+void GoalRefinement::predict_after(const PatchedSurface& on, const TriangulatedPatches& triangulated) {
+  if (!has_goals()) return;
+  const auto gaps = sizes_.field ? nullptr : gap_search(on, triangulated);
+  predicted_ = predict_closely(triangulated, goals_, size_field(on, triangulated, gaps.get()), control_);
+  limit_to_proportion(predicted_);
 }
 
 Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder,
@@ -86,16 +94,16 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
   const auto gaps = gap_search(on, triangulated);
   const SizeField& sizes = size_field(on, triangulated, gaps.get());
   const std::optional<SizeField> graded = sizes_without_floor(on, triangulated);
-  Prediction prediction = predict(triangulated, goals_, sizes, control_);
+  Prediction prediction = predict_roughly(triangulated, goals_, sizes, control_);
   if (gaps && sizes_.coarsest == 0 && prediction.expected > kFarTooMany * static_cast<double>(goals_.max_faces)) {
     sizes_.coarsest = equilateral_edge(area_of(on.surface, triangulated.meshes, control_) /
                                        (kEvenShare * static_cast<double>(goals_.max_faces)));
     sizes_.field.reset();
     size_field(on, triangulated, gaps.get());
-    prediction = predict(triangulated, goals_, sizes, control_);
+    prediction = predict_roughly(triangulated, goals_, sizes, control_);
   }
   limit_to_proportion(prediction);
-  predicted_faces_ = whole(prediction.expected);
+  roughly_predicted_ = whole(prediction.expected);
   const auto attempt = [&](std::uint64_t budget, std::uint64_t max_made) {
     control_.memory().set_output(std::max<std::uint64_t>(triangulated.triangle_count(), std::min(budget, max_made)));
     SegmentTable segments(on.surface, triangulated, frozen_, sizes, goals_, control_);
@@ -131,9 +139,9 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
       if (auto refined = attempt(Goals::kNoLimit, max_made())) return measured(*std::move(refined));
       if (!may_change_floor()) break;
       change_floor();
-      prediction = predict(triangulated, goals_, sizes, control_);
+      prediction = predict_roughly(triangulated, goals_, sizes, control_);
       limit_to_proportion(prediction);
-      predicted_faces_ = whole(prediction.expected);
+      roughly_predicted_ = whole(prediction.expected);
     }
     needs_budget_ = is_hopeless_ = true;
   }
@@ -163,7 +171,7 @@ void GoalRefinement::measure_sizes(const PatchedSurface& on, std::span<const std
 bool GoalRefinement::is_worth_trying_without_budget() const {
   if (may_change_floor()) return true;
   return goals_.max_faces != Goals::kNoLimit &&
-         static_cast<double>(predicted_faces_) <=
+         static_cast<double>(roughly_predicted_) <=
              std::max(kFewFaces, kHopeless * static_cast<double>(goals_.max_faces));
 }
 
@@ -176,7 +184,7 @@ std::uint64_t GoalRefinement::max_made() const {
   };
   if (may_change_floor()) return far_more_than(goals_.faces_without_floor);
   const std::uint64_t most = std::min(goals_.max_faces, kMaxFaces), max = far_more_than(most);
-  const std::uint64_t made = std::clamp(whole(kMaxOfPredicted * static_cast<double>(predicted_faces_)), most, max);
+  const std::uint64_t made = std::clamp(whole(kMaxOfPredicted * static_cast<double>(roughly_predicted_)), most, max);
   return effort_.taken() == 0 ? made : std::min(made, effort_.left());
 }
 
@@ -249,12 +257,13 @@ double GoalRefinement::predict_with(const Goals& goals, const PatchedSurface& on
                                     const TriangulatedPatches& triangulated) const {
   const bool have_same_sizes = goals.max_edge_length == goals_.max_edge_length && goals.proximity == goals_.proximity &&
                                goals.gradation == goals_.gradation;
-  if (sizes_.field && have_same_sizes) return predict(triangulated, goals, *sizes_.field, control_).expected;
+  if (sizes_.field && have_same_sizes) return predict_roughly(triangulated, goals, *sizes_.field, control_).expected;
   if (goals.proximity > 0 && goals_.proximity > 0 && sample_count() > kManySamples)
-    return predict(triangulated, goals, sizes_.field->rescaled(goals_.proximity, goals, control_), control_).expected;
+    return predict_roughly(triangulated, goals, sizes_.field->rescaled(goals_.proximity, goals, control_), control_)
+        .expected;
   const auto gaps = goals.proximity > 0 ? gap_search(on, triangulated) : nullptr;
   const SizeField sizes = sizes_for(goals, gaps.get(), 0, on, triangulated, control_);
-  return predict(triangulated, goals, sizes, control_).expected;
+  return predict_roughly(triangulated, goals, sizes, control_).expected;
 }
 
 bool GoalRefinement::is_over_budget(std::uint64_t faces) {

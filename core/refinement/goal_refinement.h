@@ -1,6 +1,7 @@
 /// Runs refinement: it makes attempts within a budget, and freezes patches whose refinement fails.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -18,6 +19,7 @@
 #include "core/refinement/floor_search.h"
 #include "core/refinement/gap_search.h"
 #include "core/refinement/goals.h"
+#include "core/refinement/prediction.h"
 #include "core/refinement/rounds.h"
 #include "core/refinement/size_field.h"
 
@@ -61,8 +63,8 @@ class GoalRefinement {
   }
   /// Makes refinement aim at larger angles than are asked for, by some degrees. Vertices are to be moved after it.
   void set_angle_margin(double degrees) { angle_margin_ = degrees; }
-  /// Returns the number of faces that the last attempt predicted.
-  std::uint64_t predicted_faces() const { return predicted_faces_; }
+  /// Returns the number of faces that was predicted to be told to users.
+  std::uint64_t predicted_faces() const { return static_cast<std::uint64_t>(std::min(predicted_.expected, 0x1p62)); }
   /// Returns the smallest distance from a facet to another that is not its neighbour, in model units. It is known only
   /// with goals.proximity, and not if the search for it was cut short.
   std::optional<double> smallest_gap() const { return sizes_.smallest_gap; }
@@ -70,14 +72,18 @@ class GoalRefinement {
   /// Returns the number of samples of sizes that are held.
   std::size_t sample_count() const { return sizes_.field ? sizes_.field->sample_count() : 0; }
 
-  /// Predicts how many faces refinement will make of these triangles. If they are out of proportion, it is predicted
-  /// for the lowest floor with which they are not.
-  std::uint64_t predict_faces(const PatchedSurface& on, const TriangulatedPatches& triangulated);
-  /// Returns how the faces that predict_faces predicted are shared out among the patches. Their sum is that number.
+  /// Predicts closely how many faces refinement will make of these triangles. If they are out of proportion, it is
+  /// predicted for the lowest floor with which they are not.
+  void predict_before(const PatchedSurface& on, const TriangulatedPatches& triangulated);
+  /// Predicts closely how many faces refinement was to make of these triangles, with the floor that it has found. That
+  /// is known once, after all attempts.
+  /// Input: the triangles as they were before refinement.
+  void predict_after(const PatchedSurface& on, const TriangulatedPatches& triangulated);
+  /// Returns how the faces that predict_before predicted are shared out among the patches. Their sum is that number.
   /// Empty without goals.
-  const std::vector<float>& predicted_of_patch() const { return predicted_of_patch_; }
+  const std::vector<float>& predicted_of_patch() const { return predicted_.of_patch; }
 
-  /// Predicts how many faces refinement would make with other goals.
+  /// Predicts roughly how many faces refinement would make with other goals.
   /// Input: the triangles as they are before refinement.
   /// Cost:  that of a prediction. With other sizes that vary, the size field is computed for them, or rescaled if it
   /// has many samples.
@@ -205,8 +211,8 @@ class GoalRefinement {
   std::uint64_t last_faces_ = 0;            ///< the faces of the last result that was over its budget; 0: none yet
   IdVector<PatchId, std::uint8_t> frozen_;  ///< one per patch; not 0: it is not refined
   Sizes sizes_;
-  std::uint64_t predicted_faces_ = 0;
-  std::vector<float> predicted_of_patch_;
+  std::uint64_t roughly_predicted_ = 0;  ///< by the last attempt, before it began
+  Prediction predicted_;                 ///< what users are told
 };
 
 }  // namespace remesh

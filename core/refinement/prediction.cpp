@@ -15,10 +15,6 @@
 namespace remesh {
 namespace {
 
-/// A refined area has this number of faces per equilateral triangle of the size asked for. See experiments.md,
-/// Prediction.
-constexpr double kFacesPerIdeal = 1.45;
-
 /// A piece of a boundary edge that another patch needs costs this number of faces. They fill the area from the edge to
 /// where faces may be large again.
 constexpr double kFacesPerPiece = 2.5;
@@ -374,8 +370,8 @@ double least_faces(const TriangulatedPatches& triangulated, const IdVector<Patch
   return sum;
 }
 
-Prediction predict(const TriangulatedPatches& triangulated, const Goals& goals, const SizeField& sizes,
-                   RunControl& control) {
+Prediction predict_roughly(const TriangulatedPatches& triangulated, const Goals& goals, const SizeField& sizes,
+                           RunControl& control) {
   struct Block {
     Prediction sum;
     std::vector<EdgePieces> pieces;

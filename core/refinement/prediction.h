@@ -1,4 +1,11 @@
 /// Estimates how many faces a refinement will make before it is done.
+///
+/// There are two predictions, because there are two purposes:
+/// - predict_roughly steers refinement: it shares out the faces allowed among patches, and tells which attempts are not
+///   worth while. Each attempt makes one, so it has to take no time. Results depend on it, so it may only change where
+///   results may change.
+/// - predict_closely is what users are told. It is nearer to the result, but takes several times as long. It is made
+///   once for each answer, and no result depends on it.
 #pragma once
 
 #include <cstdint>
@@ -13,22 +20,36 @@
 namespace remesh {
 
 struct Prediction {
-  /// This is the number of faces to expect. It is mostly right within a factor of 1.5, and nearly always within 3; see
-  /// experiments.md, Prediction, for the shares. (For fans of needles, and for facets whose neighbours are cut again
-  /// and again at a bound of 30 degrees, there is no cheap tight estimate.)
+  /// This is the number of faces to expect.
   double expected = 0;
-  /// This is each patch's share in that, which is at least 1. It leaves out what the patch makes of cuts that other
-  /// patches need.
+  /// This is each patch's share in that, which is at least 1.
   std::vector<float> of_patch;
 };
+
+/// A refined area has this number of faces per equilateral triangle of the size asked for. See experiments.md,
+/// Prediction.
+inline constexpr double kFacesPerIdeal = 1.45;
 
 /// A result with more faces cannot be made, because half-edges are numbered in 31 bits.
 inline constexpr std::uint64_t kMaxFaces = std::uint64_t{1} << 29;
 
+/// Predicts the faces of each patch from its own narrow places, and adds some for cuts that its neighbours need. The
+/// shares of the patches leave these out. It does not know needles that may stay, nor that cuts lead to further cuts.
 /// Input: Triangulated patches over the vertices that stay.
 /// Cost:  O(n), or O(n log n) if sizes vary.
-Prediction predict(const TriangulatedPatches& triangulated, const Goals& goals, const SizeField& sizes,
-                   RunControl& control);
+Prediction predict_roughly(const TriangulatedPatches& triangulated, const Goals& goals, const SizeField& sizes,
+                           RunControl& control);
+
+/// Predicts the faces of all patches together. With a bound on angles and boundaries that may be cut, the lengths of
+/// edges that the bound leads to are estimated first (EdgeSizes), and then the triangles that fit between them are
+/// counted. Without, it is predict_roughly. It is mostly right within a factor of 1.5, and nearly always within 3; see
+/// experiments.md, Prediction, for the shares. It is too high where patches stay as they are because their refinement
+/// fails the check, which nobody can know before.
+/// Input: Triangulated patches over the vertices that stay.
+/// Holds: The numbers do not depend on the number of threads.
+/// Cost:  O(n log n), some microseconds and 300 to 800 bytes for each triangle.
+Prediction predict_closely(const TriangulatedPatches& triangulated, const Goals& goals, const SizeField& sizes,
+                           RunControl& control);
 
 /// Computes a lower bound on the number of faces in any result. For each patch it is the largest of three numbers: its
 /// triangles as they are, the triangles that the pieces of its boundary need, and its area over the area of the largest

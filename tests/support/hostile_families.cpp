@@ -207,6 +207,19 @@ PolygonMesh fan_around_a_vertex(std::size_t size) {
   for (std::uint32_t i = 0; i < n; ++i) out.face({middle, 1 + i, 1 + (i + 1 == n ? 0 : i + 1)});
   return out.take();
 }
+/// As a file with nine digits has it: some neighbours are in one plane, and become patches of a few needles.
+PolygonMesh round_cone(std::size_t size) {
+  Builder out;
+  const std::uint32_t middle = out.vertex({0, 0, 1});
+  const auto rounded = [](double x) { return std::nearbyint(x * 0x1p30) / 0x1p30; };
+  for (std::size_t i = 0; i < size; ++i) {
+    const Vec2 p = on_circle(i, size);
+    out.vertex({rounded(p.x), rounded(p.y), 0});
+  }
+  const auto n = static_cast<std::uint32_t>(size);
+  for (std::uint32_t i = 0; i < n; ++i) out.face({middle, 1 + i, 1 + (i + 1 == n ? 0 : i + 1)});
+  return out.take();
+}
 PolygonMesh fan_around_an_edge(std::size_t size) {
   Builder out;
   Random random(9);
@@ -233,6 +246,7 @@ constexpr std::array kFamilies{
     Family{"spanning_needles", Answer::kInProportion, spanning_needles},
     Family{"parallel_needles", Answer::kInProportion, parallel_needles},
     Family{"fan_around_a_vertex", Answer::kInProportion, fan_around_a_vertex},
+    Family{"round_cone", Answer::kInProportion, round_cone},
     Family{"fan_around_an_edge", Answer::kInProportion, fan_around_an_edge},
 };
 
