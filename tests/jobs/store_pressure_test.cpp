@@ -202,7 +202,7 @@ TEST_F(store_pressure, a_damaged_row_that_cannot_be_mended_keeps_no_other_from_b
   EXPECT_EQ(done.damaged, 1);
   EXPECT_FALSE(done.error.empty());
   EXPECT_EQ(state(*store, mended), JobState::kFailed);
-  int retried = 0;
+  int retried = done.retried;
   for (int i = 0; i < 200 && retried == 0; ++i) {
     std::this_thread::sleep_for(milliseconds(10));
     retried += store->upkeep().retried;
