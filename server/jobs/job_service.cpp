@@ -70,6 +70,7 @@ void JobService::start() {
 void JobService::begin_drain() { runner_.begin_drain(); }
 
 void JobService::stop() {
+  if (std::exchange(is_stopped_, true)) return;
   store_->end_calls_at(Clock::now() + kLastCalls);
   runner_.stop();
   looks_.reset();

@@ -60,6 +60,7 @@ class JobService {
   mutable std::mutex mutex_;
   QueueStatistics statistics_;
   Clock::time_point next_upkeep_{};
+  bool is_stopped_ = false;
   Clock::time_point next_touch_{};
   Clock::time_point next_sum_{};
   std::atomic<std::uint64_t> stored_bytes_{0};
