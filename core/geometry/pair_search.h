@@ -13,6 +13,7 @@
 
 #include "core/base/blocks.h"
 #include "core/base/run_control.h"
+#include "core/base/stoppable.h"
 #include "core/geometry/oriented_boxes.h"
 #include "core/geometry/self_intersections.h"
 #include "core/geometry/triangle_tree.h"
@@ -223,6 +224,24 @@ class EarlierSearch {
   std::vector<std::uint32_t> last_finished_;  ///< by node: the last earlier slot of those that are not left, or 0
 };
 
+/// Returns the groups without those that have only a few faces, as for a TriangleTree. A node of a large group makes no
+/// pair with the faces of that group. A few needles in a group make a node that meets many others.
+/// Input:   groups are numbered from 0.
+inline std::vector<std::uint32_t> large_groups(std::span<const std::uint32_t> groups, RunControl& control) {
+  constexpr std::uint32_t kFewFaces = 64;
+  std::vector<std::uint32_t> counts, large(groups.begin(), groups.end());
+  StopCheck check(control);
+  for (const std::uint32_t group : groups) {
+    check();
+    if (group == TriangleTree::kNoGroup) continue;
+    if (group >= counts.size()) counts.resize(std::max<std::size_t>(std::size_t{group} + 1, 2 * counts.size()));
+    ++counts[group];
+  }
+  for (std::uint32_t& group : large)
+    if (group != TriangleTree::kNoGroup && counts[group] < kFewFaces) group = TriangleTree::kNoGroup;
+  return large;
+}
+
 /// Appends to the result the pairs of faces whose triangles meet, within the margin, and for which is_pair(face, other)
 /// holds, until the search is cut short. Of the pairs that are further apart, is_pair is called for some.
 /// Input:   faces are numbered as in `triangles`. reported(face) is the face that is reported for one.
@@ -321,7 +340,8 @@ std::size_t find_pairs(const SearchedTriangles& triangles, const Reported& repor
     return done;
   }
 
-  const TriangleTree by_shape(triangles.positions, triangles.faces, control, {}, TriangleTree::kByShape);
+  const std::vector<std::uint32_t> groups = large_groups(triangles.groups, control);
+  const TriangleTree by_shape(triangles.positions, triangles.faces, control, groups, TriangleTree::kByShape);
   const EarlierSearch earlier(
       tree, by_shape, [&](std::size_t slot) { return std::binary_search(slots.begin(), slots.end(), slot); }, control);
   slots =
