@@ -13,8 +13,8 @@
 
 namespace remesh::server::jobs {
 
-/// One round of upkeep. It changes a bounded number of jobs, each in a transaction of its own: what one job's row or size
-/// keeps from being done does not keep the others from it.
+/// One round of upkeep. It changes a bounded number of jobs, each in a transaction of its own: a job whose row or size
+/// keeps it from being changed does not keep others from it.
 class JobUpkeep {
  public:
   JobUpkeep(Database& database, const DatabaseDriver& driver, const StoreRules& rules, const BlobTable& blobs)

@@ -16,8 +16,8 @@ inline constexpr const char* kDamagedJob =
     " OR memory <> CAST(memory AS bigint) OR token <> CAST(token AS bigint) OR attempts <> CAST(attempts AS bigint)"
     " OR commits <> CAST(commits AS bigint) OR version <> CAST(version AS bigint) OR turn <> CAST(turn AS bigint))";
 
-/// The condition for rows of jobs whose blobs count as stored. A daemon of an older version may have removed the blobs of
-/// the others without noting it. An index finds them.
+/// The condition for rows of jobs whose blobs count as stored. A daemon of an older version removes the blobs of the
+/// others without noting it. An index finds these rows.
 inline constexpr const char* kJobWithBlobs = "stored > 0 AND state NOT IN ('cancelled', 'expired')";
 
 /// Creates the tables, or migrates them to the newest version.

@@ -451,13 +451,13 @@ TEST_F(store_pressure, tables_of_the_version_before_get_their_columns_however_lo
 
 TEST_F(store_pressure, a_blob_that_takes_longer_to_delete_than_a_call_may_take_is_deleted) {
   StoreRules rules;
-  rules.timeout = milliseconds(2000);
+  rules.timeout = milliseconds(3000);
   rules.result_ttl = milliseconds(0);
   const auto store = open(rules);
   const std::string large(35 * DatabaseDriver::kPiece, 'x');
   const std::string id = submit(*store, large);
   constexpr int kRows = 2500;
-  burden("blob", "DELETE", 0.9, kRows);
+  burden("blob", "DELETE", 1.1, kRows);
   EXPECT_EQ(work(*store, large), id) << "the input is deleted";
   EXPECT_EQ(count("remeshd_blob WHERE kind = 'input'"), "0");
   std::this_thread::sleep_for(milliseconds(5));
