@@ -62,7 +62,8 @@ void JobUpkeep::attempt(const std::function<void()>& change) {
 }
 
 void JobUpkeep::for_each(const std::string& sql, const Values& values, void (JobUpkeep::*change)(const std::string&)) {
-  // What there is no time for is left to the next round, so that the clock and the leases are looked after meanwhile.
+  // The rest is left to the next round where time runs out, so that the clock and the leases are looked after
+  // meanwhile.
   const Clock::time_point until = Clock::now() + rules_.timeout;
   for (const Row& row : database_.run(sql.c_str(), values)) {
     if (!row[0]) continue;  // see end_damaged

@@ -42,7 +42,7 @@ struct RunningRequest {
   const std::string owner;  ///< identifies the API key; empty if the server has no keys
   const Clock::time_point start = Clock::now();
   RunControl control;
-  Event changed;  ///< set when the work has ended or was cancelled
+  Event changed;                           ///< set when the work has ended or was cancelled
   std::atomic<bool> was_cancelled{false};  ///< by somebody, not because of its memory
   std::atomic<bool> is_computing{false};
   std::atomic<bool> has_ended{false};
