@@ -25,7 +25,8 @@ namespace remesh {
 /// stay.
 /// Holds:  the lengths do not depend on the number of threads. With another order of patches, they may differ by about
 ///         a tenth: a length that would fall by less stays.
-/// Cost:   O(n log n) for n edges; some 100 bytes an edge and 20 a sample. Each length is changed a bounded number of times.
+/// Cost:   O(n log n) for n edges; some 100 bytes an edge and 20 a sample. Each length is changed a bounded number of
+///         times.
 /// Source: experiments.md, Prediction.
 class EdgeSizes {
  public:

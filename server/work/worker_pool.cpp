@@ -10,8 +10,9 @@
 namespace remesh::server {
 namespace {
 
-/// The usual time of a task is a moving average in which each new one counts one part of so many. It is long enough that
-/// a few tasks that were held up, as other programs took the cores, do not make hundreds that wait look like too many.
+/// The usual time of a task is a moving average in which each new one counts one part of so many. It is long enough
+/// that a few tasks that were held up, as other programs took the cores, do not make hundreds that wait look like too
+/// many.
 constexpr double kAveraged = 32;
 
 }  // namespace
