@@ -315,6 +315,7 @@ def test_json_is_checked_when_it_comes(store):
 def test_what_may_be_stored_is_limited(store):
     with daemons(store, 1, "--max-stored", "1MiB") as (daemon,):
         store.query("DELETE FROM remeshd_blob")
+        store.query("UPDATE remeshd_job SET stored = 0")
         large = SQUARE + b"#" * 900_000
         job = accepted(submit(daemon.port, ENDLESS, mesh=large))
         refused = submit(daemon.port, mesh=large)
