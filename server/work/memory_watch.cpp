@@ -31,6 +31,19 @@ std::uint64_t allocated_memory() {
   return state.uordblks + state.hblkhd;
 }
 
+/// Returns the request to end: the one with the largest growth. Of those that seem to have grown about as much, that is
+/// the one that began last, since it loses the smallest part of its work.
+std::shared_ptr<RunningRequest> to_end(const std::vector<std::shared_ptr<RunningRequest>>& computing) {
+  std::uint64_t largest = 0;
+  for (const auto& request : computing) largest = std::max(largest, request->growth.load());
+  const std::uint64_t about_as_much = largest - largest / 8;
+  std::shared_ptr<RunningRequest> last;
+  for (const auto& request : computing) {
+    if (request->growth >= about_as_much && (!last || request->start > last->start)) last = request;
+  }
+  return last;
+}
+
 }  // namespace
 
 MemoryWatch::MemoryWatch(MemoryBudget& budget, RequestRegistry& registry, std::chrono::milliseconds period)
@@ -79,9 +92,7 @@ void MemoryWatch::look(std::uint64_t used) {
   }
   last_used_ = used;
   if (computing.empty() || used <= budget_.limit() || Clock::now() <= patience_until_) return;
-  const auto largest = *std::max_element(computing.begin(), computing.end(), [](const auto& a, const auto& b) {
-    return a->growth.load() < b->growth.load();
-  });
+  const auto largest = to_end(computing);
   log::write(log::Level::kWarning, "over the memory budget, ending the largest request",
              {{"id", largest->id}, {"used", static_cast<std::int64_t>(used)}});
   // Other holders of memory may be waiting, sending or buffered. With them gone there may be room for this request.

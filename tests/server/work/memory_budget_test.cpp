@@ -37,17 +37,24 @@ TEST(memory_budget, what_can_never_fit_differs_from_what_does_not_fit_now) {
   EXPECT_EQ(budget.reserved(), 1000 * kFactor);
 }
 
-TEST(memory_budget, a_body_whose_estimate_is_more_than_the_budget_runs_alone) {
+TEST(memory_budget, a_body_whose_estimate_is_more_than_the_budget_leaves_room_for_small_ones_only) {
   MemoryBudget budget(1000 * kFactor);
   auto large = budget.open_share();
   EXPECT_EQ(status_of(*large, 1001, 1001), 200) << "the work may take less than is estimated";
-  EXPECT_EQ(budget.reserved(), budget.limit());
-  const auto small = budget.open_share();
-  EXPECT_EQ(status_of(*small, 1, 1), 503);
-  large.reset();
+  EXPECT_EQ(budget.reserved(), budget.usual_limit());
+  const auto small = budget.open_share(), other = budget.open_share();
   EXPECT_EQ(status_of(*small, 1, 1), 200);
-  large = budget.open_share();
-  EXPECT_EQ(status_of(*large, 0, 1001), 503) << "now it is the one that waits";
+  EXPECT_EQ(status_of(*other, 0, 1001), 503);
+  EXPECT_EQ(status_of(*other, 125, 125), 503) << "an eighth is left, and a part of that is taken";
+  large.reset();
+  EXPECT_EQ(status_of(*other, 0, 1001), 200);
+}
+
+TEST(memory_budget, work_that_was_ended_with_the_usual_limit_reserved_gets_all_next) {
+  const MemoryBudget budget(800);
+  EXPECT_EQ(budget.next_reservation(/*wanted=*/500, /*reserved=*/100), 500u);
+  EXPECT_EQ(budget.next_reservation(900, 100), 700u);
+  EXPECT_EQ(budget.next_reservation(900, 700), 800u);
 }
 
 TEST(memory_budget, an_estimate_is_reserved_as_a_whole_or_not_at_all) {
@@ -104,8 +111,8 @@ TEST(memory_budget, an_idle_process_takes_whatever_it_does_not_refuse_for_ever) 
   EXPECT_EQ(status_of(*share, 0, 1000), 200);
   EXPECT_EQ(status_of(*share, 500, 1000), 200);
   EXPECT_EQ(status_of(*share, 1000, 1000), 200);
-  EXPECT_EQ(budget.available(), 0u);
-  EXPECT_EQ(status_of(*budget.open_share(), 1, 1), 503);
+  EXPECT_EQ(budget.available(), 100 * kFactor) << "what is used";
+  EXPECT_EQ(status_of(*budget.open_share(), 101, 101), 503);
 }
 
 TEST(memory_watch, beyond_the_budget_the_request_that_grew_most_is_ended) {
@@ -192,6 +199,22 @@ TEST_F(memory, work_that_is_stopped_among_others_is_tried_again_within_its_time)
   other.reset();  // now there is room for what it was seen to take
   EXPECT_EQ(client.answer().status, 200);
   EXPECT_EQ(stub_.hungry, 2);
+}
+
+TEST(memory_watch, of_those_that_grew_about_as_much_the_last_one_is_ended) {
+  log::set_up(log::Format::kText, log::Level::kError);
+  MemoryBudget budget(1000);
+  RequestRegistry registry;
+  MemoryWatch watch(budget, registry, std::chrono::hours(1));
+  const auto first = registry.add(""), second = registry.add(""), third = registry.add("");
+  first->is_computing = second->is_computing = third->is_computing = true;
+  third->growth = 400;
+  first->growth = 810;
+  second->growth = 800;
+  watch.look(1200);
+  EXPECT_EQ(second->eviction, RunningRequest::Eviction::kAmongOthers);
+  EXPECT_EQ(first->eviction, RunningRequest::Eviction::kNone);
+  EXPECT_EQ(third->eviction, RunningRequest::Eviction::kNone);
 }
 
 TEST(memory_watch, free_memory_of_the_allocator_is_returned_before_anybody_is_ended) {
