@@ -48,7 +48,9 @@ TEST(prediction_memory, the_close_prediction_holds_some_hundred_bytes_a_triangle
       {"plate with a round hole", shapes::plate_with_round_hole(20 * n)},
       {"needles", hostile::family("parallel_needles").make(size)},
       {"fan", hostile::family("fan_around_a_vertex").make(size)}};
-  for (const auto& [name, mesh] : surfaces) {
+  for (const auto& surface : surfaces) {
+    const std::string& name = surface.first;
+    const PolygonMesh& mesh = surface.second;
     StageChain chain(mesh);
     const Goals goals = goals_of(Options{}, 1);
     const double of_prediction =
