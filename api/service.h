@@ -92,8 +92,7 @@ void check_remesh(const Request& request, const Limits& limits);
 /// Input: a request that check_remesh accepts.
 bool has_json_mesh(const Request& request, const Limits& limits);
 /// Checks a request whose mesh is JSON by reading all of it: the text must be JSON, and the options in it must be
-/// valid.
-/// Errors in the mesh itself are not looked for.
+/// valid. Errors in the mesh itself are not looked for.
 /// Errors: kMalformedJson; those of options.
 /// Cost:   takes up to kCheckPerJsonByte bytes of memory for each byte of the body.
 void check_json(const Request& request, const Limits& limits);

@@ -15,7 +15,7 @@ constexpr std::chrono::milliseconds kLook{1000};
 constexpr std::chrono::milliseconds kMaxBetweenUpkeeps{5000};
 /// How often the store is written to even if nothing else happens. The write lets the store remember the time.
 constexpr std::chrono::seconds kTouch{60};
-/// Adding up the sizes of all blobs takes long in a large store.
+/// How often the bytes that all jobs store are added up, for the metrics.
 constexpr std::chrono::seconds kBetweenSums{5};
 /// How long a stopping daemon waits for its last calls of the store, which give jobs back. The calls of a store that
 /// does not answer end then.

@@ -141,6 +141,9 @@ auto SqlStore::with_database(std::string_view op, Access access, Operation opera
     auto result = attempt(operation, reserve);
     note(op, access, start, nullptr);
     return result;
+  } catch (const LimitReached&) {
+    note(op, Access::kRead, start, nullptr);  // the store is well: one client, or all, have stored what they may
+    throw;
   } catch (const RoomRefused& error) {
     note(op, Access::kRead, start, &error);  // nothing was tried, which says nothing about other operations
     throw;

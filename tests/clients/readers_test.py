@@ -135,7 +135,7 @@ def main():
                 print(f"{READERS} readers have begun after {all_begun:.0f} s and {sum(r.refusals for r in readers)} refusals",
                       flush=True)
                 time.sleep(30)
-                while_reading = min(watcher.memory[watched:])
+                held = max(watcher.memory[watched:])
                 while len(slow) > len(cut_lines(daemon, path, total)):
                     if time.monotonic() - began > MAX_CUT + all_begun + 30:
                         break
@@ -145,11 +145,8 @@ def main():
                 print(f"{len(cuts)} slow readers were cut, the last one {max(cuts, default=0):.0f} s after its request", flush=True)
                 size, digest = good.result()
                 time.sleep(2)
-                # The allocator keeps some memory that was freed, and that is not held by answers.
-                after = memory_of(daemon)
-                held = while_reading - after
-                print(f"{READERS + 1} answers of {total} bytes held {held / 1e6:.1f} MB; the daemon had {before / 1e6:.1f} MB "
-                      f"before them, {while_reading / 1e6:.1f} MB then and {after / 1e6:.1f} MB after them", flush=True)
+                print(f"the whole daemon held {held / 1e6:.1f} MB with {READERS + 1} answers of {total} bytes, and "
+                      f"{before / 1e6:.1f} MB before them", flush=True)
             finally:
                 watcher.end()
             print(f"the reader of {GOOD_RATE} bytes a second got {size} of {total} bytes")

@@ -453,7 +453,7 @@ def case_memory(run, store):
     count = 3 if run.is_short else 6
     budget = "400MiB" if run.is_short else "1GiB"
     daemon = Daemon(run.program, [*store.flags, "--workers", "2", "--max-running", "2", "--memory-budget", budget])
-    most = [0]
+    largest = [0]
     stopping = threading.Event()
 
     def watch():
@@ -461,7 +461,7 @@ def case_memory(run, store):
         while not stopping.wait(0.05):
             with contextlib.suppress(OSError, IndexError):
                 text = pathlib.Path(f"/proc/{daemon.process.pid}/statm").read_text(encoding="ascii")
-                most[0] = max(most[0], int(text.split()[1]) * 4096 / limit)
+                largest[0] = max(largest[0], int(text.split()[1]) * 4096 / limit)
 
     try:
         daemon.start()
@@ -472,8 +472,8 @@ def case_memory(run, store):
         expect(all(job["state"] == "succeeded" for job in done), f"{[(job['state'], job['problem']) for job in done]}")
         expect(all(job["attempts"] == 1 for job in done), f"{[job['attempts'] for job in done]} attempts")
         back = len(daemon.logged("job given back"))
-        run.tell(f"{count} jobs, {back} put back, resident at most {most[0]:.2f} of the budget")
-        expect(most[0] < 1.1, f"resident at most {most[0]:.2f} of the budget")
+        run.tell(f"{count} jobs, {back} put back, resident at most {largest[0]:.2f} of the budget")
+        expect(largest[0] < 1.1, f"resident at most {largest[0]:.2f} of the budget")
     finally:
         stopping.set()
         daemon.kill()

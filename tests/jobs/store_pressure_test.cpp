@@ -43,6 +43,14 @@ class store_pressure : public ::testing::Test {
   std::unique_ptr<JobStore> open(const StoreRules& rules = {}) const {
     return std::make_unique<SqlStore>(driver(rules.timeout), rules);
   }
+  /// Holds a lock on a connection of its own, so that no job can be written until its transaction ends.
+  std::unique_ptr<Database> locked_by_another() {
+    locker_ = driver();
+    std::unique_ptr<Database> other = locker_->connect();
+    other->begin();
+    other->run(is_sqlite() ? "UPDATE remeshd_schema SET touched_ms = 0" : "LOCK TABLE remeshd_job IN EXCLUSIVE MODE");
+    return other;
+  }
   /// Runs a statement behind the store's back.
   Rows run(const std::string& sql) const { return driver()->connect()->run(sql.c_str()); }
 
@@ -92,6 +100,7 @@ class store_pressure : public ::testing::Test {
   const std::filesystem::path folder_;
   const std::string schema_ = "test_" + new_request_id();
   std::string url_;
+  std::unique_ptr<DatabaseDriver> locker_;
 };
 
 // ---- damaged rows
@@ -321,10 +330,7 @@ TEST_F(store_pressure, a_call_waits_for_a_lock_until_its_deadline_and_not_longer
   rules.timeout = milliseconds(1000);
   const auto store = open(rules);
   const std::string id = submit(*store);
-  const auto connector = driver();
-  const auto other = connector->connect();
-  other->begin();
-  other->run(is_sqlite() ? "UPDATE remeshd_schema SET touched_ms = 0" : "LOCK TABLE remeshd_job IN EXCLUSIVE MODE");
+  const auto other = locked_by_another();
   const Clock::time_point start = Clock::now();
   EXPECT_THROW(submit(*store), StoreError);
   EXPECT_THROW(store->claim("worker", kAnyMemory), StoreError);
@@ -339,10 +345,7 @@ TEST_F(store_pressure, a_call_waits_for_a_lock_until_its_deadline_and_not_longer
 TEST_F(store_pressure, the_calls_of_one_request_share_a_deadline) {
   const auto store = open();
   submit(*store);
-  const auto connector = driver();
-  const auto other = connector->connect();
-  other->begin();
-  other->run(is_sqlite() ? "UPDATE remeshd_schema SET touched_ms = 0" : "LOCK TABLE remeshd_job IN EXCLUSIVE MODE");
+  const auto other = locked_by_another();
   const Clock::time_point start = Clock::now();
   {
     const SharedStoreDeadline deadline(start + milliseconds(200));
@@ -355,10 +358,7 @@ TEST_F(store_pressure, the_calls_of_one_request_share_a_deadline) {
 TEST_F(store_pressure, a_stopping_daemon_ends_its_calls) {
   const auto store = open();
   submit(*store);
-  const auto connector = driver();
-  const auto other = connector->connect();
-  other->begin();
-  other->run(is_sqlite() ? "UPDATE remeshd_schema SET touched_ms = 0" : "LOCK TABLE remeshd_job IN EXCLUSIVE MODE");
+  const auto other = locked_by_another();
   store->end_calls_at(Clock::now());
   EXPECT_THROW(submit(*store), StoreError);
   other->roll_back();

@@ -87,7 +87,8 @@ TEST(close_prediction, it_is_right_within_a_factor_where_sizes_are_asked_for) {
 
 TEST(close_prediction, it_is_right_within_a_factor_where_gaps_ask_for_sizes) {
   for (const Member& member : families()) {
-    // Gaps between needles that meet shrink to nothing, and ask for hundreds of thousands of faces.
+    // SKIPPED: the prediction for a fan is six times too low. The gaps between its needles shrink to nothing, and ask
+    // for hundreds of thousands of faces.
     if (member.name == "fan") continue;
     for (const double angle : {20.0, 25.0, 30.0}) {
       Options options = with_angle(angle);
