@@ -66,7 +66,8 @@ Adjacency::Adjacency(std::size_t vertex_count, std::span<const std::uint32_t> fa
   std::vector<std::uint32_t> edges_before(parts + 1, 0);
   for_blocks(parts, 1, control, [&](std::size_t part, std::size_t) {
     const std::uint32_t begin = by_part.begin[part], end = by_part.begin[part + 1];
-    edges_before[part + 1] = sort_part(part * kVertices, std::span(half_edges_).subspan(begin, end - begin), control);
+    const std::size_t first = part * kVertices, vertices = std::min(kVertices, vertex_count - first);
+    edges_before[part + 1] = sort_part(first, vertices, std::span(half_edges_).subspan(begin, end - begin), control);
   });
   // After the sum, each entry is the number of edges before its part.
   std::partial_sum(edges_before.begin(), edges_before.end(), edges_before.begin());
@@ -79,13 +80,17 @@ Adjacency::Adjacency(std::size_t vertex_count, std::span<const std::uint32_t> fa
 }
 
 /// Sorts half-edges so that those of the same edge are next to each other, and finds their twins.
-/// Input:  The numbers of the half-edges are ascending. The smaller vertex of each is one of the kVertices vertices
-///         that begin with `first`.
+/// Input:  The numbers of the half-edges are ascending. The smaller vertex of each is one of the vertices that begin
+///         with `first`; there are kVertices of these or fewer.
 /// Output: The number of edges that they have.
-std::uint32_t Adjacency::sort_part(std::size_t first, std::span<std::uint32_t> half_edges, RunControl& control) {
+std::uint32_t Adjacency::sort_part(std::size_t first, std::size_t vertices, std::span<std::uint32_t> half_edges,
+                                   RunControl& control) {
   // This is a counting sort by the smaller vertex and by direction, and then a small sort by the larger vertex in each
   // bucket.
-  std::array<std::uint32_t, 2 * kVertices + 1> place{};
+  // A small mesh takes as much of the table as it has vertices.
+  std::array<std::uint32_t, 2 * kVertices + 1> table;
+  const std::span<std::uint32_t> place = std::span(table).first(2 * vertices + 1);
+  std::fill(place.begin(), place.end(), 0);
   using Keys = std::vector<std::uint64_t, DefaultInit<std::uint64_t>>;
   // A key has the larger vertex in its upper half and the half-edge in its lower half.
   Keys gathered(half_edges.size()), keys(half_edges.size());

@@ -59,7 +59,8 @@ class Adjacency {
  private:
   VertexId smaller(std::uint32_t half_edge) const { return std::min(from(half_edge), to(half_edge)); }
   VertexId larger(std::uint32_t half_edge) const { return std::max(from(half_edge), to(half_edge)); }
-  std::uint32_t sort_part(std::size_t first, std::span<std::uint32_t> half_edges, RunControl& control);
+  std::uint32_t sort_part(std::size_t first, std::size_t vertices, std::span<std::uint32_t> half_edges,
+                          RunControl& control);
   void join_edge(std::span<const std::uint64_t> edge, std::uint32_t* half_edges);
   std::vector<EdgeId> number_edges(std::uint32_t edge, std::uint32_t begin, std::uint32_t end, RunControl& control);
 
