@@ -104,8 +104,8 @@ const std::array<OptionSpec, 27> kTable{{
     {.name = "defeature_size",
      .type = OptionType::kNumber,
      .field = &Options::defeature_size,
-     .help = "details smaller than this are removed, in model units: shorter edges, narrower faces, lower steps and "
-             "flaps; auto: only what the rounding of the coordinates explains (plane_tolerance); 0: nothing",
+     .help = "details smaller than this are removed, in model units: shorter edges, narrower faces and slits, lower "
+             "steps and flaps; auto: only what the rounding of the coordinates explains (plane_tolerance); 0: nothing",
      .unset = "auto",
      .example = "0.01"},
     {.name = "proximity",

@@ -268,7 +268,7 @@ class Run {
     triangulate();
     // The ladder comes first, and changes the patches.
     if (!find_failed_patches(candidate_.triangulated.meshes).empty()) return false;
-    if (!details_.are_there(candidate_.triangulated, surface(), control_)) {
+    if (!details_.are_there(candidate_.triangulated, surface(), adjacency(), control_)) {
       details_.stop();
       return false;
     }

@@ -13,50 +13,21 @@
 #include "core/base/work_bound.h"
 #include "core/geometry/self_intersections.h"
 #include "core/mending/detail_complex.h"
+#include "core/mending/detail_shapes.h"
+#include "core/mending/slits.h"
 #include "core/mending/specks.h"
 
 namespace remesh {
 namespace {
 
-/// A face that is a detail may not have been turned over, if it is not noise; others turn by no more than 60 degrees.
-constexpr double kTurnedCosine = 0.5;
 /// Two faces at one edge lie on each other if they enclose less than about 8 degrees.
 constexpr double kFoldedCosine = 0.99;
 /// If details that went have led to new intersections, they stay in another try. There are this many of them.
 constexpr int kMaxTries = 8;
 
-using Places = std::array<Vec3, 3>;
-
-/// Measures of a triangle.
-struct TriangleShape {
-  explicit TriangleShape(const Places& p) : twice_area(cross(p[1] - p[0], p[2] - p[0])) {
-    for (int k = 0; k < 3; ++k) {
-      length[k] = norm(p[(k + 1) % 3] - p[k]);
-      if (length[k] > length[longest]) longest = k;
-    }
-    height = length[longest] > 0 ? norm(twice_area) / length[longest] : 0;
-  }
-
-  bool has_edge_below(double size) const { return std::min({length[0], length[1], length[2]}) < size; }
-
-  Vec3 twice_area;
-  std::array<double, 3> length{};  ///< of the edge that begins at each corner
-  int longest = 0;
-  double height = 0;  ///< over the longest edge
-};
-
-/// The edge from a node to a neighbour, and what is known of it from the triangles there.
-struct Spoke {
-  std::uint32_t to;
-  std::uint32_t faces = 0;
-  int balance = 0;  ///< faces that have the edge in one direction minus those that have it in the other
-  bool is_crease = false;
-  bool is_border = false;
-};
-
 /// Removes the details of one surface.
 /// This class is larger than the bound because it looks at two kinds of details with the same tests of shapes, links
-/// and folds.
+/// and folds. Those of slits are in a class of their own.
 class DetailRemover {
  public:
   DetailRemover(const DetailRules& rules, const std::vector<std::uint8_t>& is_fixed, RunControl& control)
@@ -64,7 +35,8 @@ class DetailRemover {
         complex_(rules.positions, rules.faces, control),
         is_fixed_(is_fixed),
         control_(control),
-        work_(kWorkOfDetails.steps(rules.faces.size(), 0), &control) {
+        work_(kWorkOfDetails.steps(rules.faces.size(), 0), &control),
+        slits_(complex_, rules, is_fixed, work_) {
     DetailRules with_fixed = rules;
     with_fixed.is_fixed = is_fixed;
     specks_ = find_specks(with_fixed, control);
@@ -73,31 +45,38 @@ class DetailRemover {
   WithoutDetails run() {
     for (std::uint32_t t = 0; t < rules_.faces.size(); ++t)
       if (!specks_.has(FaceId(t))) add_details_of(t);
+    if (rules_.closes_slits)
+      for (const std::uint32_t node : nodes_of_open_edges()) add_slit_at(node);
     while (!queue_.empty() && !work_.is_spent()) {
       control_.check();
       const Detail detail = queue_.top();
       queue_.pop();
-      if (detail.is_edge)
+      if (detail.kind == Kind::kEdge)
         remove_edge(detail);
-      else
+      else if (detail.kind == Kind::kSliver)
         remove_sliver(detail);
+      else
+        close_slit(detail);
     }
     result_.is_effort_spent = work_.is_spent();
     return finish();
   }
 
  private:
-  /// An edge between two nodes, or a triangle over a crease.
+  enum class Kind : std::uint8_t { kSliver, kEdge, kSlit };
+
+  /// An edge between two nodes, a triangle over a crease, or a slit.
   struct Detail {
     double size;
-    bool is_edge;
-    std::uint32_t first, second;  ///< the edge's nodes; or the triangle, twice
-    std::array<Vec3, 2> places;   ///< the smaller place first; those of the edge, or of the triangle's longest edge
+    Kind kind;
+    std::uint32_t first, second;  ///< the edge's nodes; or the triangle, or the slit's tip, twice
+    /// The smaller place first: those of the edge, of the triangle's longest edge, or twice that of the tip.
+    std::array<Vec3, 2> places;
 
     /// The smallest detail is the last in this order, since a priority queue serves the last one first.
     friend bool operator<(const Detail& a, const Detail& b) {
-      return std::tie(b.size, b.is_edge, b.places, b.first, b.second) <
-             std::tie(a.size, a.is_edge, a.places, a.first, a.second);
+      return std::tie(b.size, b.kind, b.places, b.first, b.second) <
+             std::tie(a.size, a.kind, a.places, a.first, a.second);
     }
   };
 
@@ -108,22 +87,18 @@ class DetailRemover {
     double bend = 0;  ///< how far planes and creases would be bent
   };
 
-  Places places_of(const PresentTriangle& t) const {
-    return {complex_.place(t.corners[0]), complex_.place(t.corners[1]), complex_.place(t.corners[2])};
-  }
-
   void add_details_of(std::uint32_t triangle) {
     PresentTriangle t{};
     if (!complex_.find_present(triangle, t)) return;
-    const Places places = places_of(t);
+    const Places places = places_of(t, complex_);
     const TriangleShape shape(places);
     for (int k = 0; k < 3; ++k)
       if (shape.length[k] < rules_.size)
-        queue_.push({shape.length[k], true, std::min(t.corners[k], t.corners[(k + 1) % 3]),
+        queue_.push({shape.length[k], Kind::kEdge, std::min(t.corners[k], t.corners[(k + 1) % 3]),
                      std::max(t.corners[k], t.corners[(k + 1) % 3]), in_order(places[k], places[(k + 1) % 3])});
     if (!shape.has_edge_below(rules_.size) && shape.height < rules_.size)
-      queue_.push(
-          {shape.height, false, triangle, triangle, in_order(places[shape.longest], places[(shape.longest + 1) % 3])});
+      queue_.push({shape.height, Kind::kSliver, triangle, triangle,
+                   in_order(places[shape.longest], places[(shape.longest + 1) % 3])});
   }
   static std::array<Vec3, 2> in_order(const Vec3& a, const Vec3& b) {
     return a < b ? std::array{a, b} : std::array{b, a};
@@ -131,44 +106,52 @@ class DetailRemover {
   void add_details_at(std::uint32_t node) {
     complex_.collect(node, triangles_, work_);
     for (const PresentTriangle& t : triangles_) add_details_of(t.index);
+    if (rules_.closes_slits) add_slit_at(node);
   }
 
-  std::vector<Spoke> spokes_of(std::uint32_t node, const std::vector<PresentTriangle>& triangles) const {
-    struct Use {
-      std::uint32_t to;
-      int direction;
-      FaceId face;
-    };
-    std::vector<Use> uses;
-    for (const PresentTriangle& t : triangles) {
-      const int at = t.at(node);
-      uses.push_back({t.corners[(at + 1) % 3], 1, complex_.face_of(t.index)});
-      uses.push_back({t.corners[(at + 2) % 3], -1, complex_.face_of(t.index)});
-    }
-    std::sort(uses.begin(), uses.end(), [](const Use& a, const Use& b) {
-      return std::tie(a.to, a.direction, a.face) < std::tie(b.to, b.direction, b.face);
-    });
-    std::vector<Spoke> spokes;
-    for (std::size_t begin = 0, end = 0; begin < uses.size(); begin = end) {
-      Spoke spoke{uses[begin].to};
-      for (end = begin; end < uses.size() && uses[end].to == spoke.to; ++end) {
-        ++spoke.faces;
-        spoke.balance += uses[end].direction;
-        const FaceId f = uses[begin].face, g = uses[end].face;
-        if (rules_.patch[f.value] != rules_.patch[g.value]) spoke.is_crease = true;
-        if (!rules_.label.empty() && rules_.label[f.value] != rules_.label[g.value]) spoke.is_border = true;
-      }
-      spoke.is_border = spoke.is_border || spoke.faces != 2 || spoke.balance != 0;
-      spoke.is_crease = spoke.is_crease || spoke.is_border;
-      spokes.push_back(spoke);
-    }
-    return spokes;
+  void add_slit_at(std::uint32_t node) {
+    const std::optional<Slit> slit = slits_.find(node);
+    const Vec3& place = complex_.place(node);
+    if (slit) queue_.push({slit->width, Kind::kSlit, node, node, {place, place}});
   }
-  static const Spoke* find_spoke(const std::vector<Spoke>& spokes, std::uint32_t to) {
-    const auto at = std::lower_bound(spokes.begin(), spokes.end(), to,
-                                     [](const Spoke& s, std::uint32_t node) { return s.to < node; });
-    return at != spokes.end() && at->to == to ? &*at : nullptr;
+
+  /// Returns the nodes at edges of one face, ascending. Specks have none.
+  std::vector<std::uint32_t> nodes_of_open_edges() const {
+    using Edge = std::pair<std::uint32_t, std::uint32_t>;
+    control_.memory().ask_for<Edge>(3 * rules_.faces.size());
+    std::vector<Edge> edges;
+    edges.reserve(3 * rules_.faces.size());
+    for (std::size_t f = 0; f < rules_.faces.size(); ++f) {
+      if (specks_.has(FaceId(f))) continue;
+      for (std::size_t k = 0; k < 3; ++k)
+        edges.push_back(std::minmax(rules_.faces[f][k].value, rules_.faces[f][(k + 1) % 3].value));
+    }
+    sort_stoppable(edges.begin(), edges.end(), control_);
+    std::vector<std::uint32_t> nodes;
+    for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
+      while (end < edges.size() && edges[end] == edges[begin]) ++end;
+      if (end - begin == 1) nodes.insert(nodes.end(), {edges[begin].first, edges[begin].second});
+    }
+    sort_stoppable(nodes.begin(), nodes.end(), control_);
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    return nodes;
   }
+
+  void close_slit(const Detail& detail) {
+    const std::uint32_t tip = detail.first;
+    if (complex_.node_of(tip) != tip) return;
+    const std::optional<Slit> slit = slits_.find(tip);
+    if (!slit || slit->width != detail.size) return;
+    complex_.collect(tip, triangles_, work_);
+    const FaceId at_tip = complex_.face_of(triangles_.front().index);
+    const std::vector<std::uint32_t> joined = slits_.close(tip, *slit);
+    if (joined.empty()) return;
+    ++result_.closed_slits;
+    result_.at_slits.push_back(at_tip);
+    for (const std::uint32_t node : joined)
+      if (complex_.node_of(node) == node) add_details_at(node);
+  }
+
   static std::size_t count_borders(const std::vector<Spoke>& spokes) {
     return static_cast<std::size_t>(
         std::count_if(spokes.begin(), spokes.end(), [](const Spoke& s) { return s.is_border; }));
@@ -182,7 +165,8 @@ class DetailRemover {
     complex_.collect(u, at_u, work_);
     if (std::none_of(at_u.begin(), at_u.end(), [&](const PresentTriangle& t) { return t.has(v); })) return;
     complex_.collect(v, at_v, work_);
-    const std::vector<Spoke> spokes_u = spokes_of(u, at_u), spokes_v = spokes_of(v, at_v);
+    const std::vector<Spoke> spokes_u = spokes_of(u, at_u, complex_, rules_),
+                             spokes_v = spokes_of(v, at_v, complex_, rules_);
     const auto to_v = look_at_join(u, v, at_u, at_v, spokes_u, spokes_v);
     const auto to_u = look_at_join(v, u, at_v, at_u, spokes_v, spokes_u);
     if (!to_v && !to_u) return;
@@ -279,7 +263,7 @@ class DetailRemover {
                     const std::vector<Spoke>& spokes, const Goes& goes, Change& change) const {
     const Vec3 move = target - complex_.place(node);
     for (const PresentTriangle& t : at_node) {
-      Places places = places_of(t);
+      Places places = places_of(t, complex_);
       const TriangleShape before(places);
       change.lowest_before = std::min(change.lowest_before, before.height);
       if (before.height >= rules_.size)
@@ -306,16 +290,7 @@ class DetailRemover {
 
   bool take_face(const TriangleShape& before, const TriangleShape& after, Change& change) const {
     change.lowest_after = std::min(change.lowest_after, after.height);
-    if (!(after.height > 0)) return false;
-    if (before.height <= rules_.noise) return true;
-    const double cosine = dot(before.twice_area, after.twice_area) / (norm(before.twice_area) * norm(after.twice_area));
-    return before.height >= rules_.size ? cosine > kTurnedCosine : cosine > 0;
-  }
-
-  static std::uint32_t third(const PresentTriangle& t, std::uint32_t a, std::uint32_t b) {
-    for (const std::uint32_t c : t.corners)
-      if (c != a && c != b) return c;
-    return kNone;
+    return may_become(before, after, rules_);
   }
 
   /// Returns whether a node has faces only at its edge to another, and each of these hangs on an edge at which two
@@ -386,10 +361,11 @@ class DetailRemover {
       return out - dot(out, along) * along;
     };
     for (const PresentTriangle& f : at_moved) {
-      if (!f.has(apex) || f.has(without_kept) || TriangleShape(places_of(f)).height < rules_.size) continue;
+      if (!f.has(apex) || f.has(without_kept) || TriangleShape(places_of(f, complex_)).height < rules_.size) continue;
       const Vec3 of_f = side(f, moved);
       for (const PresentTriangle& g : at_kept) {
-        if (!g.has(apex) || g.has(without_moved) || TriangleShape(places_of(g)).height < rules_.size) continue;
+        if (!g.has(apex) || g.has(without_moved) || TriangleShape(places_of(g, complex_)).height < rules_.size)
+          continue;
         const Vec3 of_g = side(g, kept);
         if (dot(of_f, of_g) > kFoldedCosine * norm(of_f) * norm(of_g)) return true;
       }
@@ -407,7 +383,7 @@ class DetailRemover {
   void remove_sliver(const Detail& detail) {
     PresentTriangle t{};
     if (!complex_.find_present(detail.first, t)) return;
-    const Places p = places_of(t);
+    const Places p = places_of(t, complex_);
     const TriangleShape shape(p);
     if (shape.height != detail.size || shape.has_edge_below(rules_.size)) return;
     const auto k = static_cast<std::size_t>(shape.longest);
@@ -423,7 +399,8 @@ class DetailRemover {
     complex_.collect(s.c, at_c, work_);
     for (const PresentTriangle& other : at_a)
       if (other.has(s.b) && !other.has(s.c)) beside.push_back(other);
-    const std::vector<Spoke> spokes_a = spokes_of(s.a, at_a), spokes_c = spokes_of(s.c, at_c);
+    const std::vector<Spoke> spokes_a = spokes_of(s.a, at_a, complex_, rules_),
+                             spokes_c = spokes_of(s.c, at_c, complex_, rules_);
     const Spoke& edge = *find_spoke(spokes_a, s.b);
     if (!edge.is_crease) return;
     for (const PresentTriangle& other : beside)
@@ -454,10 +431,10 @@ class DetailRemover {
     change.lowest_before = s.height;
     change.bend = s.height;
     for (const PresentTriangle& t : beside) {
-      const TriangleShape before(places_of(t));
+      const TriangleShape before(places_of(t, complex_));
       change.lowest_before = std::min(change.lowest_before, before.height);
       for (const std::uint32_t end : {s.a, s.b}) {
-        Places places = places_of(t);
+        Places places = places_of(t, complex_);
         places[static_cast<std::size_t>(t.at(end))] = target;
         if (!take_face(before, TriangleShape(places), change)) return {};
       }
@@ -477,10 +454,10 @@ class DetailRemover {
     const auto goes = [&](const PresentTriangle& t) { return is_gone(s, t); };
     if (!look_at_move(s.c, target, at_c, spokes_c, goes, change)) return {};
     for (const PresentTriangle& t : beside) {
-      const TriangleShape before(places_of(t));
+      const TriangleShape before(places_of(t, complex_));
       change.lowest_before = std::min(change.lowest_before, before.height);
       for (const std::uint32_t end : {s.a, s.b}) {
-        Places places = places_of(t);
+        Places places = places_of(t, complex_);
         places[static_cast<std::size_t>(t.at(end))] = target;
         change.lowest_after = std::min(change.lowest_after, TriangleShape(places).height);
       }
@@ -545,7 +522,7 @@ class DetailRemover {
     if (specks_.count() == 0) return {};
     std::vector<Corners3> corners;
     corners.reserve(faces.size());
-    for (const PresentTriangle& face : faces) corners.push_back(places_of(face));
+    for (const PresentTriangle& face : faces) corners.push_back(places_of(face, complex_));
     return points_near_specks(specks_, rules_.positions, corners, rules_.allowed, control_);
   }
 
@@ -572,6 +549,7 @@ class DetailRemover {
   const std::vector<std::uint8_t>& is_fixed_;
   RunControl& control_;
   WorkBound work_;
+  Slits slits_;
   Specks specks_;
   std::priority_queue<Detail> queue_;
   std::vector<PresentTriangle> triangles_;  ///< scratch

@@ -1,4 +1,5 @@
-/// Removes details of a triangulated surface that are smaller than a size: short edges, narrow faces, flaps and specks.
+/// Removes details of a triangulated surface that are smaller than a size: short edges, narrow faces, flaps, slits and
+/// specks.
 #pragma once
 
 #include <cstdint>
@@ -25,6 +26,7 @@ struct DetailRules {
   double size = 0;     ///< edges shorter than this, and faces lower than this over a crease, are details
   double allowed = 0;  ///< no point of the surface moves by more than this
   double noise = 0;    ///< faces lower than this may look anywhere
+  bool closes_slits = false;
 };
 
 /// A surface without details.
@@ -38,9 +40,11 @@ struct WithoutDetails {
   std::uint64_t joined_edges = 0;    ///< the number of edges whose ends were joined
   std::uint64_t closed_slivers = 0;  ///< the number of narrow faces whose long side and opposite corner were joined
   std::uint64_t removed_specks = 0;  ///< the number of parts that went as a whole
+  std::uint64_t closed_slits = 0;    ///< the number of gaps whose two sides were joined
+  std::vector<FaceId> at_slits;      ///< for each of these, a face of the input where it began
   bool is_effort_spent = false;      ///< the bound on work was reached, so some details may be left
 
-  bool is_changed() const { return joined_edges + closed_slivers + removed_specks > 0; }
+  bool is_changed() const { return joined_edges + closed_slivers + removed_specks + closed_slits > 0; }
 };
 
 /// The removal of details. A step is a face at a vertex that is looked at. Good surfaces take fewer than 40 for each
@@ -60,6 +64,8 @@ inline constexpr StageWork kWorkOfDetails{4, 0, 1 << 18};
 ///
 /// A part that hangs together with nothing else and is no larger than a detail (Specks) goes as a whole, if what is
 /// left has a point from which no point of the part is farther than is allowed. Otherwise it stays as it is.
+/// A slit is a gap between two chains of open edges that meet at one end, its tip. If all of it is narrower than a
+/// detail, up to another tip or to its mouth, its sides are joined to each other (Slits). So a hole may go.
 /// Input:   faces and vertices as above. Equal vertices of two faces have equal ids.
 /// Output:  a surface with the input's vertices, but for those that had to go to an edge.
 /// Holds:   the result depends on geometry, not on the order of faces, except for faces with equal corners.

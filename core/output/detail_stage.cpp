@@ -168,8 +168,9 @@ void DetailStage::reset(const Options& options, double plane_tolerance) {
     limits_.size = options.defeature_size.value_or(plane_tolerance);
 }
 
-bool DetailStage::are_there(const TriangulatedPatches& triangulated, const Surface& surface,
+bool DetailStage::are_there(const TriangulatedPatches& triangulated, const Surface& surface, const Adjacency& adjacency,
                             RunControl& control) const {
+  if (limits_.is_size_given && !adjacency.odd_edges().empty()) return true;
   StopCheck check(control);
   const double size = limits_.size / surface.unit;
   for (const PatchMesh& patch : triangulated.meshes) {
@@ -228,7 +229,8 @@ bool DetailStage::remove(const Candidate& candidate, const PatchSet& patches, co
                           triangles.is_fixed,
                           limits_.size / before.unit,
                           allowed / before.unit * (1 - kRoundingShare),
-                          limits_.plane_tolerance / before.unit};
+                          limits_.plane_tolerance / before.unit,
+                          limits_.is_size_given};
   WithoutDetails without = remove_details(rules, control);
   is_effort_spent_ = is_effort_spent_ || without.is_effort_spent;
   if (!without.is_changed() || without.faces.empty()) return false;
@@ -251,8 +253,10 @@ bool DetailStage::remove(const Candidate& candidate, const PatchSet& patches, co
   joined_edges_ += without.joined_edges;
   closed_slivers_ += without.closed_slivers;
   removed_specks_ += without.removed_specks;
+  closed_slits_ += without.closed_slits;
   std::vector<FaceId> removed;
-  for (const FaceId f : without.removed) removed.push_back(source[f]);
+  for (const std::vector<FaceId>& some : {without.removed, without.at_slits})
+    for (const FaceId f : some) removed.push_back(source[f]);
   std::sort(removed.begin(), removed.end());
   removed.erase(std::unique(removed.begin(), removed.end()), removed.end());
   for (const FaceId f : removed) removed_.add(f.value);
@@ -326,13 +330,14 @@ void DetailStage::tell(const Candidate& result, const PatchSet& patches, const S
 Diagnostic DetailStage::removal() const {
   Diagnostic told = removed_;
   told.code = DiagnosticCode::kRemovedDetail;
-  told.count = joined_edges_ + closed_slivers_ + removed_specks_;
-  const std::string edges = std::to_string(joined_edges_) + " short edges";
-  const std::string faces = std::to_string(closed_slivers_) + " narrow faces";
-  const std::string details =
-      removed_specks_ == 0 ? edges + " and " + faces
-                           : edges + ", " + faces + " and " + std::to_string(removed_specks_) + " separate parts";
-  told.message = "details smaller than " + text(limits_.size) + " were removed: " + details +
+  told.count = joined_edges_ + closed_slivers_ + removed_specks_ + closed_slits_;
+  std::vector<std::string> details{std::to_string(joined_edges_) + " short edges",
+                                   std::to_string(closed_slivers_) + " narrow faces"};
+  if (closed_slits_ > 0) details.push_back(std::to_string(closed_slits_) + " slits");
+  if (removed_specks_ > 0) details.push_back(std::to_string(removed_specks_) + " separate parts");
+  std::string list = details.front();
+  for (std::size_t i = 1; i < details.size(); ++i) list += (i + 1 < details.size() ? ", " : " and ") + details[i];
+  told.message = "details smaller than " + text(limits_.size) + " were removed: " + list +
                  "; the surface moved by at most " + text(bound_) + "; defeature_size=0 keeps them" +
                  (is_effort_spent_ ? "; there were so many that some may be left" : "");
   return told;

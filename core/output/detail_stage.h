@@ -14,6 +14,7 @@
 #include "core/mending/preparation.h"
 #include "core/mending/remove_details.h"
 #include "core/mending/specks.h"
+#include "core/mesh/adjacency.h"
 #include "core/mesh/mesh.h"
 #include "core/mesh/surface.h"
 #include "core/output/candidate.h"
@@ -41,8 +42,10 @@ class DetailStage {
 
   /// Returns whether details should be looked for in the triangles of the patches.
   bool is_wanted() const { return limits_.size > 0 && passes_ < kMaxPasses && !is_done_; }
-  /// Returns whether the patches have any. Cost: O(triangles).
-  bool are_there(const TriangulatedPatches& triangulated, const Surface& surface, RunControl& control) const;
+  /// Returns whether the patches have any, or the surface has open edges, between which there may be slits.
+  /// Cost: O(triangles).
+  bool are_there(const TriangulatedPatches& triangulated, const Surface& surface, const Adjacency& adjacency,
+                 RunControl& control) const;
   /// Nothing more is looked for.
   void stop() { is_done_ = true; }
 
@@ -98,7 +101,7 @@ class DetailStage {
   bool is_done_ = false;
   int passes_ = 0;
   double bound_ = 0, volume_bound_ = 0;
-  std::uint64_t joined_edges_ = 0, closed_slivers_ = 0, removed_specks_ = 0;
+  std::uint64_t joined_edges_ = 0, closed_slivers_ = 0, removed_specks_ = 0, closed_slits_ = 0;
   Diagnostic removed_;  ///< the input faces under what was removed
   bool is_effort_spent_ = false;
   std::optional<Descent> descent_;

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -27,7 +28,9 @@ class DetailProof {
     std::vector<Triangle> not_anchored;
     for (const Triangle& t : claim_.faces_before)
       if (!is_anchored(t[0])) not_anchored.push_back(t);
-    if (euler(claim_.positions_after, claim_.faces_after) > euler(claim_.positions_before, not_anchored)) return {};
+    const Shape before = shape_of(claim_.positions_before, not_anchored);
+    const Shape after = shape_of(claim_.positions_after, claim_.faces_after);
+    if (after.euler > before.euler + std::max<std::int64_t>(0, before.rims - after.rims)) return {};
     double moved = 0;
     StopCheck check(control_);
     for (std::size_t i = 0; i < points_.size(); ++i) {
@@ -243,7 +246,13 @@ class DetailProof {
                        [&](const Edge& side) { return std::binary_search(edges.begin(), edges.end(), side); });
   }
 
-  std::int64_t euler(std::span<const Vec3> positions, std::span<const Triangle> faces) const {
+  /// Numbers that say how a surface hangs together.
+  struct Shape {
+    std::int64_t euler;
+    std::int64_t rims;  ///< the number of parts in which the edges of one face hang together
+  };
+
+  Shape shape_of(std::span<const Vec3> positions, std::span<const Triangle> faces) const {
     std::vector<Edge> edges;
     std::vector<std::uint8_t> is_used(positions.size(), 0);
     StopCheck check(control_);
@@ -255,9 +264,38 @@ class DetailProof {
       }
     }
     sort_stoppable(edges.begin(), edges.end(), control_);
-    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-    return std::count(is_used.begin(), is_used.end(), 1) - static_cast<std::int64_t>(edges.size()) +
-           static_cast<std::int64_t>(faces.size());
+    std::vector<Edge> open;
+    std::int64_t count = 0;
+    for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end, ++count) {
+      check();
+      while (end < edges.size() && edges[end] == edges[begin]) ++end;
+      if (end - begin == 1) open.push_back(edges[begin]);
+    }
+    return {std::count(is_used.begin(), is_used.end(), 1) - count + static_cast<std::int64_t>(faces.size()),
+            count_parts(positions.size(), open)};
+  }
+
+  /// Returns in how many parts edges hang together.
+  std::int64_t count_parts(std::size_t vertices, const std::vector<Edge>& edges) const {
+    if (edges.empty()) return 0;
+    std::vector<std::uint32_t> parent(vertices);
+    std::iota(parent.begin(), parent.end(), 0U);
+    const auto root = [&](std::uint32_t v) {
+      while (parent[v] != v) v = parent[v] = parent[parent[v]];
+      return v;
+    };
+    StopCheck check(control_);
+    std::vector<std::uint8_t> is_used(vertices, 0);
+    std::int64_t parts = 0;
+    for (const Edge& edge : edges) {
+      check();
+      for (const VertexId v : {edge.first, edge.second}) parts += std::exchange(is_used[v.value], 1) == 0 ? 1 : 0;
+      const std::uint32_t a = root(edge.first.value), b = root(edge.second.value);
+      if (a == b) continue;
+      parent[a] = b;
+      --parts;
+    }
+    return parts;
   }
 
   const DetailClaim& claim_;

@@ -31,8 +31,9 @@ struct DetailClaim {
 ///   piece becomes, with its corners in the same order. So every closed surface stays closed.
 /// - Or all corners of a piece are anchored at one point of a face of the other surface. Then all pieces that it hangs
 ///   together with are, too.
-/// - The Euler number of what is not anchored has not grown, as it would if a handle were pinched off. It falls by 1
-///   with each flap that goes and has two sides, since the two sides are a closed surface of their own.
+/// - The Euler number of what is not anchored has not grown, as it would by 2 if a handle were pinched off. It may grow
+///   by 1 with each rim that is no longer there, as that of a slit. It falls by 1 with each flap that goes and has two
+///   sides, since the two sides are a closed surface of their own.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:    O(n log n).
 std::optional<double> prove_details(const DetailClaim& claim, RunControl& control);

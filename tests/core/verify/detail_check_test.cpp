@@ -186,5 +186,58 @@ TEST(detail_check, refuses_a_component_that_is_gone) {
   EXPECT_TRUE(claim.proven());
 }
 
+/// A claim in which some vertices go to others.
+OwnClaim claim_of(const std::vector<Vec3>& positions, const std::vector<Triangle>& faces,
+                  const std::vector<std::pair<int, int>>& joined) {
+  OwnClaim claim;
+  claim.positions_before = claim.positions_after = positions;
+  claim.faces_before = faces;
+  for (std::size_t v = 0; v < positions.size(); ++v) claim.map.image.push_back(VertexId(v));
+  for (const auto& [from, to] : joined) claim.map.image[VertexId(from)] = VertexId(to);
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    claim.map.pieces.push_back({faces[f], FaceId(f)});
+    const Triangle image{claim.map.image[faces[f][0]], claim.map.image[faces[f][1]], claim.map.image[faces[f][2]]};
+    if (image[0] != image[1] && image[1] != image[2] && image[2] != image[0]) claim.faces_after.push_back(image);
+  }
+  return claim;
+}
+
+/// A flat ring of six faces around the hole 0 1 2. If 2 goes to 1, the edges from 0 to both become one.
+const std::vector<Vec3> kRing{{0, 0, 0}, {1, 0, 0}, {1, 0.25, 0}, {-1, -1, 0}, {3, -1, 0}, {-1, 3, 0}};
+std::vector<Triangle> ring_faces() {
+  return {triangle(0, 3, 4), triangle(0, 4, 1), triangle(1, 4, 5),
+          triangle(1, 5, 2), triangle(2, 5, 3), triangle(2, 3, 0)};
+}
+
+/// Adds a torus of three by three vertices. Those of the first ring are returned.
+std::vector<int> add_torus(std::vector<Vec3>& positions, std::vector<Triangle>& faces) {
+  const int first = static_cast<int>(positions.size());
+  const auto vertex = [&](int i, int j) { return first + 3 * (i % 3) + j % 3; };
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      const double u = 2.1 * i, v = 2.1 * j, r = 2 + std::cos(v);
+      positions.push_back({10 + r * std::cos(u), r * std::sin(u), std::sin(v)});
+      faces.push_back(triangle(vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1)));
+      faces.push_back(triangle(vertex(i, j), vertex(i + 1, j + 1), vertex(i, j + 1)));
+    }
+  return {vertex(0, 0), vertex(0, 1), vertex(0, 2)};
+}
+
+TEST(detail_check, a_hole_may_be_closed) {
+  const OwnClaim claim = claim_of(kRing, ring_faces(), {{2, 1}});
+  EXPECT_EQ(claim.faces_after.size(), 5u);
+  ASSERT_TRUE(claim.proven());
+  EXPECT_NEAR(*claim.proven(), 0.25, 1e-13);
+}
+
+TEST(detail_check, a_handle_may_not_be_pinched_off_even_if_a_hole_is_closed) {
+  std::vector<Vec3> positions = kRing;
+  std::vector<Triangle> faces = ring_faces();
+  const std::vector<int> ring = add_torus(positions, faces);
+  EXPECT_TRUE(claim_of(positions, faces, {{2, 1}}).proven());
+  EXPECT_FALSE(claim_of(positions, faces, {{ring[1], ring[0]}, {ring[2], ring[0]}}).proven());
+  EXPECT_FALSE(claim_of(positions, faces, {{2, 1}, {ring[1], ring[0]}, {ring[2], ring[0]}}).proven());
+}
+
 }  // namespace
 }  // namespace remesh
