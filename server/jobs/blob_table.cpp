@@ -118,7 +118,7 @@ std::vector<std::string> BlobTable::remove(Database& database, const std::string
 }
 
 const BlobFolder& BlobTable::folder() const {
-  if (!folder_) throw StoreError("the store keeps blobs in a folder: --blob-dir is missing");
+  if (!folder_) throw NoFolder("the store keeps blobs in a folder: --blob-dir is missing");
   return *folder_;
 }
 

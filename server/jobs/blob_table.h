@@ -41,7 +41,7 @@ class BlobTable {
   std::vector<std::string> remove(Database& database, const std::string& id, const char* condition) const;
 
   /// The folder for files.
-  /// Errors: StoreError - a row names a file, but there is no folder.
+  /// Errors: NoFolder.
   const BlobFolder& folder() const;
   /// Removes files whose rows are deleted.
   void remove_files(const std::vector<std::string>& files) const;

@@ -12,6 +12,7 @@
 #include "server/jobs/job_request.h"
 #include "server/jobs/store_deadline.h"
 #include "server/observe/log.h"
+#include "server/work/memory_wait.h"
 
 namespace remesh::server::jobs {
 namespace {
@@ -220,15 +221,18 @@ Admission JobRoutes::admit(const RequestHead& head) const {
   return {context_.limits.api.max_body, context_.memory.open_share(/*per_byte=*/2)};
 }
 
-void JobRoutes::check(const api::Request& request, std::uint64_t held) const {
+void JobRoutes::check(const api::Request& request, const Call& call) const {
   api::check_remesh(request, context_.limits.api);
   if (!api::has_json_mesh(request, context_.limits.api)) return;
-  // A body that is alone may always be checked, so no more is asked for than the request leaves free itself.
-  const std::uint64_t free = context_.memory.limit() - std::min(context_.memory.limit(), held);
-  const auto memory = context_.memory.open_share();
-  if (!memory->try_hold(std::min<std::uint64_t>(free, api::kCheckPerJsonByte * request.body.size())))
-    throw out_of_memory();
+  // The request's own share grows. A second one would be a newcomer, which may have to wait for the request itself.
+  MemoryShare& memory = *call.request.memory;
+  const std::uint64_t held = memory.bytes();
+  const std::uint64_t wanted = held + api::kCheckPerJsonByte * request.body.size();
+  wait_for_memory(
+      memory, [&] { return memory.try_hold(wanted); }, call.request, call.connection,
+      Clock::now() + context_.limits.memory_patience().of(request.body.size()));
   api::check_json(request, context_.limits.api);
+  memory.hold_answer(held);
 }
 
 Response JobRoutes::submit(const Call& call) const {
@@ -238,7 +242,7 @@ Response JobRoutes::submit(const Call& call) const {
   job.request = pack_request(kept);
   kept.body = request.body;
   job.idempotency = idempotency(request, kept);
-  check(kept, request.memory ? request.memory->bytes() : 0);
+  check(kept, call);
 
   if (request.body.size() > context_.memory.limit()) throw never_fits(context_.memory.limit());
   job.memory = std::max<std::uint64_t>(
@@ -319,7 +323,9 @@ Response JobRoutes::answer_from(const Operation& write, std::uint64_t memory, co
   // The reservation is limited to the whole budget: a result that a worker could make can always be sent, if need be
   // alone.
   memory = std::min(memory, context_.memory.limit());
-  call.request.memory->hold_body(memory, memory);
+  wait_for_memory(
+      *call.request.memory, [&] { return call.request.memory->try_hold(memory); }, call.request, call.connection,
+      Clock::now() + context_.limits.api.request_timeout);
   Response response;
   static_cast<api::Response&>(response) =
       run_in_pool(context_.pool, context_.registry, context_.limits, write, call.request, call.connection);

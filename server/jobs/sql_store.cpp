@@ -319,6 +319,17 @@ std::optional<Claim> SqlStore::claim(std::string_view worker, std::uint64_t max_
                        [&](Database& database) { return claim_next(database, worker, max_memory); });
 }
 
+std::optional<WaitingJob> SqlStore::next_in_turn(std::uint64_t max_memory) {
+  static const std::string sql =
+      std::string("SELECT id, memory FROM remeshd_job WHERE state = 'queued' AND memory <= $1 AND NOT ") + kDamagedJob +
+      " ORDER BY turn, created_ms, id LIMIT 1";
+  return with_database("look", Access::kRead, [&](Database& database) -> std::optional<WaitingJob> {
+    const Rows rows = database.run(sql.c_str(), {signed_bytes(max_memory)});
+    if (rows.empty()) return std::nullopt;
+    return WaitingJob{rows[0][0].value(), static_cast<std::uint64_t>(integer(rows[0][1]))};
+  });
+}
+
 bool SqlStore::renew(const Claim& claim, const Progress& progress) {
   return with_database("renew", Access::kWrite, [&](Database& database) {
     return !database

@@ -87,7 +87,7 @@ class runner : public ::testing::Test {
   std::unique_ptr<SqlStore> store_;
   RunnerSettings settings_;
   RequestRegistry registry_;
-  MemoryBudget memory_{1 << 20};
+  MemoryBudget memory_{1 << 20, /*patience=*/milliseconds(200)};
   Metrics metrics_;
   std::atomic<int> calls_{0};
   std::atomic<bool> released_{false};
@@ -176,6 +176,61 @@ TEST_F(runner, a_job_is_left_alone_while_its_memory_is_taken) {
   released_ = true;
   EXPECT_EQ(ended(large).state, JobState::kSucceeded);
   EXPECT_TRUE(eventually([&] { return memory_.reserved() == 0; }));
+}
+
+TEST_F(runner, a_job_that_needs_all_memory_has_its_turn_although_small_requests_never_end) {
+  start(2);
+  std::atomic<bool> is_over{false};
+  std::atomic<int> passed{0};
+  std::thread requests([&] {
+    // Each of them ends only after the next one has begun, or has found that it cannot begin.
+    std::shared_ptr<MemoryShare> last;
+    while (!is_over) {
+      auto next = memory_.open_share(1);
+      if (next->try_hold(1000)) ++passed;
+      last = std::move(next);
+      std::this_thread::sleep_for(milliseconds(2));
+    }
+  });
+  ASSERT_TRUE(eventually([&] { return passed > 0; }));
+  const std::string large = submit("large", memory_.limit());
+  const JobRecord job = ended(large);
+  EXPECT_EQ(job.state, JobState::kSucceeded);
+  EXPECT_EQ(job.attempts, 1);
+  const int before = passed;
+  EXPECT_TRUE(eventually([&] { return passed > before; })) << "then the others have theirs again";
+  is_over = true;
+  requests.join();
+  EXPECT_EQ(memory_.waiting(), 0u);
+}
+
+TEST_F(runner, a_job_that_needs_all_memory_has_its_turn_although_small_jobs_come_all_the_time) {
+  start(2);
+  std::atomic<bool> is_over{false};
+  std::thread jobs([&] {
+    while (!is_over) {
+      if (store_->statistics().queued < 3) submit("small", 1000);
+      std::this_thread::sleep_for(milliseconds(1));
+    }
+  });
+  const std::string large = submit("large", memory_.limit());
+  EXPECT_EQ(ended(large).state, JobState::kSucceeded);
+  is_over = true;
+  jobs.join();
+}
+
+TEST_F(runner, a_waiting_job_that_is_cancelled_or_a_stop_sets_no_memory_aside) {
+  start(2);
+  const auto request = memory_.open_share(1);
+  ASSERT_TRUE(request->try_hold(1000));
+  const std::string large = submit("large", memory_.limit());
+  ASSERT_TRUE(eventually([&] { return memory_.waiting() == 1; }));
+  EXPECT_TRUE(store_->cancel(large));
+  EXPECT_TRUE(eventually([&] { return memory_.waiting() == 0; }));
+  submit("large", memory_.limit());
+  ASSERT_TRUE(eventually([&] { return memory_.waiting() == 1; }));
+  runner_->stop();
+  EXPECT_EQ(memory_.waiting(), 0u);
 }
 
 TEST_F(runner, a_drain_finishes_what_was_begun_and_begins_nothing) {
