@@ -155,6 +155,51 @@ TEST_F(store_pressure, a_turn_of_an_owner_that_cannot_be_counted_up_does_not_kee
   for (int i = 0; i < 3; ++i) EXPECT_FALSE(work(*store).empty());
 }
 
+TEST_F(store_pressure, damaged_times_and_sizes_do_not_count_for_other_jobs) {
+  StoreRules rules;
+  rules.max_stored = 1000;
+  auto store = open(rules);
+  const std::string first = submit(*store), second = submit(*store), good = submit(*store);
+  const std::int64_t before = store->find(good)->created_ms;
+  run("UPDATE remeshd_job SET stored = 9223372036854775807, created_ms = 9223372036854775807, "
+      "finished_ms = 9223372036854775807 WHERE id = '" +
+      first + "'");
+  run("UPDATE remeshd_job SET stored = 9223372036854775807, created_ms = -9223372036854775807 WHERE id = '" + second +
+      "'");
+  EXPECT_EQ(store->stored_bytes(), 4u);
+  EXPECT_LT(store->statistics().oldest_queued_s, 3600);
+  submit(*store);
+  // The clock comes right, and takes all times with it that are none of these.
+  run(is_sqlite() ? "UPDATE remeshd_clock SET base_ms = base_ms - 315360000000"
+                  : "UPDATE remeshd_clock SET store_ms = store_ms - 315360000000");
+  run("UPDATE remeshd_job SET created_ms = created_ms - 315360000000 WHERE id = '" + good + "'");
+  store = open(rules);
+  for (int i = 0; i < 2; ++i) EXPECT_EQ(store->upkeep().error, "");
+  constexpr double kMinute = 60'000;
+  EXPECT_NEAR(static_cast<double>(store->find(good)->created_ms), static_cast<double>(before), kMinute);
+}
+
+TEST_F(store_pressure, a_problem_that_is_none_is_replaced) {
+  const auto store = open();
+  const std::string id = submit(*store);
+  for (const char* problem : {"no JSON", "[]", "null", "5", "{\"code\":5}", "{\"code\""}) {
+    run("UPDATE remeshd_job SET state = 'failed', problem_status = 422, problem = '" + std::string(problem) +
+        "' WHERE id = '" + id + "'");
+    const JobRecord record = store->find(id).value();
+    EXPECT_NE(record.problem.find("\"code\":\"internal\""), std::string::npos) << problem;
+    EXPECT_EQ(record.problem_status, 422) << problem;
+  }
+}
+
+TEST_F(store_pressure, a_blob_in_a_file_is_no_failure_of_a_store_without_a_folder) {
+  const auto store = open();
+  const std::string id = submit(*store);
+  run("UPDATE remeshd_blob SET file = 'a file'");
+  EXPECT_THROW(store->read_blob(id, BlobKind::kInput), NoFolder);
+  EXPECT_THROW(store->blob_size(id, BlobKind::kInput), NoFolder);
+  EXPECT_TRUE(store->is_well());
+}
+
 TEST_F(store_pressure, a_job_whose_record_is_damaged_can_still_be_shown) {
   const auto store = open();
   const std::string id = submit(*store, "", "owner");
@@ -464,6 +509,39 @@ TEST_F(store_pressure, a_blob_that_takes_longer_to_delete_than_a_call_may_take_i
   EXPECT_EQ(store->upkeep().expired, 1);
   EXPECT_EQ(count("remeshd_blob"), "0");
   EXPECT_EQ(store->stored_bytes(), 0u);
+}
+
+TEST_F(store_pressure, a_blob_that_takes_longer_to_read_than_a_call_may_take_is_read) {
+  if (is_sqlite()) GTEST_SKIP() << "SQLite cannot be made to read slowly";
+  StoreRules rules;
+  rules.timeout = milliseconds(1500);
+  const auto store = open(rules);
+  const std::string body(16 * DatabaseDriver::kPiece + 1, 'x');
+  const std::string id = submit(*store, body);
+  // Each row whose data is looked at takes a millisecond, which makes more than 2 s for all of them.
+  run("ALTER TABLE remeshd_blob RENAME TO blob_data");
+  run("CREATE FUNCTION slow(data bytea) RETURNS bytea LANGUAGE plpgsql STABLE AS "
+      "$$ BEGIN PERFORM pg_sleep(0.001); RETURN data; END $$");
+  run("CREATE VIEW remeshd_blob AS SELECT job, kind, part, slow(data) AS data, file, size FROM blob_data");
+  EXPECT_EQ(store->blob_size(id, BlobKind::kInput), body.size());
+  EXPECT_EQ(store->read_blob(id, BlobKind::kInput)->size(), body.size());
+  run("UPDATE blob_data SET size = NULL");
+  EXPECT_EQ(store->blob_size(id, BlobKind::kInput), body.size()) << "as an old daemon has stored it";
+  EXPECT_EQ(store->read_blob(id, BlobKind::kInput)->size(), body.size());
+  run("DROP VIEW remeshd_blob");
+  run("ALTER TABLE blob_data RENAME TO remeshd_blob");
+}
+
+TEST_F(store_pressure, a_size_that_its_pieces_contradict_is_noticed) {
+  const auto store = open();
+  const std::string body(2 * DatabaseDriver::kPiece + 7, 'x');
+  const std::string id = submit(*store, body);
+  EXPECT_EQ(store->blob_size(id, BlobKind::kInput), body.size());
+  for (const char* size : {"9223372036854775807", "-1", "5", "10000000"}) {
+    run(std::string("UPDATE remeshd_blob SET size = ") + size + " WHERE part = 0");
+    EXPECT_THROW(store->blob_size(id, BlobKind::kInput), BlobLost) << size;
+    EXPECT_THROW(store->read_blob(id, BlobKind::kInput), BlobLost) << size;
+  }
 }
 
 TEST_F(store_pressure, results_that_take_longer_to_delete_than_a_call_may_take_are_deleted) {

@@ -261,6 +261,18 @@ TEST_F(runner, an_input_that_is_missing_fails_its_job) {
   EXPECT_EQ(ended(id).problem_status, 500);
 }
 
+TEST_F(runner, an_input_in_a_file_without_a_folder_is_tried_again_but_not_for_ever) {
+  const std::string id = submit("gone"), good = submit("good");
+  make_sqlite_driver(folder_ / "jobs.sqlite")
+      ->connect()
+      ->run(("UPDATE remeshd_blob SET file = 'a file' WHERE job = '" + id + "'").c_str());
+  start();
+  EXPECT_EQ(ended(good).state, JobState::kSucceeded);
+  const JobRecord job = ended(id);
+  EXPECT_EQ(job.problem_status, 500);
+  EXPECT_EQ(job.attempts, 3) << "another daemon may have the folder";
+}
+
 TEST_F(runner, a_run_that_is_stopped_for_memory_goes_back_with_a_better_estimate) {
   start(2);
   const std::string id = submit("block", 1000);
