@@ -129,6 +129,10 @@ class MemoryBudget {
   /// that `never_fits` lets through.
   void note_used(std::uint64_t bytes) { used_ = bytes; }
 
+  /// Tells the budget how many bytes of files in memory are in use besides, because the jobs' folder is in memory.
+  void note_stored(std::uint64_t bytes) { stored_ = bytes; }
+  std::uint64_t stored() const { return stored_; }
+
   /// Tells everybody in line to give up, because the daemon stops.
   void close() { is_closed_ = true; }
   bool is_closed() const { return is_closed_; }
@@ -163,6 +167,7 @@ class MemoryBudget {
   std::list<MemoryShare*> line_;  ///< who waits longest is the first
   std::optional<Turn> turn_;
   std::atomic<std::uint64_t> used_{0};
+  std::atomic<std::uint64_t> stored_{0};
   std::atomic<bool> is_closed_{false};
 };
 

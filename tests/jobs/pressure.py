@@ -414,6 +414,7 @@ def case_damaged(run, store):
     """Rows and blobs damaged in every way that the tables allow, beside sound jobs: nobody else is harmed."""
     kinds = damages(not store.postgres)
     with run.daemon(store, "--store-timeout", "5s", "--max-stored", "1GiB", lease="1s") as daemon:
+        wait_for(lambda: ask(daemon.port, "GET", "/readyz").status == 200)
         done = accepted(submit(daemon.port))
         expect_done(daemon, done)
         writer = Writer(store, SQUARE, done)

@@ -314,24 +314,47 @@ TEST_F(runner, an_outcome_that_the_store_cannot_take_fails_its_job_and_no_other)
 }
 
 TEST_F(runner, an_outage_is_no_attempt_and_takes_no_job_from_its_worker) {
-  settings_.lease = milliseconds(800);
+  StoreRules rules;
+  rules.lease = milliseconds(1500);
+  rules.timeout = milliseconds(200);
+  settings_.lease = rules.lease;
+  settings_.store_timeout = rules.timeout;
+  store_ = std::make_unique<SqlStore>(make_sqlite_driver(folder_ / "jobs.sqlite"), rules);
+  // Another daemon judges all the time whether this one lives.
+  SqlStore judge(make_sqlite_driver(folder_ / "jobs.sqlite"), rules);
+  int taken = 0, failures = 0;
+  const auto judge_for = [&](milliseconds time) {
+    for (const Clock::time_point end = Clock::now() + time; Clock::now() < end;) {
+      try {
+        taken += judge.upkeep().retried;
+      } catch (const StoreError&) {
+        ++failures;
+      }
+      std::this_thread::sleep_for(milliseconds(20));
+    }
+  };
   start();
   const std::string id = submit("block");
   ASSERT_TRUE(reaches(id, JobState::kRunning));
+  judge_for(milliseconds(100));
   {
     // While another process holds the lock, nothing can be renewed or committed.
     const auto driver = make_sqlite_driver(folder_ / "jobs.sqlite");
     const auto other = driver->connect();
     other->begin();
     other->run("UPDATE remeshd_schema SET touched_ms = 0");
-    released_ = true;
-    std::this_thread::sleep_for(milliseconds(1200));
+    judge_for(milliseconds(2500));
     EXPECT_EQ(store_->find(id)->state, JobState::kRunning);
     other->roll_back();
   }
+  EXPECT_GT(failures, 0) << "the judge was cut off, too";
+  judge_for(milliseconds(300));
+  EXPECT_EQ(taken, 0);
+  released_ = true;
   const JobRecord job = ended(id);
   EXPECT_EQ(job.state, JobState::kSucceeded);
   EXPECT_EQ(job.attempts, 1);
+  EXPECT_EQ(calls_, 1);
 }
 
 }  // namespace

@@ -410,6 +410,19 @@ TEST(memory_watch, of_those_that_grew_about_as_much_the_last_one_is_ended) {
   EXPECT_EQ(third->eviction, RunningRequest::Eviction::kNone);
 }
 
+TEST(memory_watch, files_in_memory_count_as_used) {
+  log::set_up(log::Format::kText, log::Level::kError);
+  MemoryBudget budget(api::resident_memory() + (256 << 20));
+  RequestRegistry registry;
+  const auto request = registry.add("");
+  request->is_computing = true;
+  const MemoryWatch watch(budget, registry, milliseconds(5));
+  std::this_thread::sleep_for(milliseconds(50));
+  EXPECT_EQ(request->eviction, RunningRequest::Eviction::kNone);
+  budget.note_stored(512 << 20);
+  EXPECT_TRUE(eventually([&] { return request->eviction != RunningRequest::Eviction::kNone; }));
+}
+
 TEST(memory_watch, free_memory_of_the_allocator_is_returned_before_anybody_is_ended) {
   log::set_up(log::Format::kText, log::Level::kError);
   constexpr std::size_t kBlock = 64 << 10;
