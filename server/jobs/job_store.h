@@ -71,7 +71,8 @@ class BlobLost : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A row names a file for a blob, but this daemon has no folder for them. If that is not damage, another daemon has one.
+/// A row names a file for a blob, but this daemon has no folder for them. If that is not damage, another daemon has
+/// the folder.
 class NoFolder : public BlobLost {
  public:
   using BlobLost::BlobLost;

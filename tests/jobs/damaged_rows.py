@@ -10,10 +10,9 @@ MAX = 2**63 - 1
 MAX_INT = 2**31 - 1
 # The largest numbers that do not count as damaged, see kDamagedJob in server/jobs/schema.h.
 LARGEST = 9 * 10**15
-YEARS_MS = 10 * 365 * 86_400_000
 
-# `columns` differ from those of a sound row; `blobs` is a list of (kind, part, data, file, size), where None stands for what a
-# sound job has: each as SQL. `result` is what may become of the job.
+# `columns` differ from those of a sound row. `blobs` is a list of (kind, part, data, file, size), in which None stands for what a
+# sound job has. All values are SQL.
 Damage = collections.namedtuple("Damage", "name state columns blobs")
 
 
@@ -48,8 +47,11 @@ class Writer:
             columns.update({"problem_status": "422", "problem": text('{"status":422,"code":"empty_mesh"}'), "stored": "0"})
         return columns
 
-    def write(self, job_id, damage):
-        """One transaction."""
+    def write(self, jobs):
+        """Writes jobs, each an id and its damage, in one transaction."""
+        self.store.change([statement for job_id, damage in jobs for statement in self.statements(job_id, damage)])
+
+    def statements(self, job_id, damage):
         columns = {**self.sound_columns(job_id, damage.state), **damage.columns}
         statements = [f"INSERT INTO remeshd_job ({', '.join(columns)}) VALUES ({', '.join(columns.values())})"]
         blobs = damage.blobs
@@ -57,7 +59,7 @@ class Writer:
             blobs = SOUND_RESULT if damage.state == "succeeded" else SOUND_INPUT if damage.state in ("queued", "running") else []
         for kind, part, data, file, size in blobs:
             statements.append(self.blob(job_id, kind, part, data, file, size))
-        self.store.change(statements)
+        return statements
 
     def blob(self, job_id, kind, part, data, file, size):
         sound = f"SELECT {{}} FROM remeshd_blob WHERE job = '{self.done}' AND kind = '{kind}' AND part = 0"
@@ -88,7 +90,8 @@ def damages(is_sqlite):
 
     # Numbers.
     for column, values in {"memory": (-1, 0, LARGEST, MAX, -MAX), "token": (-1, LARGEST, MAX), "version": (-1, 0, LARGEST, MAX),
-                           "attempts": (-5, 3, 1_000_000, MAX_INT), "commits": (-1, 1, MAX_INT), "turn": (MAX, -MAX, LARGEST, -LARGEST),
+                           "attempts": (-5, 3, 1_000_000, MAX_INT), "commits": (-1, 1, MAX_INT),
+                           "turn": (MAX, -MAX, LARGEST, -LARGEST),
                            "created_ms": (0, -1, MAX, -MAX), "queued_ms": (-MAX, MAX, "NULL"), "stored": (-5, MAX, "NULL"),
                            "started_ms": (MAX,), "finished_ms": (-MAX,), "expires_ms": (0, MAX), "fraction": (-1, 1e308),
                            "problem_status": (-1, MAX_INT), "lease_ms": (MAX,), "lease_length_ms": (-1, MAX)}.items():

@@ -413,6 +413,8 @@ def case_clock(run, store):
 def case_damaged(run, store):
     """Rows and blobs damaged in every way that the tables allow, beside sound jobs: nobody else is harmed."""
     kinds = damages(not store.postgres)
+    if run.is_short and store.postgres:
+        kinds = kinds[::3]  # each takes some round trips
     with run.daemon(store, "--store-timeout", "5s", "--max-stored", "1GiB", lease="1s") as daemon:
         wait_for(lambda: ask(daemon.port, "GET", "/readyz").status == 200)
         done = accepted(submit(daemon.port))
@@ -422,8 +424,7 @@ def case_damaged(run, store):
         ends, slowest, problems = {}, 0.0, []
         for group in groups:
             jobs = [(secrets.token_hex(16), kind) for kind in group]
-            for job, kind in jobs:
-                writer.write(job, kind)
+            writer.write(jobs)
             sound = [accepted(run.asked(daemon.port, "POST", f"/v1/jobs?{QUICK}", SQUARE)) for _ in range(20)]
             start = time.monotonic()
             for job in sound:
