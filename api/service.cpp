@@ -307,7 +307,7 @@ void check_json(const Request& request, const Limits& limits) {
   check_job(parsed.job, limits);
 }
 
-Response write_kept(std::string_view mesh, const std::function<std::string()>& report, const Request& wanted,
+Response write_kept(std::string mesh, const std::function<std::string()>& report, const Request& wanted,
                     RunControl& control) {
   control.enter(Stage::kWrite);
   OptionReader options;
@@ -323,6 +323,7 @@ Response write_kept(std::string_view mesh, const std::function<std::string()>& r
   }
   options.check();
   KeptResult kept = unpack_result(mesh);
+  std::string().swap(mesh);  // what follows takes several times as much
   const Format format = choose_output_format(options.options().format, wanted.accept, kept.format);
   Response response;
   response.content_type = media_type(format);

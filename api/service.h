@@ -104,7 +104,7 @@ inline constexpr std::uint64_t kCheckPerJsonByte = 10;
 /// Output: as run_remesh. The mesh and the summary are checked and measured with the coordinates of the format that
 ///         is written.
 /// Errors: kUnknownOption, kInvalidOption, kNotAcceptable - also if a format cannot hold the result.
-Response write_kept(std::string_view mesh, const std::function<std::string()>& report, const Request& wanted,
+Response write_kept(std::string mesh, const std::function<std::string()>& report, const Request& wanted,
                     RunControl& control);
 
 /// These functions answer GET /v1/capabilities and GET /openapi.json.

@@ -25,7 +25,7 @@
 #include "server/http/exchange.h"
 #include "server/http/large_answer.h"
 #include "server/observe/log.h"
-#include "server/work/memory_budget.h"
+#include "server/work/memory_wait.h"
 #include "server/work/request_registry.h"
 
 namespace remesh::server {
@@ -475,7 +475,9 @@ class HttpServer::Listener : public httplib::Server {
     exchange.active.emplace(active_);
     request.body = read_body(exchange.connection, settings_.connections.gate, request, exchange.framing, max_body,
                              [&](std::uint64_t held, std::uint64_t expected) {
-                               if (request.memory) request.memory->hold_body(held, expected);
+                               if (request.memory)
+                                 hold_body_in_line(*request.memory, held, expected, request, exchange.connection,
+                                                   settings_.memory_patience);
                              });
     exchange.is_read = true;
     request.timing.body = milliseconds_between(start, Clock::now());

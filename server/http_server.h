@@ -25,6 +25,7 @@
 #include "server/http/spool.h"
 #include "server/http/units.h"
 #include "server/observe/metrics.h"
+#include "server/work/memory_wait.h"
 
 namespace remesh::server {
 
@@ -35,8 +36,9 @@ struct HttpSettings {
   TrustedProxies proxies;
   PublicUrl public_url;
   std::optional<SiteRules> sites;  ///< nothing if API keys keep the pages of other sites out
-  Spool* spool = nullptr;          ///< takes large answers from slow readers; null if all answers stay in memory
-  Metrics* metrics = nullptr;      ///< the metrics that count requests; null if they are not counted
+  MemoryPatience memory_patience;
+  Spool* spool = nullptr;      ///< takes large answers from slow readers; null if all answers stay in memory
+  Metrics* metrics = nullptr;  ///< the metrics that count requests; null if they are not counted
 };
 
 class HttpServer {

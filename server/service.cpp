@@ -135,6 +135,7 @@ HttpSettings Service::http_settings() {
   settings.sites = site_rules(config_.bind);
   settings.metrics = &metrics_;
   settings.spool = &spool_;
+  settings.memory_patience = work_limits_.memory_patience();
   return settings;
 }
 
@@ -160,6 +161,7 @@ void Service::stop() {
   stopping_ = true;
   if (jobs_) jobs_->stop();
   registry_.cancel_all();
+  memory_.close();
   const Clock::time_point deadline = Clock::now() + kLastAnswers;
   while (!is_idle() && Clock::now() < deadline) std::this_thread::sleep_for(std::chrono::milliseconds(2));
   http_.stop();

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "server/http/http_message.h"
+#include "server/http/memory_files.h"
 
 namespace remesh::server {
 namespace {
@@ -32,7 +33,8 @@ int open_file() {
 }  // namespace
 
 Body::~Body() {
-  if (mapped_ != nullptr) ::munmap(const_cast<char*>(mapped_), size_);
+  unmap();
+  note_unmapped(0);
   if (file_ >= 0) ::close(file_);
 }
 
@@ -40,12 +42,15 @@ void Body::swap(Body& other) noexcept {
   std::swap(size_, other.size_);
   text_.swap(other.text_);
   std::swap(file_, other.file_);
+  std::swap(is_in_memory_, other.is_in_memory_);
+  std::swap(unmapped_, other.unmapped_);
   std::swap(mapped_, other.mapped_);
 }
 
 void Body::append(std::string_view bytes) {
   if (file_ < 0 && size_ + bytes.size() > kInMemory) {
     file_ = open_file();
+    is_in_memory_ = is_memory_file(file_);
     write_to_file(text_);
     std::string().swap(text_);
   }
@@ -61,6 +66,7 @@ void Body::write_to_file(std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t put = ::write(file_, bytes.data(), bytes.size());
     if (put >= 0) {
+      note_unmapped(unmapped_ + static_cast<std::uint64_t>(put));
       bytes.remove_prefix(static_cast<std::size_t>(put));
     } else if (errno != EINTR) {
       no_room();
@@ -68,9 +74,19 @@ void Body::write_to_file(std::string_view bytes) {
   }
 }
 
-void Body::rest() {
-  if (mapped_ != nullptr) ::munmap(const_cast<char*>(mapped_), size_);
+void Body::note_unmapped(std::uint64_t bytes) {
+  if (!is_in_memory_) return;
+  add_memory_file_bytes(static_cast<std::int64_t>(bytes) - static_cast<std::int64_t>(unmapped_));
+  unmapped_ = bytes;
+}
+
+void Body::rest() { unmap(); }
+
+void Body::unmap() {
+  if (mapped_ == nullptr) return;
+  ::munmap(const_cast<char*>(mapped_), size_);
   mapped_ = nullptr;
+  note_unmapped(size_);
 }
 
 void Body::seal() {
@@ -78,6 +94,7 @@ void Body::seal() {
   void* const mapped = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file_, 0);
   if (mapped == MAP_FAILED) no_room();
   mapped_ = static_cast<const char*>(mapped);
+  note_unmapped(0);
 }
 
 }  // namespace remesh::server

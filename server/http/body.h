@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -43,10 +44,14 @@ class Body {
 
  private:
   void write_to_file(std::string_view bytes);
+  void unmap();
+  void note_unmapped(std::uint64_t bytes);
 
   std::size_t size_ = 0;
   std::string text_;  ///< the whole body if it is small
   int file_ = -1;
+  bool is_in_memory_ = false;   ///< the file is in memory
+  std::uint64_t unmapped_ = 0;  ///< bytes that count as those of a file in memory
   const char* mapped_ = nullptr;
 };
 

@@ -79,7 +79,9 @@ class BodyReader {
   void reserve_next(std::size_t received, std::uint64_t most) {
     if (received + kReadSize <= reserved_ || reserved_ == most) return;
     reserved_ = std::min<std::uint64_t>(received + std::max(kReserveStep, received / 4), most);
+    const Clock::time_point asked = Clock::now();
     reserve_(reserved_, reserved_);
+    start_ += Clock::now() - asked;  // the client has its full time, however long this waits for memory
   }
 
   std::size_t read(std::size_t want, std::uint64_t received) {

@@ -1,9 +1,7 @@
 #include "server/http/spool.h"
 
 #include <fcntl.h>
-#include <linux/magic.h>
 #include <sys/statvfs.h>
-#include <sys/vfs.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,6 +10,7 @@
 #include <thread>
 #include <utility>
 
+#include "server/http/memory_files.h"
 #include "server/observe/log.h"
 
 namespace remesh::server {
@@ -19,11 +18,6 @@ namespace {
 
 /// How often a reader that found no room looks again, while the slowest one ends.
 constexpr std::chrono::milliseconds kLookAgain{20};
-
-bool is_tmpfs(const std::string& folder) {
-  struct statfs system {};
-  return ::statfs(folder.c_str(), &system) == 0 && (system.f_type == TMPFS_MAGIC || system.f_type == RAMFS_MAGIC);
-}
 
 /// True if the file takes no more than half of what is free. Others need room there, too: jobs, for example.
 bool has_disk_for(const std::string& folder, std::uint64_t bytes) {
@@ -44,7 +38,10 @@ bool write_all(int file, std::string_view bytes) {
 }  // namespace
 
 Spool::Spool(std::string folder, std::uint64_t max_bytes, std::uint64_t max_held)
-    : folder_(std::move(folder)), max_bytes_(max_bytes), max_held_(max_held), is_in_memory_(is_tmpfs(folder_)) {}
+    : folder_(std::move(folder)),
+      max_bytes_(max_bytes),
+      max_held_(max_held),
+      is_in_memory_(is_memory_folder(folder_)) {}
 
 Spool::Reader::Reader(Spool& spool, Connection& connection) : spool_(spool), connection_(connection) {
   const std::lock_guard lock(spool_.mutex_);

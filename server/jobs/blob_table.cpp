@@ -1,5 +1,7 @@
 #include "server/jobs/blob_table.h"
 
+#include <algorithm>
+
 #include <chrono>
 
 #include "server/jobs/row_values.h"
@@ -47,42 +49,69 @@ void BlobTable::write(Database& database, const std::string& id, BlobKind kind, 
   } while (!bytes.empty());
 }
 
+/// Looks at the first and the last row of a blob. It reads no data, which for a large blob would take longer than the
+/// store may take to answer.
+std::optional<BlobTable::Extent> BlobTable::extent(Database& database, const std::string& id,
+                                                   std::string_view kind) const {
+  const Rows rows = database.run(
+      "SELECT file, size, (SELECT max(part) FROM remeshd_blob WHERE job = $1 AND kind = $2) FROM remeshd_blob "
+      "WHERE job = $1 AND kind = $2 ORDER BY part LIMIT 1",
+      {std::string_view(id), kind});
+  database.extend_deadline(timeout_);
+  if (rows.empty()) return std::nullopt;
+  const Row& first = rows[0];
+  Extent extent{first[0], std::nullopt, integer(first[2])};
+  if (extent.file || !first[1]) return extent;
+  // All pieces but the last one are full.
+  const std::int64_t size = integer(first[1]);
+  const std::int64_t full = std::max<std::int64_t>(0, extent.last_part) / DatabaseDriver::kPartsOfPiece;
+  constexpr auto kPiece = static_cast<std::int64_t>(DatabaseDriver::kPiece);
+  if (size < full * kPiece || size > (full + 1) * kPiece) throw lost(id, kind);
+  extent.size = static_cast<std::uint64_t>(size);
+  return extent;
+}
+
 std::optional<BlobTable::Blob> BlobTable::find(Database& database, const std::string& id, BlobKind kind) const {
   const std::string_view name = kind_name(kind);
-  const Row blob = database
-                       .run("SELECT max(part), max(file), max(size) FROM remeshd_blob WHERE job = $1 AND kind = $2",
-                            {std::string_view(id), name})
-                       .at(0);
-  if (!blob[0]) return std::nullopt;
-  if (blob[1]) return Blob{"", blob[1]};
-  const std::int64_t last = integer(blob[0]);
+  const std::optional<Extent> extent = this->extent(database, id, name);
+  if (!extent) return std::nullopt;
+  if (extent->file) return Blob{"", extent->file};
   std::string bytes;
-  for (std::int64_t part = 0; part <= last; part += DatabaseDriver::kPartsOfPiece) {
+  if (extent->size) bytes.reserve(*extent->size);
+  std::int64_t count = 0;
+  for (std::int64_t part = 0; part <= extent->last_part; part += DatabaseDriver::kPartsOfPiece) {
     const Rows piece = database.run(
         "SELECT data FROM remeshd_blob WHERE job = $1 AND kind = $2 AND part >= $3 AND part < $4 ORDER BY part",
         {std::string_view(id), name, part, part + DatabaseDriver::kPartsOfPiece}, Database::Result::kBytes);
     database.extend_deadline(timeout_);
     if (piece.empty()) break;
     for (const Row& row : piece) bytes += row[0].value_or("");
+    count += static_cast<std::int64_t>(piece.size());
   }
   // An old daemon has stored no size. Then only the rows in the middle are certain to be there.
-  if (blob[2] && bytes.size() == static_cast<std::uint64_t>(integer(blob[2]))) return Blob{std::move(bytes), {}};
-  const Rows rows = database.run("SELECT count(*), max(part) FROM remeshd_blob WHERE job = $1 AND kind = $2",
-                                 {std::string_view(id), name});
-  if (!rows.at(0)[1]) return std::nullopt;  // it expired meanwhile
-  if (blob[2] || integer(rows[0][0]) != driver_.rows_of_blob(last)) throw lost(id, name);
+  if (extent->size && bytes.size() == *extent->size) return Blob{std::move(bytes), {}};
+  if (!this->extent(database, id, name)) return std::nullopt;  // it expired meanwhile
+  if (extent->size || count != driver_.rows_of_blob(extent->last_part)) throw lost(id, name);
   return Blob{std::move(bytes), {}};
 }
 
 std::optional<BlobTable::Size> BlobTable::size(Database& database, const std::string& id, BlobKind kind) const {
-  const Row blob = database
-                       .run(
-                           "SELECT max(part), max(file), coalesce(sum(length(data)), 0) FROM remeshd_blob "
-                           "WHERE job = $1 AND kind = $2",
-                           {std::string_view(id), std::string_view(kind_name(kind))})
-                       .at(0);
-  if (!blob[0]) return std::nullopt;
-  return Size{static_cast<std::uint64_t>(integer(blob[2])), blob[1]};
+  const std::string_view name = kind_name(kind);
+  const std::optional<Extent> extent = this->extent(database, id, name);
+  if (!extent) return std::nullopt;
+  if (extent->file || extent->size) return Size{extent->size.value_or(0), extent->file};
+  // An old daemon has stored no size.
+  Size size;
+  for (std::int64_t part = 0; part <= extent->last_part; part += DatabaseDriver::kPartsOfPiece) {
+    const Rows piece = database.run(
+        "SELECT coalesce(sum(length(data)), 0), count(*) FROM remeshd_blob WHERE job = $1 AND kind = $2 "
+        "AND part >= $3 AND part < $4",
+        {std::string_view(id), name, part, part + DatabaseDriver::kPartsOfPiece});
+    database.extend_deadline(timeout_);
+    if (integer(piece.at(0)[1]) == 0) break;
+    size.bytes += static_cast<std::uint64_t>(integer(piece[0][0]));
+  }
+  return size;
 }
 
 std::vector<std::string> BlobTable::remove(Database& database, const std::string& id, const char* condition) const {
@@ -118,7 +147,7 @@ std::vector<std::string> BlobTable::remove(Database& database, const std::string
 }
 
 const BlobFolder& BlobTable::folder() const {
-  if (!folder_) throw StoreError("the store keeps blobs in a folder: --blob-dir is missing");
+  if (!folder_) throw NoFolder("the store keeps blobs in a folder: --blob-dir is missing");
   return *folder_;
 }
 

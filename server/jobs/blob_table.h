@@ -34,14 +34,15 @@ class BlobTable {
   /// Output: nothing if there is no such blob.
   /// Errors: BlobLost - a part of it is missing.
   std::optional<Blob> find(Database& database, const std::string& id, BlobKind kind) const;
-  /// Output: as `find`; the bytes are those of the rows.
+  /// Output: as `find`; the bytes are those of the rows. If the size was stored with them, no data is read.
+  /// Errors: BlobLost - the size and the rows contradict each other.
   std::optional<Size> size(Database& database, const std::string& id, BlobKind kind) const;
   /// Deletes the rows of a job's blobs for which a condition holds, a piece at a time. To be called in a transaction.
   /// Output: the files to remove once the transaction is committed.
   std::vector<std::string> remove(Database& database, const std::string& id, const char* condition) const;
 
   /// The folder for files.
-  /// Errors: StoreError - a row names a file, but there is no folder.
+  /// Errors: NoFolder.
   const BlobFolder& folder() const;
   /// Removes files whose rows are deleted.
   void remove_files(const std::vector<std::string>& files) const;
@@ -49,6 +50,14 @@ class BlobTable {
   std::vector<std::string> find_stray_files(Database& database, int part) const;
 
  private:
+  struct Extent {
+    std::optional<std::string> file;
+    std::optional<std::uint64_t> size;  ///< nothing if an old daemon has stored the blob
+    std::int64_t last_part = 0;
+  };
+  /// Errors: as `size`.
+  std::optional<Extent> extent(Database& database, const std::string& id, std::string_view kind) const;
+
   DatabaseDriver& driver_;
   const std::unique_ptr<BlobFolder> folder_;
   const std::chrono::milliseconds timeout_;

@@ -75,9 +75,14 @@ std::string jobs_json(const std::vector<JobRecord>& jobs, const JobLinks& links)
   return json.take();
 }
 
-std::string problem_code(const std::string& problem) {
-  const auto json = nlohmann::json::parse(problem, nullptr, /*allow_exceptions=*/false);
-  return json.is_object() ? json.value("code", "") : "";
+bool is_problem(std::string_view text) {
+  const auto json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
+  return json.is_object() && (!json.contains("code") || json["code"].is_string());
+}
+
+std::string problem_code(std::string_view problem) {
+  if (!is_problem(problem)) return "";
+  return nlohmann::json::parse(problem).value("code", "");
 }
 
 std::string job_path(const std::string& id) { return "/v1/jobs/" + id; }

@@ -21,8 +21,10 @@ std::string job_json(const JobRecord& job, const JobLinks& links);
 /// Formats a list of jobs: `{"jobs": [...]}`
 std::string jobs_json(const std::vector<JobRecord>& jobs, const JobLinks& links);
 
+/// True if this is the JSON of a problem.
+bool is_problem(std::string_view text);
 /// Returns the `code` member of a problem, or an empty string if it has none.
-std::string problem_code(const std::string& problem);
+std::string problem_code(std::string_view problem);
 
 /// The path of a job: "/v1/jobs/0123..."
 std::string job_path(const std::string& id);

@@ -12,6 +12,7 @@
 #include "server/jobs/job_request.h"
 #include "server/jobs/store_deadline.h"
 #include "server/observe/log.h"
+#include "server/work/memory_wait.h"
 
 namespace remesh::server::jobs {
 namespace {
@@ -19,10 +20,11 @@ namespace {
 constexpr const char* kPollSeconds = "1";
 constexpr const char* kFullSeconds = "10";
 constexpr int kMaxListed = 100;
-/// Memory that an answer takes, as a multiple of the stored bytes. For a mesh this counts the stored bytes, the mesh
-/// made from them and its text; for a report the stored bytes and the text made from them. On a million faces, 5
-/// times was measured for OBJ, 7 for JSON and 9 for VTU.
-constexpr std::uint64_t kPerMeshByte = 10;
+/// Memory that an answer takes, as a multiple of the stored bytes. For a mesh this counts the mesh made from them and
+/// its text; for a report the stored bytes and the text made from them. On half a million faces, 4 to 7 times was
+/// measured, depending on the format, and 9 times for VTU.
+constexpr std::uint64_t kPerMeshByte = 7;
+constexpr std::uint64_t kPerMeshByteOfVtu = 9;
 constexpr std::uint64_t kPerReportByte = 2;
 constexpr std::chrono::milliseconds kLook{300};
 /// The interval of messages in a silent stream. Some proxies cut silent streams, and without sending we would not
@@ -95,6 +97,14 @@ std::optional<Response> answer_without_result(const JobRecord& job) {
   response.problem_code = problem_code(job.problem);
   response.is_told = true;
   return response;
+}
+
+/// True if the request names the format whose texts are the largest.
+bool asks_for_vtu(const Request& request) {
+  const bool is_option = std::any_of(request.query.begin(), request.query.end(), [](const auto& option) {
+    return option.first == "format" && option.second == "vtu";
+  });
+  return is_option || api::ascii_lower(request.list("accept")).find("vtu") != std::string::npos;
 }
 
 /// The record of a job that was stored just now.
@@ -220,15 +230,18 @@ Admission JobRoutes::admit(const RequestHead& head) const {
   return {context_.limits.api.max_body, context_.memory.open_share(/*per_byte=*/2)};
 }
 
-void JobRoutes::check(const api::Request& request, std::uint64_t held) const {
+void JobRoutes::check(const api::Request& request, const Call& call) const {
   api::check_remesh(request, context_.limits.api);
   if (!api::has_json_mesh(request, context_.limits.api)) return;
-  // A body that is alone may always be checked, so no more is asked for than the request leaves free itself.
-  const std::uint64_t free = context_.memory.limit() - std::min(context_.memory.limit(), held);
-  const auto memory = context_.memory.open_share();
-  if (!memory->try_hold(std::min<std::uint64_t>(free, api::kCheckPerJsonByte * request.body.size())))
-    throw out_of_memory();
+  // The request's own share grows. A second one would be a newcomer, which may have to wait for the request itself.
+  MemoryShare& memory = *call.request.memory;
+  const std::uint64_t held = memory.bytes();
+  const std::uint64_t wanted = held + api::kCheckPerJsonByte * request.body.size();
+  wait_for_memory(
+      memory, [&] { return memory.try_hold(wanted); }, call.request, call.connection,
+      Clock::now() + context_.limits.memory_patience().of(request.body.size()));
   api::check_json(request, context_.limits.api);
+  memory.hold_answer(held);
 }
 
 Response JobRoutes::submit(const Call& call) const {
@@ -238,7 +251,7 @@ Response JobRoutes::submit(const Call& call) const {
   job.request = pack_request(kept);
   kept.body = request.body;
   job.idempotency = idempotency(request, kept);
-  check(kept, request.memory ? request.memory->bytes() : 0);
+  check(kept, call);
 
   if (request.body.size() > context_.memory.limit()) throw never_fits(context_.memory.limit());
   job.memory = std::max<std::uint64_t>(
@@ -319,7 +332,9 @@ Response JobRoutes::answer_from(const Operation& write, std::uint64_t memory, co
   // The reservation is limited to the whole budget: a result that a worker could make can always be sent, if need be
   // alone.
   memory = std::min(memory, context_.memory.limit());
-  call.request.memory->hold_body(memory, memory);
+  wait_for_memory(
+      *call.request.memory, [&] { return call.request.memory->try_hold(memory); }, call.request, call.connection,
+      Clock::now() + context_.limits.api.request_timeout);
   Response response;
   static_cast<api::Response&>(response) =
       run_in_pool(context_.pool, context_.registry, context_.limits, write, call.request, call.connection);
@@ -330,12 +345,12 @@ Response JobRoutes::answer_from(const Operation& write, std::uint64_t memory, co
 Response JobRoutes::result(const Call& call) const {
   const JobRecord job = find_own(call);
   if (std::optional<Response> problem = answer_without_result(job)) return std::move(*problem);
+  const std::uint64_t per_byte = asks_for_vtu(call.request) ? kPerMeshByteOfVtu : kPerMeshByte;
   const std::uint64_t memory =
-      kPerMeshByte * size_of(job.id, BlobKind::kMesh) + kPerReportByte * size_of(job.id, BlobKind::kReport);
+      per_byte * size_of(job.id, BlobKind::kMesh) + kPerReportByte * size_of(job.id, BlobKind::kReport);
   const Operation write = [this, id = job.id](const api::Request& wanted, const api::Limits&, RunControl& control) {
-    const std::string mesh = read(id, BlobKind::kMesh);
     return api::write_kept(
-        mesh, [&] { return read(id, BlobKind::kReport); }, wanted, control);
+        read(id, BlobKind::kMesh), [&] { return read(id, BlobKind::kReport); }, wanted, control);
   };
   return with_ranges(answer_from(write, memory, call), call.request);
 }

@@ -47,7 +47,7 @@ class JobRoutes {
   /// Checks what can be known of a request before it is worked on.
   /// Input: `held` - the bytes that are reserved for the request already.
   /// Errors: remesh::Error; HttpError - there is no memory for the check.
-  void check(const api::Request& request, std::uint64_t held) const;
+  void check(const api::Request& request, const Call& call) const;
   JobRecord find_own(const Call& call) const;
   /// Input: `request` - must outlive the links.
   JobLinks links_for(const Request& request) const;

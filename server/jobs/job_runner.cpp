@@ -20,6 +20,8 @@ constexpr std::chrono::seconds kPoll{5};
 /// The pause between attempts while the store does not answer or there is no room.
 constexpr std::chrono::milliseconds kPause{250};
 constexpr std::chrono::milliseconds kMaxBetweenLooks{1000};
+/// The pause between two looks for a job that is passed over because it finds no memory.
+constexpr std::chrono::milliseconds kBetweenLooks{1000};
 /// How long cancelled work may take to stop.
 constexpr std::chrono::milliseconds kStopPatience{1100};
 /// How long a result waits for room in the store before its job fails. Until then other work waits for the memory that
@@ -138,13 +140,16 @@ void JobRunner::claim_until_stopped() {
         wake_.wait(Clock::now() + kPause);
       }
     } catch (const StoreError&) {
+      passed_over_.reset();               // no memory is set aside while nothing can be claimed
       wake_.wait(Clock::now() + kPause);  // the store's observer has logged it
     } catch (const std::exception& error) {
+      passed_over_.reset();
       log::write(log::Level::kError, "cannot claim jobs", {{"error", std::string(error.what())}});
       wake_.wait(Clock::now() + kPoll);
     }
     wake_.clear();
   }
+  passed_over_.reset();
 }
 
 bool JobRunner::has_room() const {
@@ -156,22 +161,65 @@ bool JobRunner::has_room() const {
 }
 
 JobRunner::Step JobRunner::claim_one() {
-  if (!has_room()) return Step::kNoRoom;
+  if (!has_room()) {
+    if (passed_over_) passed_over_->share->leave_line();  // it could not begin, so it is in nobody's way
+    return Step::kNoRoom;
+  }
   const Counted claiming(claiming_);
   if (draining_) return Step::kNothing;
-  std::optional<Claim> claim = store_.claim(settings_.worker, memory_.available());
-  if (!claim) return Step::kNothing;
-  hold(std::move(*claim));
+  look_for_passed_over();
+  const std::optional<std::uint64_t> room = memory_for_claim();
+  if (!room) return Step::kNoRoom;
+  std::shared_ptr<MemoryShare> share;
+  if (passed_over_ && passed_over_->share->bytes() > 0)
+    share = std::exchange(passed_over_->share, memory_.open_share(/*per_byte=*/1));
+  std::optional<Claim> claim = store_.claim(settings_.worker, *room);
+  // Another worker may have taken the job meanwhile. If another job came before it in turn, it keeps its place.
+  if (passed_over_ && (claim ? claim->id == passed_over_->job.id : share != nullptr)) passed_over_.reset();
+  if (!claim) {
+    next_look_ = {};
+    look_for_passed_over();
+    return passed_over_ ? Step::kNoRoom : Step::kNothing;
+  }
+  hold(std::move(*claim), std::move(share));
   return Step::kClaimed;
 }
 
-void JobRunner::hold(Claim claim) {
+void JobRunner::look_for_passed_over() {
+  const Clock::time_point now = Clock::now();
+  if (now < next_look_) return;
+  next_look_ = now + kBetweenLooks;
+  if (passed_over_) {
+    const std::optional<JobRecord> record = store_.find(passed_over_->job.id);
+    if (record && record->state == JobState::kQueued) return;
+    passed_over_.reset();
+  }
+  std::optional<WaitingJob> next = store_.next_in_turn(memory_.limit());
+  if (!next || next->memory <= memory_.available()) return;
+  passed_over_ = PassedOver{std::move(*next), now, memory_.open_share(/*per_byte=*/1)};
+}
+
+std::optional<std::uint64_t> JobRunner::memory_for_claim() {
+  if (passed_over_) {
+    passed_over_->share->stand_in_line(passed_over_->since);
+    if (passed_over_->share->try_hold(passed_over_->job.memory)) return passed_over_->job.memory;
+  }
+  const std::uint64_t available = memory_.available();
+  return available > 0 ? std::optional(available) : std::nullopt;
+}
+
+void JobRunner::hold(Claim claim, std::shared_ptr<MemoryShare> share) {
   const auto held = std::make_shared<Held>(std::move(claim), registry_);
   log::write(log::Level::kInfo, "job claimed",
              {{"job", held->claim.id}, {"token", held->claim.token}, {"attempt", std::int64_t{held->claim.attempts}}});
   try {
-    held->memory = memory_.open_share(/*per_byte=*/1);
-    held->memory->hold_body(held->claim.memory, held->claim.memory);
+    if (share) {
+      share->hold_answer(held->claim.memory);
+      held->memory = std::move(share);
+    } else {
+      held->memory = memory_.open_share(/*per_byte=*/1);
+      held->memory->hold_body(held->claim.memory, held->claim.memory);
+    }
     const std::uint64_t bytes = held->claim.memory / MemoryBudget::kWorkPerBodyByte;
     const std::lock_guard lock(mutex_);
     held_.push_back(held);
@@ -282,6 +330,12 @@ std::optional<JobOutcome> JobRunner::work_on(Held& held) {
   } catch (const StoreError&) {
     give_back(held, JobStore::Attempt::kDoesNotCount, "store");
     return std::nullopt;
+  } catch (const NoFolder&) {
+    if (held.claim.attempts < settings_.max_attempts) {
+      give_back(held, JobStore::Attempt::kCounts, "no_folder");
+      return std::nullopt;
+    }
+    return outcome_of_failure(held, std::current_exception());
   } catch (const BlobLost&) {
     return outcome_of_failure(held, std::current_exception());
   } catch (const DataError&) {

@@ -75,7 +75,12 @@ class JobRunner {
   void claim_until_stopped();
   Step claim_one();
   bool has_room() const;
-  void hold(Claim claim);
+  /// Looks whether the job that is next in turn waits for memory, and gives it a place in the line for it.
+  void look_for_passed_over();
+  /// Output: the memory for the next claim; nothing if no job may be claimed now.
+  std::optional<std::uint64_t> memory_for_claim();
+  /// Input: `share` - memory that was reserved for this job, or null.
+  void hold(Claim claim, std::shared_ptr<MemoryShare> share);
   void renew_all();
   void renew(Held& held);
   /// Gives back what could not be given back while the store was away.
@@ -118,6 +123,14 @@ class JobRunner {
   std::vector<Return> late_returns_;  ///< claims that could not be given back yet
   bool committer_may_end_ = false;
   std::atomic<std::size_t> claiming_{0};
+  /// The job that is next in turn and finds no memory, and its place in the line. The claiming thread uses it alone.
+  struct PassedOver {
+    WaitingJob job;
+    Clock::time_point since;
+    std::shared_ptr<MemoryShare> share;
+  };
+  std::optional<PassedOver> passed_over_;
+  Clock::time_point next_look_{};
   std::optional<Periodic> renewals_;
   std::thread claimer_;
   std::thread committer_;

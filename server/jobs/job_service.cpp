@@ -1,9 +1,12 @@
 #include "server/jobs/job_service.h"
 
 #include <algorithm>
+#include <filesystem>
 #include <stdexcept>
+#include <system_error>
 #include <utility>
 
+#include "server/http/memory_files.h"
 #include "server/jobs/outage_log.h"
 #include "server/jobs/sql_store.h"
 #include "server/observe/log.h"
@@ -20,6 +23,21 @@ constexpr std::chrono::seconds kBetweenSums{5};
 /// How long a stopping daemon waits for its last calls of the store, which give jobs back. The calls of a store that
 /// does not answer end then.
 constexpr std::chrono::milliseconds kLastCalls{1400};
+
+/// The bytes of the jobs' files that are in memory, because their folder is.
+/// Input: `stored` - the bytes of all inputs and results.
+std::uint64_t bytes_in_memory(const JobSettings& settings, std::uint64_t stored) {
+  std::uint64_t bytes = !settings.blob_dir.empty() && is_memory_folder(settings.blob_dir) ? stored : 0;
+  if (settings.store != "sqlite") return bytes;
+  const std::string folder = find_state_dir(settings.state_dir);
+  if (!is_memory_folder(folder)) return bytes;
+  for (const char* name : {"/jobs.sqlite", "/jobs.sqlite-wal"}) {
+    std::error_code none;
+    const std::uintmax_t size = std::filesystem::file_size(folder + name, none);
+    if (!none) bytes += size;
+  }
+  return bytes;
+}
 
 }  // namespace
 
@@ -52,6 +70,7 @@ JobService::JobService(std::unique_ptr<JobStore> store, const JobSettings& setti
                        KeepOperation operation)
     : store_(std::move(store)),
       settings_(settings),
+      memory_(memory),
       metrics_(metrics),
       runner_(*store_, pool, registry, memory, metrics, std::move(operation), std::move(runner)) {}
 
@@ -114,6 +133,7 @@ void JobService::look_after() {
     }
     if (now >= next_sum_) {
       stored_bytes_ = store_->stored_bytes();
+      memory_.note_stored(bytes_in_memory(settings_, stored_bytes_));
       next_sum_ = now + kBetweenSums;
     }
     const QueueStatistics statistics = store_->statistics();

@@ -55,6 +55,7 @@ class JobService {
 
   const std::unique_ptr<JobStore> store_;
   const JobSettings settings_;
+  MemoryBudget& memory_;
   Metrics& metrics_;
   JobRunner runner_;
   mutable std::mutex mutex_;

@@ -71,6 +71,13 @@ class BlobLost : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// A row names a file for a blob, but this daemon has no folder for them. If that is not damage, another daemon has
+/// the folder.
+class NoFolder : public BlobLost {
+ public:
+  using BlobLost::BlobLost;
+};
+
 /// The rules that all users of a store apply to its jobs. They must be the same on all daemons that share a store.
 struct StoreRules {
   std::chrono::milliseconds lease{60'000};  ///< a job counts as abandoned this long after its last renewal
@@ -157,6 +164,12 @@ struct Upkeep {
   std::string error;  ///< what kept some of the changes from being made, although the store works; empty if nothing did
 };
 
+/// A job that waits, and the memory that it needs.
+struct WaitingJob {
+  std::string id;
+  std::uint64_t memory = 0;
+};
+
 struct QueueStatistics {
   std::int64_t queued = 0;
   std::int64_t running = 0;
@@ -177,6 +190,8 @@ class JobStore {
   /// Claims the next job that needs at most `max_memory` bytes. Owners take turns; the jobs of one owner come in
   /// order of submission.
   virtual std::optional<Claim> claim(std::string_view worker, std::uint64_t max_memory) = 0;
+  /// The job whose turn is next among all that need at most `max_memory` bytes.
+  virtual std::optional<WaitingJob> next_in_turn(std::uint64_t max_memory) = 0;
   /// Output: nothing if the blob has expired.
   /// Errors: also BlobLost.
   virtual std::optional<std::string> read_blob(const std::string& id, BlobKind kind) = 0;

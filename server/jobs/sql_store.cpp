@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <utility>
 
+#include "server/jobs/job_json.h"
 #include "server/jobs/job_upkeep.h"
 #include "server/jobs/row_values.h"
 #include "server/jobs/schema.h"
@@ -28,7 +29,7 @@ void mend(JobRecord& record) {
   constexpr int kFirstError = 400;
   constexpr int kLastError = 599;
   if (record.problem_status < kFirstError || record.problem_status > kLastError) record.problem_status = 500;
-  if (!record.problem.empty()) return;
+  if (is_problem(record.problem)) return;
   record.problem = problem_text(record.problem_status, "internal", "the job's row in the store is damaged");
   const std::size_t place = record.problem.find("{job}");
   if (place != std::string::npos) record.problem.replace(place, std::string_view("{job}").size(), record.id);
@@ -37,7 +38,10 @@ void mend(JobRecord& record) {
 /// The jobs note how much they store, since to add up blobs takes longer the larger they are. What daemons of an older
 /// version store does not count.
 const std::string kStoredBytes =
-    std::string("SELECT CAST(coalesce(sum(stored), 0) AS bigint) FROM remeshd_job WHERE ") + kJobWithBlobs;
+    std::string(
+        "SELECT CAST(coalesce(sum(stored), 0) AS bigint) FROM remeshd_job "
+        "WHERE stored <= 1000000000000000 AND ") +  // a damaged number must not count for all others
+    kJobWithBlobs;
 /// No turn is higher.
 constexpr std::int64_t kMaxTurn = 8'000'000'000'000'000;
 /// No job is tried more often.
@@ -319,6 +323,17 @@ std::optional<Claim> SqlStore::claim(std::string_view worker, std::uint64_t max_
                        [&](Database& database) { return claim_next(database, worker, max_memory); });
 }
 
+std::optional<WaitingJob> SqlStore::next_in_turn(std::uint64_t max_memory) {
+  static const std::string sql =
+      std::string("SELECT id, memory FROM remeshd_job WHERE state = 'queued' AND memory <= $1 AND NOT ") + kDamagedJob +
+      " ORDER BY turn, created_ms, id LIMIT 1";
+  return with_database("look", Access::kRead, [&](Database& database) -> std::optional<WaitingJob> {
+    const Rows rows = database.run(sql.c_str(), {signed_bytes(max_memory)});
+    if (rows.empty()) return std::nullopt;
+    return WaitingJob{rows[0][0].value(), static_cast<std::uint64_t>(integer(rows[0][1]))};
+  });
+}
+
 bool SqlStore::renew(const Claim& claim, const Progress& progress) {
   return with_database("renew", Access::kWrite, [&](Database& database) {
     return !database
@@ -463,7 +478,8 @@ bool SqlStore::discard(const std::string& id) {
 QueueStatistics SqlStore::statistics() {
   return with_database("statistics", Access::kRead, [&](Database& database) {
     const Rows rows = database.run(
-        "SELECT count(*), coalesce(remeshd_now() - min(created_ms), 0),"
+        "SELECT count(*), coalesce(remeshd_now() - min(CASE WHEN created_ms BETWEEN 0 AND 9000000000000000 THEN "
+        "created_ms END), 0),"
         " (SELECT count(*) FROM remeshd_job WHERE state = 'running') FROM remeshd_job WHERE state = 'queued'");
     QueueStatistics statistics;
     statistics.queued = integer(rows.at(0)[0]);

@@ -30,6 +30,7 @@ class SqlStore : public JobStore {
 
   Submission submit(const NewJob& job) override;
   std::optional<Claim> claim(std::string_view worker, std::uint64_t max_memory) override;
+  std::optional<WaitingJob> next_in_turn(std::uint64_t max_memory) override;
   std::optional<std::string> read_blob(const std::string& id, BlobKind kind) override;
   std::optional<std::uint64_t> blob_size(const std::string& id, BlobKind kind) override;
   bool renew(const Claim& claim, const Progress& progress) override;

@@ -9,6 +9,9 @@ namespace {
 /// The number of rows that one statement changes, so that none takes long.
 constexpr std::int64_t kRows = 2000;
 
+/// No time is later, in milliseconds since 1970.
+const std::string kLastTime = "9000000000000000";
+
 /// Runs `UPDATE table SET changes` for all rows, in the order of `column`.
 void update_all(Database& database, const std::string& table, const std::string& column, const char* changes,
                 std::int64_t by_ms, std::chrono::milliseconds timeout) {
@@ -33,11 +36,16 @@ void update_all(Database& database, const std::string& table, const std::string&
 }  // namespace
 
 void shift_times(Database& database, std::int64_t by_ms, std::chrono::milliseconds timeout) {
-  update_all(database, "remeshd_job", "id",
-             "created_ms = created_ms + $1, queued_ms = queued_ms + $1, started_ms = started_ms + $1, "
-             "lease_ms = lease_ms + $1, finished_ms = finished_ms + $1, expires_ms = expires_ms + $1",
-             by_ms, timeout);
-  update_all(database, "remeshd_idempotency", "job", "expires_ms = expires_ms + $1", by_ms, timeout);
+  const auto shift = [](const std::string& column) {
+    // A damaged time that would overflow must not keep all others from being shifted.
+    return column + " = CASE WHEN " + column + " BETWEEN -" + kLastTime + " AND " + kLastTime + " THEN " + column +
+           " + $1 ELSE " + column + " END";
+  };
+  std::string changes;
+  for (const char* column : {"created_ms", "queued_ms", "started_ms", "lease_ms", "finished_ms", "expires_ms"})
+    changes += (changes.empty() ? "" : ", ") + shift(column);
+  update_all(database, "remeshd_job", "id", changes.c_str(), by_ms, timeout);
+  update_all(database, "remeshd_idempotency", "job", shift("expires_ms").c_str(), by_ms, timeout);
 }
 
 }  // namespace remesh::server::jobs

@@ -1,13 +1,28 @@
 /// The memory that all requests together may take. Memory is reserved before it is used, so that a request that does
-/// not fit is refused at its start, and the system does not kill the process in the middle of other people's work.
+/// not fit waits or is refused at its start, and the system does not kill the process in the middle of other people's
+/// work.
+///
+/// Whoever finds no memory may stand in line. Small reservations may pass larger ones there, so that memory is not
+/// idle. Once the first in line has waited for `kPatience`, it goes before all newcomers, and memory that becomes free
+/// is set aside for it. These rules prevent that everybody waits for nothing:
+/// - Whoever holds memory already may reserve more, since the first in line can wait for it to end.
+/// - Newcomers pass while the first in line could not begin in any case, because those who held memory before it went
+///   first take too much.
+/// - The first in line goes first for a while only. Then newcomers pass for `kPause`, and its next while is longer.
+/// - If all who hold memory stand in line for more, the last of them is refused.
 #pragma once
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <list>
 #include <memory>
+#include <mutex>
+#include <optional>
 
+#include "server/http/connection.h"
 #include "server/http/http_message.h"
 
 namespace remesh::server {
@@ -20,7 +35,7 @@ class MemoryShare {
  public:
   /// Input: `per_byte` - the bytes that are reserved for each byte of a body.
   explicit MemoryShare(MemoryBudget& budget, std::uint64_t per_byte) : budget_(budget), per_byte_(per_byte) {}
-  ~MemoryShare() { resize(0); }
+  ~MemoryShare();
   MemoryShare(const MemoryShare&) = delete;
   MemoryShare& operator=(const MemoryShare&) = delete;
 
@@ -28,29 +43,45 @@ class MemoryShare {
   /// a body of `expected` bytes would fit now, but does not reserve that yet: a client that announces much and sends
   /// little must not shut out others. The work may take less than is estimated, so never more than the whole budget is
   /// reserved.
-  /// Errors: HttpError 413 `mesh_too_large` - the bytes of the body alone are more than the whole budget; 503
-  ///         `out_of_memory` - more than is free now.
-  void hold_body(std::uint64_t held, std::uint64_t expected);
+  /// Output: false if there is not so much free now; the reservation then stays as it was.
+  /// Errors: HttpError 413 `mesh_too_large` - the bytes of the body alone are more than the whole budget.
+  bool try_hold_body(std::uint64_t held, std::uint64_t expected, Clock::time_point now = Clock::now());
+  /// Does the same.
+  /// Errors: also HttpError 503 `out_of_memory` - more than is free now.
+  void hold_body(std::uint64_t held, std::uint64_t expected) {
+    if (!try_hold_body(held, expected)) throw out_of_memory();
+  }
   /// Reserves exactly so many bytes, but not more than the whole budget.
-  /// Output: false if they are not free now; the reservation then stays as it was.
-  bool try_hold(std::uint64_t bytes);
+  /// Output: as `try_hold_body`.
+  bool try_hold(std::uint64_t bytes, Clock::time_point now = Clock::now());
   /// Reduces the reservation to the size of the answer, once the work is done.
-  void hold_answer(std::uint64_t bytes) { resize(bytes); }
+  void hold_answer(std::uint64_t bytes);
+
+  /// Gives this share a place in line, unless it has one: behind those who have waited for longer. It leaves the line
+  /// with its next reservation that succeeds, and with its end.
+  void stand_in_line(Clock::time_point since = Clock::now());
+  void leave_line();
+  /// True if this share is to be refused, because it and all others who hold memory stand in line for more.
+  bool is_stuck() const;
 
   std::uint64_t bytes() const { return bytes_; }
+  MemoryBudget& budget() const { return budget_; }
   /// See MemoryBudget::next_reservation.
   std::uint64_t next_reservation(std::uint64_t wanted) const;
 
  private:
+  friend class MemoryBudget;
+
   /// Reserves `wanted` bytes if `needed` bytes, of which they are a part, are free.
-  bool try_reserve(std::uint64_t wanted, std::uint64_t needed);
-  void resize(std::uint64_t bytes);
-  /// Stores the new size. The budget's sum must include it already.
-  void note(std::uint64_t bytes);
+  bool try_reserve(std::uint64_t wanted, std::uint64_t needed, Clock::time_point now);
 
   MemoryBudget& budget_;
   const std::uint64_t per_byte_;
+  // The budget's mutex guards these members. Only the thread that uses this share changes `bytes_`.
   std::uint64_t bytes_ = 0;
+  std::uint64_t needed_ = 0;  ///< what it last asked for
+  std::uint64_t number_ = 0;  ///< counts those who began to hold memory before
+  std::optional<Clock::time_point> waits_since_;
 };
 
 class MemoryBudget {
@@ -59,8 +90,17 @@ class MemoryBudget {
   /// of the body (a flat square of 320,000 faces) to 57 times (a patch per face). The reservation is in between;
   /// `MemoryWatch` handles requests that take more.
   static constexpr std::uint64_t kWorkPerBodyByte = 16;
+  /// The first in line lets others pass for so long.
+  static constexpr std::chrono::seconds kPatience{5};
+  /// How long it then goes first at a time: at first, and at most.
+  static constexpr std::chrono::seconds kFirstTurn{20};
+  static constexpr std::chrono::seconds kLongestTurn{160};
+  /// How long newcomers pass between its turns.
+  static constexpr std::chrono::seconds kPause{5};
 
-  explicit MemoryBudget(std::uint64_t limit) : limit_(limit) {}
+  /// Input: `patience` - see kPatience; tests have less.
+  explicit MemoryBudget(std::uint64_t limit, std::chrono::milliseconds patience = kPatience)
+      : limit_(limit), patience_(patience) {}
   MemoryBudget(const MemoryBudget&) = delete;
   MemoryBudget& operator=(const MemoryBudget&) = delete;
 
@@ -69,9 +109,11 @@ class MemoryBudget {
   }
 
   std::uint64_t limit() const { return limit_; }
-  std::uint64_t reserved() const { return reserved_; }
+  std::uint64_t reserved() const;
   /// The number of shares that have reserved memory.
-  std::size_t holders() const { return holders_; }
+  std::size_t holders() const;
+  /// The number of shares that stand in line.
+  std::size_t waiting() const;
   /// The largest reservation of a single piece of work that has not shown yet that it needs more. It leaves some for
   /// small requests, which would keep it waiting otherwise.
   std::uint64_t usual_limit() const { return limit_ / 8 * 7; }
@@ -80,24 +122,53 @@ class MemoryBudget {
   std::uint64_t next_reservation(std::uint64_t wanted, std::uint64_t reserved) const {
     return reserved < usual_limit() ? std::min(wanted, usual_limit()) : limit_;
   }
-  /// The number of bytes that could be reserved now.
-  std::uint64_t available() const;
+  /// The number of bytes that a newcomer could reserve now.
+  std::uint64_t available(Clock::time_point now = Clock::now());
   /// Tells the budget how much memory is really in use. If that is more than is reserved, it counts instead.
   /// It does not count while nobody has reserved anything: otherwise an idle process could refuse for ever a request
   /// that `never_fits` lets through.
   void note_used(std::uint64_t bytes) { used_ = bytes; }
 
+  /// Tells the budget how many bytes of files in memory are in use besides, because the jobs' folder is in memory.
+  void note_stored(std::uint64_t bytes) { stored_ = bytes; }
+  std::uint64_t stored() const { return stored_; }
+
+  /// Tells everybody in line to give up, because the daemon stops.
+  void close() { is_closed_ = true; }
+  bool is_closed() const { return is_closed_; }
+
  private:
   friend class MemoryShare;
 
+  /// The state of the first in line, once its patience is over.
+  struct Turn {
+    const MemoryShare* first;
+    std::uint64_t newcomers;                         ///< the `number_` from which on holders came after the turn began
+    std::uint64_t old_bytes;                         ///< what those before hold
+    std::chrono::seconds length;                     ///< how long newcomers may be held up
+    Clock::time_point pause_end;                     ///< newcomers pass until then
+    std::optional<Clock::time_point> held_up_since;  ///< since when newcomers are held up
+  };
+
   /// The bytes that count as used by others.
-  /// Input: `own` - the part of `reserved` that belongs to the caller.
-  std::uint64_t used_by_others(std::uint64_t reserved, std::uint64_t own) const;
+  /// Input: `own` - the part of the reservations that belongs to the caller.
+  std::uint64_t used_by_others_locked(std::uint64_t own) const;
+  bool is_held_up_locked(const MemoryShare* newcomer, Clock::time_point now);
+  void begin_turn_locked(std::chrono::seconds length, Clock::time_point pause_end);
+  void resize_locked(MemoryShare& share, std::uint64_t bytes);
+  void leave_line_locked(MemoryShare& share);
 
   const std::uint64_t limit_;
-  std::atomic<std::uint64_t> reserved_{0};
+  const std::chrono::milliseconds patience_;
+  mutable std::mutex mutex_;
+  std::uint64_t reserved_ = 0;
+  std::size_t holders_ = 0;
+  std::uint64_t next_number_ = 1;
+  std::list<MemoryShare*> line_;  ///< who waits longest is the first
+  std::optional<Turn> turn_;
   std::atomic<std::uint64_t> used_{0};
-  std::atomic<std::size_t> holders_{0};
+  std::atomic<std::uint64_t> stored_{0};
+  std::atomic<bool> is_closed_{false};
 };
 
 }  // namespace remesh::server

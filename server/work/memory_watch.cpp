@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "api/machine_limits.h"
+#include "server/http/memory_files.h"
 #include "server/observe/log.h"
 
 namespace remesh::server {
@@ -67,7 +68,8 @@ void MemoryWatch::measure_and_look() {
     used = used_of(resident);
   }
   // If memory cannot be returned, because small blocks in use are between the free ones, it counts as in use.
-  look(resident > budget_.limit() ? resident : used);
+  // Files in memory count, too. Nothing can be freed of them here.
+  look((resident > budget_.limit() ? resident : used) + memory_file_bytes() + budget_.stored());
 }
 
 std::uint64_t MemoryWatch::used_of(std::uint64_t resident) {

@@ -12,6 +12,7 @@
 #include "server/http/content_coding.h"
 #include "server/http/digest.h"
 #include "server/work/memory_budget.h"
+#include "server/work/memory_wait.h"
 
 namespace remesh::server {
 namespace {
@@ -19,8 +20,6 @@ namespace {
 /// How long cancelled work may take to stop. After this the request is answered, and the result of the work is
 /// dropped.
 constexpr std::chrono::seconds kStopPatience{2};
-/// How often a request that waits for memory looks whether there is some.
-constexpr std::chrono::milliseconds kMemoryLook{25};
 /// The bounds on what clients are told to wait before they try again, in seconds.
 constexpr std::int64_t kMinRetry = 1;
 constexpr std::int64_t kMaxRetry = 300;
@@ -134,10 +133,6 @@ api::Response wait_for_stop(Job& job, RunningRequest& running) {
   return job.take_response();
 }
 
-Connection::HalfClosed half_closed(const Request& request) {
-  return request.minor_version >= 1 ? Connection::HalfClosed::kIsAsked : Connection::HalfClosed::kIsGone;
-}
-
 /// Waits until the task is done or must be stopped.
 /// Input: `end` - the latest time for its end, if it is tried again.
 api::Response wait_for(Job& job, RunningRequest& running, WorkerPool& pool, WorkerPool::Ticket ticket,
@@ -175,17 +170,17 @@ struct StoppedForMemory {
 
 /// Waits until there is so much memory, and reserves it. Meanwhile the request reserves nothing.
 /// Errors: HttpError 503 - the time is over; remesh::Error - the client is gone or has cancelled the request.
-void wait_for_memory(std::uint64_t bytes, RunningRequest& running, Request& request, Connection& connection,
-                     Clock::time_point end) {
-  request.memory->hold_answer(0);
-  while (!request.memory->try_hold(bytes)) {
-    const Clock::time_point until = std::min(end, Clock::now() + kMemoryLook);
-    if (connection.wait(&running.changed, until, half_closed(request)) == Connection::Wake::kClientGone)
-      running.control.cancel();
-    running.changed.clear();
-    running.control.check();
-    if (Clock::now() >= end) throw out_of_memory();
-  }
+void reserve_again(std::uint64_t bytes, RunningRequest& running, Request& request, Connection& connection,
+                   Clock::time_point end) {
+  MemoryShare& memory = *request.memory;
+  memory.hold_answer(0);
+  wait_for_memory(
+      memory, [&] { return memory.try_hold(bytes); }, request, connection, end, &running.changed,
+      [&](Connection::Wake wake) {
+        if (wake == Connection::Wake::kClientGone) running.control.cancel();
+        running.changed.clear();
+        running.control.check();
+      });
 }
 
 /// Does the work once.
@@ -225,7 +220,7 @@ api::Response run_in_pool(WorkerPool& pool, RequestRegistry& registry, const Wor
   for (std::optional<std::uint64_t> estimate;; end = end_of_retries) {
     const RequestRegistry::Entry running = registry.add(request.id, request.owner);
     request.id = running->id;
-    if (estimate) wait_for_memory(*estimate, *running.get(), request, connection, end);
+    if (estimate) reserve_again(*estimate, *running.get(), request, connection, end);
     try {
       return run_once(pool, running.get(), limits, operation, request, connection, end);
     } catch (const StoppedForMemory& stopped) {

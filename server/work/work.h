@@ -1,11 +1,13 @@
 /// Hands the work of a connection's thread to the pool, and waits for the result.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 
 #include "api/service.h"
 #include "server/http/connection.h"
 #include "server/http/http_message.h"
+#include "server/work/memory_wait.h"
 #include "server/work/request_registry.h"
 #include "server/work/worker_pool.h"
 
@@ -17,6 +19,15 @@ struct WorkLimits {
   api::Limits api;
   /// Memory for all requests together; reported to a request that is too large for it.
   std::uint64_t memory_budget = 0;
+
+  /// A small request may wait for memory for as long as its work may take. A large one gives up sooner, since others
+  /// may have gone before it for good reasons.
+  MemoryPatience memory_patience() const {
+    MemoryPatience patience;
+    patience.small = api.request_timeout;
+    patience.large = std::min(patience.large, patience.small);
+    return patience;
+  }
 };
 
 /// Runs `operation` on the request in the pool. While it runs, the request can be found in the registry. It stops

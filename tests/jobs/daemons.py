@@ -194,6 +194,19 @@ class Store:
                                                 isolation_level=None)) as database:  # what it changes stays changed
             return [[str(value) for value in row] for row in database.execute(sql)]
 
+    def change(self, statements):
+        """One transaction."""
+        if self.postgres:
+            self.postgres.change(statements)
+            return
+        import sqlite3  # pylint: disable=import-outside-toplevel
+        with contextlib.closing(sqlite3.connect(os.path.join(self.folder, "jobs.sqlite"), timeout=30,
+                                                isolation_level=None)) as database:
+            database.execute("BEGIN IMMEDIATE")
+            for statement in statements:
+                database.execute(statement)
+            database.execute("COMMIT")
+
 
 def can_use(kind):
     return kind == "sqlite" or find_programs() is not None

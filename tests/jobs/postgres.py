@@ -118,6 +118,11 @@ class Postgres:
                                 env={**os.environ, "PGOPTIONS": "-c default_transaction_read_only=off"})
         return [line.split("\t") for line in answer.stdout.splitlines()]
 
+    def change(self, statements):
+        """One transaction."""
+        subprocess.run([f"{self.programs}/psql", "-qX", "-1", "-v", "ON_ERROR_STOP=1", self.url], check=True,
+                       input=";\n".join(statements) + ";\n", capture_output=True, text=True, cwd="/")
+
     def __enter__(self):
         self.start()
         return self

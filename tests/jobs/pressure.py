@@ -10,6 +10,7 @@ import contextlib
 import http.client
 import os
 import pathlib
+import secrets
 import shutil
 import signal
 import subprocess
@@ -20,6 +21,7 @@ import time
 import traceback
 import types
 
+from damaged_rows import Writer, damages
 from daemons import (CONTINUE, ENDLESS, FINAL, QUICK, SECOND, SHORT, SQUARE, STOP, Daemon, Store, ask, can_use, result_of,
                      state_of, submit, wait_for, wait_for_state, with_clock)
 from hostile_meshes import families
@@ -406,6 +408,72 @@ def case_clock(run, store):
                 year = time.gmtime().tm_year
                 wait_for(lambda: state_of(daemon.port, jobs[-1])["created_at"].startswith(str(year)), seconds=10 * PATIENCE)  # pylint: disable=cell-var-from-loop
     run.tell("10 years ahead, behind, and right")
+
+
+def case_damaged(run, store):
+    """Rows and blobs damaged in every way that the tables allow, beside sound jobs: nobody else is harmed."""
+    kinds = damages(not store.postgres)
+    if run.is_short and store.postgres:
+        kinds = kinds[::3]  # each takes some round trips
+    with run.daemon(store, "--store-timeout", "5s", "--max-stored", "1GiB", lease="1s") as daemon:
+        wait_for(lambda: ask(daemon.port, "GET", "/readyz").status == 200)
+        done = accepted(submit(daemon.port))
+        expect_done(daemon, done)
+        writer = Writer(store, SQUARE, done)
+        groups = [kinds] if run.is_short else [[kind] for kind in kinds]
+        ends, slowest, problems = {}, 0.0, []
+        for group in groups:
+            jobs = [(secrets.token_hex(16), kind) for kind in group]
+            writer.write(jobs)
+            sound = [accepted(run.asked(daemon.port, "POST", f"/v1/jobs?{QUICK}", SQUARE)) for _ in range(20)]
+            start = time.monotonic()
+            for job in sound:
+                expect_done(daemon, job)
+            slowest = max(slowest, time.monotonic() - start)
+            for job, kind in jobs:
+                try:
+                    end = expect_sensible(run, daemon, job, kind)
+                    ends[end] = ends.get(end, 0) + 1
+                except Exception as failure:  # pylint: disable=broad-except
+                    problems.append(f"{kind.name}: {failure!r}")
+            expect(daemon.process.poll() is None, f"the daemon ended after {group[0].name}")
+            delete(run, daemon, sound)
+        expect(not problems, "; ".join(problems))
+        errors = [line for line in daemon.lines if line.get("event") in ("the job store fails", "the job store holds damaged data")]
+        expect(not errors, f"{errors[:2]}")
+        expect_done(daemon, accepted(submit(daemon.port)))
+        wait_for(lambda: ask(daemon.port, "GET", "/readyz").status == 200)
+        claims = len(daemon.logged("job claimed"))
+        time.sleep(2)
+        expect(len(daemon.logged("job claimed")) == claims, "something is claimed again and again")
+        run.tell(f"{len(kinds)} kinds: " + ", ".join(f"{count} {end}" for end, count in sorted(ends.items())) +
+                 f"; 20 sound jobs done within {slowest:.1f} s")
+        run.stops(daemon)
+
+
+def expect_sensible(run, daemon, job, kind):
+    """What a damaged job may become, and what its client is told. Output: its state in the end."""
+    def settled():
+        answer = run.asked(daemon.port, "GET", f"/v1/jobs/{job}")
+        expect(answer.status in (200, 404), f"GET: {answer.status} {answer.body[:200]}")
+        if answer.status == 404:
+            return "unknown"
+        state = answer.json()["state"]
+        may_wait = {"memory", "queued_ms"} & set(kind.columns)  # for a daemon that has so much, or for the time
+        return state if state in FINAL or (state == "queued" and may_wait) else None
+    state = wait_for(settled, seconds=30 * PATIENCE, step=0.05)
+    for part in ("result", "report", "events"):
+        if part == "events" and state not in FINAL:
+            continue
+        answer = run.asked(daemon.port, "GET", f"/v1/jobs/{job}/{part}")
+        expect(answer.status != 503, f"{part}: {answer.status} {answer.body[:200]}")
+        if answer.status >= 400:
+            expect(isinstance(answer.json(), dict), f"{part}: {answer.body[:100]}")
+    answer = run.asked(daemon.port, "DELETE", f"/v1/jobs/{job}")
+    expect(answer.status == (404 if state == "unknown" else 204), f"DELETE: {answer.status} {answer.body[:200]}")
+    answer = run.asked(daemon.port, "GET", f"/v1/jobs/{job}")
+    expect(answer.status == 404 or answer.json()["state"] in FINAL, f"after DELETE: {answer.status} {answer.body[:200]}")
+    return state
 
 
 def case_company(run, store):

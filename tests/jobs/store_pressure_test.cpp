@@ -155,6 +155,51 @@ TEST_F(store_pressure, a_turn_of_an_owner_that_cannot_be_counted_up_does_not_kee
   for (int i = 0; i < 3; ++i) EXPECT_FALSE(work(*store).empty());
 }
 
+TEST_F(store_pressure, damaged_times_and_sizes_do_not_count_for_other_jobs) {
+  StoreRules rules;
+  rules.max_stored = 1000;
+  auto store = open(rules);
+  const std::string first = submit(*store), second = submit(*store), good = submit(*store);
+  const std::int64_t before = store->find(good)->created_ms;
+  run("UPDATE remeshd_job SET stored = 9223372036854775807, created_ms = 9223372036854775807, "
+      "finished_ms = 9223372036854775807 WHERE id = '" +
+      first + "'");
+  run("UPDATE remeshd_job SET stored = 9223372036854775807, created_ms = -9223372036854775807 WHERE id = '" + second +
+      "'");
+  EXPECT_EQ(store->stored_bytes(), 4u);
+  EXPECT_LT(store->statistics().oldest_queued_s, 3600);
+  submit(*store);
+  // The clock comes right, and takes all times with it that are none of these.
+  run(is_sqlite() ? "UPDATE remeshd_clock SET base_ms = base_ms - 315360000000"
+                  : "UPDATE remeshd_clock SET store_ms = store_ms - 315360000000");
+  run("UPDATE remeshd_job SET created_ms = created_ms - 315360000000 WHERE id = '" + good + "'");
+  store = open(rules);
+  for (int i = 0; i < 2; ++i) EXPECT_EQ(store->upkeep().error, "");
+  constexpr double kMinute = 60'000;
+  EXPECT_NEAR(static_cast<double>(store->find(good)->created_ms), static_cast<double>(before), kMinute);
+}
+
+TEST_F(store_pressure, a_problem_that_is_none_is_replaced) {
+  const auto store = open();
+  const std::string id = submit(*store);
+  for (const char* problem : {"no JSON", "[]", "null", "5", "{\"code\":5}", "{\"code\""}) {
+    run("UPDATE remeshd_job SET state = 'failed', problem_status = 422, problem = '" + std::string(problem) +
+        "' WHERE id = '" + id + "'");
+    const JobRecord record = store->find(id).value();
+    EXPECT_NE(record.problem.find("\"code\":\"internal\""), std::string::npos) << problem;
+    EXPECT_EQ(record.problem_status, 422) << problem;
+  }
+}
+
+TEST_F(store_pressure, a_blob_in_a_file_is_no_failure_of_a_store_without_a_folder) {
+  const auto store = open();
+  const std::string id = submit(*store);
+  run("UPDATE remeshd_blob SET file = 'a file'");
+  EXPECT_THROW(store->read_blob(id, BlobKind::kInput), NoFolder);
+  EXPECT_THROW(store->blob_size(id, BlobKind::kInput), NoFolder);
+  EXPECT_TRUE(store->is_well());
+}
+
 TEST_F(store_pressure, a_job_whose_record_is_damaged_can_still_be_shown) {
   const auto store = open();
   const std::string id = submit(*store, "", "owner");
@@ -404,6 +449,140 @@ TEST_F(store_pressure, a_job_of_which_nobody_knows_is_withdrawn) {
   EXPECT_EQ(work(*store), other);
 }
 
+/// A database whose answers get lost: it does what it is told, and then says that it did not answer.
+class LossyDatabase final : public Database {
+ public:
+  LossyDatabase(std::unique_ptr<Database> inner, std::string& lost, const StoreDeadline& deadline)
+      : Database(deadline), inner_(std::move(inner)), lost_(lost) {}
+  Database& inner() const { return *inner_; }
+
+  Rows run(const char* sql, const Values& values, Result result) override {
+    Rows rows = inner_->run(sql, values, result);
+    lose_if(std::string_view(sql).substr(0, 60));
+    return rows;
+  }
+  void begin() override { inner_->begin(); }
+  void commit() override {
+    inner_->commit();
+    lose_if("COMMIT");
+  }
+  void roll_back() noexcept override { inner_->roll_back(); }
+  void announce() override { inner_->announce(); }
+
+ private:
+  void lose_if(std::string_view statement) {
+    if (lost_.empty() || statement.find(lost_) == std::string_view::npos) return;
+    lost_.clear();
+    throw StoreError("the answer got lost");
+  }
+
+  const std::unique_ptr<Database> inner_;
+  std::string& lost_;
+};
+
+class LossyDriver final : public DatabaseDriver {
+ public:
+  explicit LossyDriver(std::unique_ptr<DatabaseDriver> inner, std::string& lost)
+      : inner_(std::move(inner)), lost_(lost) {}
+
+  std::unique_ptr<Database> connect_by(const StoreDeadline& deadline) override {
+    return std::make_unique<LossyDatabase>(inner_->connect(), lost_, deadline);
+  }
+  std::string_view skip_locked() const override { return inner_->skip_locked(); }
+  std::vector<std::string> schema_statements(std::int64_t version) const override {
+    return inner_->schema_statements(version);
+  }
+  bool has_table(Database& database, std::string_view name) const override {
+    return inner_->has_table(inner(database), name);
+  }
+  void lock_schema(Database& database) const override { inner_->lock_schema(inner(database)); }
+  void prepare(Database& database) override { inner_->prepare(inner(database)); }
+  void insert_piece(Database& database, std::string_view job, std::string_view kind, std::int64_t part,
+                    std::string_view bytes, std::uint64_t size) override {
+    inner_->insert_piece(inner(database), job, kind, part, bytes, size);
+  }
+  std::int64_t rows_of_blob(std::int64_t last) const override { return inner_->rows_of_blob(last); }
+  void keep_clock(Database& database) override { inner_->keep_clock(inner(database)); }
+  void tidy(Database& database) override { inner_->tidy(inner(database)); }
+  void wait_for_work(const Event& wake, Clock::time_point until, const StoreDeadline& deadline) override {
+    inner_->wait_for_work(wake, until, deadline);
+  }
+  std::size_t max_connections() const override { return inner_->max_connections(); }
+
+ private:
+  static Database& inner(Database& database) { return dynamic_cast<LossyDatabase&>(database).inner(); }
+
+  const std::unique_ptr<DatabaseDriver> inner_;
+  std::string& lost_;
+};
+
+TEST_F(store_pressure, a_submission_whose_answer_gets_lost_leaves_no_job) {
+  std::string lost;
+  SqlStore store(std::make_unique<LossyDriver>(driver(), lost), StoreRules{});
+  const std::string good = submit(store);
+  lost = "COMMIT";
+  EXPECT_THROW(submit(store), StoreError);
+  EXPECT_EQ(count("remeshd_job"), "2") << "it was stored";
+  EXPECT_EQ(work(store), good);
+  EXPECT_TRUE(work(store).empty()) << "it is withdrawn before any other job is claimed";
+  EXPECT_EQ(count("remeshd_job"), "1");
+  EXPECT_EQ(count("remeshd_blob WHERE kind = 'input'"), "0");
+  // The upkeep withdraws it as well, in a daemon that claims nothing.
+  lost = "COMMIT";
+  EXPECT_THROW(submit(store), StoreError);
+  store.upkeep();
+  EXPECT_EQ(count("remeshd_job"), "1");
+}
+
+TEST_F(store_pressure, a_submission_that_can_be_repeated_stays_although_its_answer_gets_lost) {
+  std::string lost;
+  SqlStore store(std::make_unique<LossyDriver>(driver(), lost), StoreRules{});
+  submit(store);
+  EXPECT_FALSE(work(store).empty());
+  NewJob job;
+  job.id = new_request_id();
+  job.request = "{\"query\":[]}";
+  job.body = "body";
+  job.memory = 1;
+  job.idempotency = Idempotency{"key", "digest"};
+  lost = "COMMIT";
+  EXPECT_THROW(store.submit(job), StoreError);
+  store.upkeep();
+  NewJob again = job;
+  again.id = new_request_id();
+  const Submission repeated = store.submit(again);
+  EXPECT_EQ(repeated.kind, Submission::Kind::kRepeated);
+  EXPECT_EQ(repeated.id, job.id);
+  EXPECT_EQ(work(store), job.id);
+}
+
+TEST_F(store_pressure, a_submission_that_failed_before_it_was_certain_withdraws_nothing) {
+  std::string lost;
+  SqlStore store(std::make_unique<LossyDriver>(driver(), lost), StoreRules{});
+  const std::string good = submit(store);
+  lost = "INSERT INTO remeshd_job";
+  EXPECT_THROW(submit(store), StoreError);
+  EXPECT_EQ(count("remeshd_job"), "1") << "it was rolled back";
+  EXPECT_EQ(count("remeshd_blob"), "1");
+  store.upkeep();
+  EXPECT_EQ(work(store), good);
+}
+
+TEST_F(store_pressure, a_claim_whose_answer_gets_lost_is_no_attempt) {
+  std::string lost;
+  SqlStore store(std::make_unique<LossyDriver>(driver(), lost), StoreRules{});
+  const std::string id = submit(store);
+  for (int i = 0; i < 5; ++i) {
+    lost = "UPDATE remeshd_job SET state = 'running'";
+    EXPECT_THROW(store.claim("worker", kAnyMemory), StoreError);
+    EXPECT_EQ(state(store, id), JobState::kRunning);
+  }
+  const Claim claim = store.claim("worker", kAnyMemory).value();
+  EXPECT_EQ(claim.id, id);
+  EXPECT_EQ(claim.attempts, 1);
+  EXPECT_TRUE(store.commit(claim, success()));
+}
+
 // ---- stores that are large
 
 TEST_F(store_pressure, tables_of_the_version_before_get_their_columns_however_long_that_takes) {
@@ -464,6 +643,39 @@ TEST_F(store_pressure, a_blob_that_takes_longer_to_delete_than_a_call_may_take_i
   EXPECT_EQ(store->upkeep().expired, 1);
   EXPECT_EQ(count("remeshd_blob"), "0");
   EXPECT_EQ(store->stored_bytes(), 0u);
+}
+
+TEST_F(store_pressure, a_blob_that_takes_longer_to_read_than_a_call_may_take_is_read) {
+  if (is_sqlite()) GTEST_SKIP() << "SQLite cannot be made to read slowly";
+  StoreRules rules;
+  rules.timeout = milliseconds(1500);
+  const auto store = open(rules);
+  const std::string body(16 * DatabaseDriver::kPiece + 1, 'x');
+  const std::string id = submit(*store, body);
+  // Each row whose data is looked at takes a millisecond, which makes more than 2 s for all of them.
+  run("ALTER TABLE remeshd_blob RENAME TO blob_data");
+  run("CREATE FUNCTION slow(data bytea) RETURNS bytea LANGUAGE plpgsql STABLE AS "
+      "$$ BEGIN PERFORM pg_sleep(0.001); RETURN data; END $$");
+  run("CREATE VIEW remeshd_blob AS SELECT job, kind, part, slow(data) AS data, file, size FROM blob_data");
+  EXPECT_EQ(store->blob_size(id, BlobKind::kInput), body.size());
+  EXPECT_EQ(store->read_blob(id, BlobKind::kInput)->size(), body.size());
+  run("UPDATE blob_data SET size = NULL");
+  EXPECT_EQ(store->blob_size(id, BlobKind::kInput), body.size()) << "as an old daemon has stored it";
+  EXPECT_EQ(store->read_blob(id, BlobKind::kInput)->size(), body.size());
+  run("DROP VIEW remeshd_blob");
+  run("ALTER TABLE blob_data RENAME TO remeshd_blob");
+}
+
+TEST_F(store_pressure, a_size_that_its_pieces_contradict_is_noticed) {
+  const auto store = open();
+  const std::string body(2 * DatabaseDriver::kPiece + 7, 'x');
+  const std::string id = submit(*store, body);
+  EXPECT_EQ(store->blob_size(id, BlobKind::kInput), body.size());
+  for (const char* size : {"9223372036854775807", "-1", "5", "10000000"}) {
+    run(std::string("UPDATE remeshd_blob SET size = ") + size + " WHERE part = 0");
+    EXPECT_THROW(store->blob_size(id, BlobKind::kInput), BlobLost) << size;
+    EXPECT_THROW(store->read_blob(id, BlobKind::kInput), BlobLost) << size;
+  }
 }
 
 TEST_F(store_pressure, results_that_take_longer_to_delete_than_a_call_may_take_are_deleted) {
@@ -575,6 +787,22 @@ TEST_F(store_pressure, a_lease_that_lies_far_ahead_or_behind_is_not_what_counts)
   run("UPDATE remeshd_job SET lease_ms = 0");
   EXPECT_EQ(store->upkeep().retried, 0);
   EXPECT_TRUE(store->holds(claim));
+
+  // Nor does one that lies years ahead keep the job of a dead worker.
+  StoreRules short_rules;
+  short_rules.lease = milliseconds(50);
+  for (const char* ahead : {"lease_ms = lease_ms + 315360000000, lease_length_ms = 50",
+                            "lease_ms = 9223372036854775807, lease_length_ms = 9223372036854775807",
+                            "lease_ms = NULL, lease_length_ms = NULL", "lease_ms = 0, lease_length_ms = -1"}) {
+    const auto judge = open(short_rules);
+    run(std::string("UPDATE remeshd_job SET state = 'running', attempts = 1, ") + ahead);
+    int retried = 0;
+    for (int i = 0; i < 500 && retried == 0; ++i) {
+      retried = judge->upkeep().retried;
+      std::this_thread::sleep_for(milliseconds(5));
+    }
+    EXPECT_EQ(retried, 1) << ahead;
+  }
 }
 
 TEST_F(store_pressure, a_server_whose_clock_is_set_by_a_day_expires_nothing) {

@@ -6,6 +6,8 @@
 #include <string>
 #include <utility>
 
+#include "server/http/memory_files.h"
+
 namespace remesh::server {
 namespace {
 
@@ -52,6 +54,24 @@ TEST(body, where_no_file_can_be_made_it_lies_in_memory) {
   ::setenv("TMPDIR", "/proc", 1);
   const std::string text = pattern(2 * Body::kInMemory);
   EXPECT_TRUE(in_pieces(text, 100'000).view() == text);
+  ::unsetenv("TMPDIR");
+}
+
+TEST(body, what_lies_in_a_file_in_memory_is_counted_unless_it_is_mapped) {
+  ::setenv("TMPDIR", "/proc", 1);
+  const std::string text = pattern(2 * Body::kInMemory);
+  const std::uint64_t before = memory_file_bytes();
+  {
+    Body body;
+    body.append(text);
+    EXPECT_EQ(memory_file_bytes(), before + text.size());
+    body.seal();
+    EXPECT_EQ(memory_file_bytes(), before) << "it is resident";
+    Body moved = std::move(body);
+    moved.rest();
+    EXPECT_EQ(memory_file_bytes(), before + text.size());
+  }
+  EXPECT_EQ(memory_file_bytes(), before);
   ::unsetenv("TMPDIR");
 }
 

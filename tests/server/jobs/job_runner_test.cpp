@@ -87,7 +87,7 @@ class runner : public ::testing::Test {
   std::unique_ptr<SqlStore> store_;
   RunnerSettings settings_;
   RequestRegistry registry_;
-  MemoryBudget memory_{1 << 20};
+  MemoryBudget memory_{1 << 20, /*patience=*/milliseconds(200)};
   Metrics metrics_;
   std::atomic<int> calls_{0};
   std::atomic<bool> released_{false};
@@ -178,6 +178,61 @@ TEST_F(runner, a_job_is_left_alone_while_its_memory_is_taken) {
   EXPECT_TRUE(eventually([&] { return memory_.reserved() == 0; }));
 }
 
+TEST_F(runner, a_job_that_needs_all_memory_has_its_turn_although_small_requests_never_end) {
+  start(2);
+  std::atomic<bool> is_over{false};
+  std::atomic<int> passed{0};
+  std::thread requests([&] {
+    // Each of them ends only after the next one has begun, or has found that it cannot begin.
+    std::shared_ptr<MemoryShare> last;
+    while (!is_over) {
+      auto next = memory_.open_share(1);
+      if (next->try_hold(1000)) ++passed;
+      last = std::move(next);
+      std::this_thread::sleep_for(milliseconds(2));
+    }
+  });
+  ASSERT_TRUE(eventually([&] { return passed > 0; }));
+  const std::string large = submit("large", memory_.limit());
+  const JobRecord job = ended(large);
+  EXPECT_EQ(job.state, JobState::kSucceeded);
+  EXPECT_EQ(job.attempts, 1);
+  const int before = passed;
+  EXPECT_TRUE(eventually([&] { return passed > before; })) << "then the others have theirs again";
+  is_over = true;
+  requests.join();
+  EXPECT_EQ(memory_.waiting(), 0u);
+}
+
+TEST_F(runner, a_job_that_needs_all_memory_has_its_turn_although_small_jobs_come_all_the_time) {
+  start(2);
+  std::atomic<bool> is_over{false};
+  std::thread jobs([&] {
+    while (!is_over) {
+      if (store_->statistics().queued < 3) submit("small", 1000);
+      std::this_thread::sleep_for(milliseconds(1));
+    }
+  });
+  const std::string large = submit("large", memory_.limit());
+  EXPECT_EQ(ended(large).state, JobState::kSucceeded);
+  is_over = true;
+  jobs.join();
+}
+
+TEST_F(runner, a_waiting_job_that_is_cancelled_or_a_stop_sets_no_memory_aside) {
+  start(2);
+  const auto request = memory_.open_share(1);
+  ASSERT_TRUE(request->try_hold(1000));
+  const std::string large = submit("large", memory_.limit());
+  ASSERT_TRUE(eventually([&] { return memory_.waiting() == 1; }));
+  EXPECT_TRUE(store_->cancel(large));
+  EXPECT_TRUE(eventually([&] { return memory_.waiting() == 0; }));
+  submit("large", memory_.limit());
+  ASSERT_TRUE(eventually([&] { return memory_.waiting() == 1; }));
+  runner_->stop();
+  EXPECT_EQ(memory_.waiting(), 0u);
+}
+
 TEST_F(runner, a_drain_finishes_what_was_begun_and_begins_nothing) {
   start();
   const std::string first = submit("block");
@@ -204,6 +259,18 @@ TEST_F(runner, an_input_that_is_missing_fails_its_job) {
   make_sqlite_driver(folder_ / "jobs.sqlite")->connect()->run("DELETE FROM remeshd_blob");
   start();
   EXPECT_EQ(ended(id).problem_status, 500);
+}
+
+TEST_F(runner, an_input_in_a_file_without_a_folder_is_tried_again_but_not_for_ever) {
+  const std::string id = submit("gone"), good = submit("good");
+  make_sqlite_driver(folder_ / "jobs.sqlite")
+      ->connect()
+      ->run(("UPDATE remeshd_blob SET file = 'a file' WHERE job = '" + id + "'").c_str());
+  start();
+  EXPECT_EQ(ended(good).state, JobState::kSucceeded);
+  const JobRecord job = ended(id);
+  EXPECT_EQ(job.problem_status, 500);
+  EXPECT_EQ(job.attempts, 3) << "another daemon may have the folder";
 }
 
 TEST_F(runner, a_run_that_is_stopped_for_memory_goes_back_with_a_better_estimate) {
@@ -247,24 +314,48 @@ TEST_F(runner, an_outcome_that_the_store_cannot_take_fails_its_job_and_no_other)
 }
 
 TEST_F(runner, an_outage_is_no_attempt_and_takes_no_job_from_its_worker) {
-  settings_.lease = milliseconds(800);
+  StoreRules rules;
+  // The worker renews every second or so. A judge that counted an outage would look before that.
+  rules.lease = milliseconds(1900);
+  rules.timeout = milliseconds(200);
+  settings_.lease = milliseconds(4000);
+  settings_.store_timeout = rules.timeout;
+  store_ = std::make_unique<SqlStore>(make_sqlite_driver(folder_ / "jobs.sqlite"), rules);
+  // Another daemon judges all the time whether this one lives.
+  SqlStore judge(make_sqlite_driver(folder_ / "jobs.sqlite"), rules);
+  int taken = 0, failures = 0;
+  const auto judge_for = [&](milliseconds time) {
+    for (const Clock::time_point end = Clock::now() + time; Clock::now() < end;) {
+      try {
+        taken += judge.upkeep().retried;
+      } catch (const StoreError&) {
+        ++failures;
+      }
+      std::this_thread::sleep_for(milliseconds(20));
+    }
+  };
   start();
   const std::string id = submit("block");
   ASSERT_TRUE(reaches(id, JobState::kRunning));
-  {
+  judge_for(milliseconds(100));
+  for (int outage = 0; outage < 2; ++outage) {
     // While another process holds the lock, nothing can be renewed or committed.
     const auto driver = make_sqlite_driver(folder_ / "jobs.sqlite");
     const auto other = driver->connect();
     other->begin();
     other->run("UPDATE remeshd_schema SET touched_ms = 0");
-    released_ = true;
-    std::this_thread::sleep_for(milliseconds(1200));
+    judge_for(milliseconds(2500));
     EXPECT_EQ(store_->find(id)->state, JobState::kRunning);
     other->roll_back();
+    judge_for(milliseconds(300));
   }
+  EXPECT_GT(failures, 0) << "the judge was cut off, too";
+  EXPECT_EQ(taken, 0);
+  released_ = true;
   const JobRecord job = ended(id);
   EXPECT_EQ(job.state, JobState::kSucceeded);
   EXPECT_EQ(job.attempts, 1);
+  EXPECT_EQ(calls_, 1);
 }
 
 }  // namespace

@@ -88,10 +88,13 @@ TEST_F(lease_judge, a_store_that_flaps_ages_a_lease_only_while_it_answers) {
 TEST_F(lease_judge, the_time_of_a_call_that_waited_does_not_count) {
   pass(seconds(1));
   EXPECT_TRUE(judge().empty());
-  // A lock on the table held up this call, and all renewals with it.
-  judge_.note_reached(now_, now_ + seconds(60));
-  now_ += seconds(60);
-  EXPECT_TRUE(judge().empty());
+  // A lock on the table held up these calls, and all renewals with them. A single one would count as a pause, which
+  // is shorter than the lease.
+  for (int i = 0; i < 10; ++i) {
+    judge_.note_reached(now_, now_ + seconds(60));
+    now_ += seconds(60);
+    EXPECT_TRUE(judge().empty()) << i;
+  }
 }
 
 TEST_F(lease_judge, a_judge_that_was_stopped_itself_does_not_count_that_time) {

@@ -81,6 +81,149 @@ TEST(memory_budget, an_announced_length_takes_nothing_until_it_comes) {
   EXPECT_EQ(budget.reserved(), 10 * kFactor);
 }
 
+// ---- the line of those who find no memory. All times are given, so nothing waits here.
+
+using std::chrono::seconds;
+
+class memory_line : public ::testing::Test {
+ protected:
+  std::shared_ptr<MemoryShare> holder(std::uint64_t bytes) {
+    auto share = budget_.open_share(1);
+    EXPECT_TRUE(share->try_hold(bytes, now_));
+    return share;
+  }
+  /// Tries to reserve as `wait_for_memory` does.
+  bool tries(const std::shared_ptr<MemoryShare>& share, std::uint64_t bytes) {
+    if (share->try_hold(bytes, now_)) return true;
+    share->stand_in_line(now_);
+    return false;
+  }
+  bool newcomer_passes(std::uint64_t bytes) { return budget_.open_share(1)->try_hold(bytes, now_); }
+
+  MemoryBudget budget_{1000};
+  Clock::time_point now_ = Clock::now();
+};
+
+TEST_F(memory_line, small_ones_pass_a_large_one_until_it_has_lost_its_patience) {
+  const auto large = budget_.open_share(1);
+  // Small ones overlap, so that there is always one.
+  auto small = holder(100);
+  bool has_begun = false;
+  for (int i = 0; i < 100 && !has_begun; ++i) {
+    now_ += milliseconds(100);
+    has_begun = tries(large, 1000);
+    if (has_begun) break;
+    const bool is_patient = i < 51;
+    EXPECT_EQ(newcomer_passes(1), is_patient) << i;
+    if (is_patient) small = holder(100);
+    if (!is_patient) small.reset();
+  }
+  EXPECT_TRUE(has_begun);
+  EXPECT_EQ(budget_.waiting(), 0u);
+  EXPECT_FALSE(newcomer_passes(1)) << "all is taken";
+  large->hold_answer(0);
+  EXPECT_TRUE(newcomer_passes(1000));
+}
+
+TEST_F(memory_line, newcomers_pass_while_what_ran_before_leaves_no_room_for_the_first_in_any_case) {
+  auto before = holder(500);
+  const auto large = budget_.open_share(1);
+  EXPECT_FALSE(tries(large, 800));
+  now_ += seconds(60);
+  EXPECT_TRUE(newcomer_passes(1));
+  const auto young = holder(300);
+  EXPECT_FALSE(tries(large, 800));
+  before.reset();
+  EXPECT_FALSE(newcomer_passes(1)) << "now it waits for those alone who passed it";
+  EXPECT_EQ(budget_.available(now_), 0u);
+  young->hold_answer(200);
+  EXPECT_TRUE(tries(large, 800));
+  EXPECT_EQ(budget_.available(now_), 0u);
+}
+
+TEST_F(memory_line, memory_that_is_really_in_use_by_what_ran_before_counts_for_it) {
+  auto before = holder(1);
+  budget_.note_used(600);
+  const auto large = budget_.open_share(1);
+  EXPECT_FALSE(tries(large, 800));
+  now_ += seconds(60);
+  EXPECT_TRUE(newcomer_passes(1));
+  const auto young = holder(1);
+  before.reset();
+  EXPECT_FALSE(newcomer_passes(1));
+}
+
+TEST_F(memory_line, who_holds_memory_may_have_more_although_another_waits_for_all) {
+  const auto growing = holder(100);
+  const auto large = budget_.open_share(1);
+  EXPECT_FALSE(tries(large, 1000));
+  now_ += seconds(60);
+  EXPECT_TRUE(growing->try_hold(300, now_));
+  growing->hold_answer(0);
+  EXPECT_FALSE(growing->try_hold(300, now_)) << "it holds nothing, and comes anew";
+  EXPECT_TRUE(tries(large, 1000));
+}
+
+TEST_F(memory_line, the_first_does_not_hold_up_others_for_ever) {
+  const auto large = budget_.open_share(1);
+  const auto old = holder(1);
+  EXPECT_FALSE(tries(large, 1000));
+  now_ += MemoryBudget::kPatience;
+  EXPECT_TRUE(newcomer_passes(1)) << "the old one is in the way";
+  const auto small = holder(1);
+  old->hold_answer(0);
+  int held_up = 0, passed = 0;
+  for (int i = 0; i < 60; ++i, now_ += seconds(1)) ++(newcomer_passes(1) ? passed : held_up);
+  EXPECT_GE(held_up, 19);
+  EXPECT_GE(passed, 5) << "the one that passed is taken for an old one after a while";
+}
+
+TEST_F(memory_line, those_who_wait_longest_come_first) {
+  auto all = holder(1000);
+  const auto first = budget_.open_share(1), second = budget_.open_share(1), before = budget_.open_share(1);
+  EXPECT_FALSE(tries(first, 600));
+  now_ += seconds(1);
+  EXPECT_FALSE(tries(second, 600));
+  now_ += seconds(10);
+  all.reset();
+  EXPECT_FALSE(tries(second, 600));
+  EXPECT_TRUE(tries(first, 600));
+  EXPECT_FALSE(tries(second, 600));
+  // One that has waited elsewhere takes its place by its time.
+  before->stand_in_line(now_ - seconds(100));
+  EXPECT_FALSE(before->try_hold(1000, now_));
+  first->hold_answer(0);
+  EXPECT_FALSE(tries(second, 600));
+  EXPECT_TRUE(before->try_hold(1000, now_));
+}
+
+TEST_F(memory_line, one_that_gives_up_or_ends_leaves_the_line) {
+  const auto all = holder(1000);
+  auto first = budget_.open_share(1);
+  const auto second = budget_.open_share(1);
+  EXPECT_FALSE(tries(first, 600));
+  EXPECT_FALSE(tries(second, 600));
+  EXPECT_EQ(budget_.waiting(), 2u);
+  first.reset();
+  second->leave_line();
+  EXPECT_EQ(budget_.waiting(), 0u);
+  now_ += seconds(60);
+  all->hold_answer(0);
+  EXPECT_TRUE(newcomer_passes(1000));
+}
+
+TEST_F(memory_line, if_all_who_hold_memory_wait_for_more_the_last_one_is_refused) {
+  const auto first = holder(500), second = holder(400);
+  const auto newcomer = budget_.open_share(1);
+  EXPECT_FALSE(tries(newcomer, 200));
+  EXPECT_FALSE(tries(first, 800));
+  EXPECT_FALSE(first->is_stuck()) << "the other may end";
+  EXPECT_FALSE(tries(second, 700));
+  EXPECT_FALSE(first->is_stuck());
+  EXPECT_FALSE(newcomer->is_stuck());
+  EXPECT_TRUE(second->is_stuck());
+}
+
 TEST(memory_budget, all_is_given_back) {
   MemoryBudget budget(1000 * kFactor);
   {
@@ -201,6 +344,56 @@ TEST_F(memory, work_that_is_stopped_among_others_is_tried_again_within_its_time)
   EXPECT_EQ(stub_.hungry, 2);
 }
 
+/// A client whose upload has reserved nearly all memory, and which sends no more.
+std::unique_ptr<RawClient> take_memory(int port) {
+  constexpr std::size_t kSent = 32 << 20;
+  auto client = std::make_unique<RawClient>(port);
+  client->send("POST /v1/remesh HTTP/1.1\r\nHost: localhost\r\nContent-Length: " + std::to_string(2 * kSent) +
+               "\r\n\r\n");
+  client->send(std::string(kSent, 'x'));
+  return client;
+}
+
+constexpr const char* kLargeHead =
+    "POST /v1/remesh HTTP/1.1\r\nHost: localhost\r\nContent-Length: 33000000\r\nExpect: 100-continue\r\n\r\n";
+
+TEST_F(memory, a_request_that_finds_no_memory_waits_for_it) {
+  config_.limits.max_body = 64 << 20;
+  config_.memory_budget = api::resident_memory() + (64 << 20);
+  start();
+  auto taken = take_memory(port_);
+  RawClient waiting(port_);
+  waiting.send(kLargeHead);
+  std::this_thread::sleep_for(milliseconds(200));
+  EXPECT_FALSE(waiting.has_input());
+  taken.reset();
+  EXPECT_EQ(waiting.receive("\r\n\r\n"), "HTTP/1.1 100 Continue\r\n\r\n");
+}
+
+TEST_F(memory, a_request_waits_for_memory_no_longer_than_its_time) {
+  config_.limits.max_body = 64 << 20;
+  config_.limits.request_timeout = milliseconds(300);
+  config_.memory_budget = api::resident_memory() + (64 << 20);
+  start();
+  const auto taken = take_memory(port_);
+  RawClient waiting(port_);
+  waiting.send(kLargeHead);
+  EXPECT_EQ(code_of(waiting.answer()), "out_of_memory");
+}
+
+TEST_F(memory, a_stop_ends_a_request_that_waits_for_memory) {
+  config_.limits.max_body = 64 << 20;
+  config_.memory_budget = api::resident_memory() + (64 << 20);
+  start();
+  const auto taken = take_memory(port_);
+  RawClient waiting(port_);
+  waiting.send(kLargeHead);
+  std::this_thread::sleep_for(milliseconds(100));
+  EXPECT_FALSE(waiting.has_input());
+  service_->stop();
+  EXPECT_EQ(code_of(waiting.answer()), "draining");
+}
+
 TEST(memory_watch, of_those_that_grew_about_as_much_the_last_one_is_ended) {
   log::set_up(log::Format::kText, log::Level::kError);
   MemoryBudget budget(1000);
@@ -215,6 +408,19 @@ TEST(memory_watch, of_those_that_grew_about_as_much_the_last_one_is_ended) {
   EXPECT_EQ(second->eviction, RunningRequest::Eviction::kAmongOthers);
   EXPECT_EQ(first->eviction, RunningRequest::Eviction::kNone);
   EXPECT_EQ(third->eviction, RunningRequest::Eviction::kNone);
+}
+
+TEST(memory_watch, files_in_memory_count_as_used) {
+  log::set_up(log::Format::kText, log::Level::kError);
+  MemoryBudget budget(api::resident_memory() + (256 << 20));
+  RequestRegistry registry;
+  const auto request = registry.add("");
+  request->is_computing = true;
+  const MemoryWatch watch(budget, registry, milliseconds(5));
+  std::this_thread::sleep_for(milliseconds(50));
+  EXPECT_EQ(request->eviction, RunningRequest::Eviction::kNone);
+  budget.note_stored(512 << 20);
+  EXPECT_TRUE(eventually([&] { return request->eviction != RunningRequest::Eviction::kNone; }));
 }
 
 TEST(memory_watch, free_memory_of_the_allocator_is_returned_before_anybody_is_ended) {

@@ -1,0 +1,40 @@
+/// Lets a connection's thread wait for memory that others have reserved.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+
+#include "server/http/connection.h"
+#include "server/http/http_message.h"
+#include "server/work/memory_budget.h"
+#include "server/work/worker_pool.h"
+
+namespace remesh::server {
+
+/// How long requests may wait for memory.
+struct MemoryPatience {
+  std::chrono::milliseconds small{300'000};  ///< those with bodies of at most WorkerPool::kSmallBytes
+  std::chrono::milliseconds large{30'000};
+
+  /// Input: the size of the body, as far as it is known.
+  std::chrono::milliseconds of(std::uint64_t bytes) const { return bytes <= WorkerPool::kSmallBytes ? small : large; }
+};
+
+/// How a client that has closed its sending side is treated while its request waits or is worked on.
+Connection::HalfClosed half_closed(const RequestHead& head);
+
+/// Waits until `try_hold`, which reserves memory for this share, succeeds.
+/// Input:  `wake` - ends a pause between two attempts; may be null. `look` - called after each pause; it may throw.
+/// Errors: HttpError 503 `out_of_memory` - the time is over, or all who hold memory wait for more; 503 `draining` - the
+///         budget was closed; ConnectionLost - the client is gone, if there is no `look` to be told.
+void wait_for_memory(MemoryShare& share, const std::function<bool()>& try_hold, const RequestHead& head,
+                     Connection& connection, Clock::time_point end, Event* wake = nullptr,
+                     const std::function<void(Connection::Wake)>& look = nullptr);
+
+/// Does what MemoryShare::hold_body does, and waits if there is not enough memory now.
+/// Errors: as MemoryShare::hold_body and above.
+void hold_body_in_line(MemoryShare& share, std::uint64_t held, std::uint64_t expected, const RequestHead& head,
+                       Connection& connection, const MemoryPatience& patience);
+
+}  // namespace remesh::server
