@@ -61,8 +61,8 @@ struct Options {
   bool split_boundaries = true;
   bool keep_boundary_vertices = false;
   std::optional<double> plane_tolerance;  ///< empty: computed from the input's rounding noise
-  /// Details smaller than this are removed, in model units: short edges, narrow faces, low steps and flaps. Empty:
-  /// details that are smaller than the plane tolerance. 0: none.
+  /// Details smaller than this are removed, in model units: short edges, narrow faces, low steps and flaps, narrow
+  /// slits. Empty: details that are smaller than the plane tolerance, but for slits. 0: none.
   std::optional<double> defeature_size;
   double normal_tolerance = 1e-6;  ///< per component of the unit normal
   /// Edges between facets that turn by more than this are features. Facets that meet at a smaller angle may be pieces
