@@ -60,6 +60,16 @@ struct StageWork {
 /// faces in the output.
 inline constexpr StageWork kWorkOfSizes{128, 1, 1 << 20};
 
+/// Returns the steps of a search for gaps if those before it in the run have taken `earlier` steps and one alone may
+/// take `max_steps`. Sizes are looked for again when the patches have changed. All these searches together take no more
+/// than half as many steps again as one, apart from an eighth for each, which sees the widest gaps. Good surfaces never
+/// take half of the steps.
+constexpr std::uint64_t work_of_sizes_after(std::uint64_t earlier, std::uint64_t max_steps) {
+  if (max_steps == WorkBound::kNone) return max_steps;
+  const std::uint64_t all = max_steps + max_steps / 2;
+  return std::clamp(all - std::min(all, earlier), max_steps / 8, max_steps);
+}
+
 /// The search for the smallest gap of the whole surface, from one triangle after the other. A step is a box. Good
 /// surfaces take up to 850 steps for each triangle, most of them fewer than 200.
 inline constexpr StageWork kWorkOfSmallestGap{64, 1, 1 << 18};
@@ -76,6 +86,11 @@ inline constexpr std::uint64_t kWorkAboveBounds = 1 << 20;
 /// All attempts to refine a surface. A step is a triangle of an attempt. So an attempt that fails with all faces that
 /// are allowed can be repeated with a few of them, and one with few faces can be repeated often.
 inline constexpr StageWork kWorkOfAttempts{0, 1, 1 << 15, StageWork::Growth::kLinear};
+
+/// The triangles of attempts that failed the check after which nothing is refined until a result passes, for the
+/// triangles that the patches had before refinement. It counts where it is less than half of kWorkOfAttempts: a limit
+/// on faces may be far above what attempts make, and is then no measure of the work that failures are worth.
+inline constexpr StageWork kWorkInVain{16, 0, 1 << 15, StageWork::Growth::kLinear};
 
 /// The triangles that all attempts may refine before faces of frozen patches stay frozen after a step of the ladder.
 /// Each step would otherwise need one attempt to find them again.

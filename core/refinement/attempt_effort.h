@@ -1,6 +1,7 @@
 /// Decides what the next attempt to refine a surface refines, by the work that attempts have taken.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <utility>
 
@@ -19,12 +20,18 @@ class AttemptEffort {
   struct Taken {
     std::uint64_t triangles = 0;     ///< of complete attempts
     std::uint64_t search_steps = 0;  ///< of the searches for intersections in their checks
+    std::uint64_t largest = 0;       ///< the triangles of the largest attempt
+    std::uint64_t size_steps = 0;    ///< of the searches for gaps, from which sizes are found
   };
 
   /// Input: `max_faces` is the limit on the faces of the result. `taken` is the work that attempts took before the
   ///        surface's faces were mended anew; their results were wrong.
   AttemptEffort(std::uint64_t max_faces, const Taken& taken)
-      : max_faces_(max_faces), search_steps_(taken.search_steps), is_any_wrong_(taken.triangles > 0) {
+      : max_faces_(max_faces),
+        search_steps_(taken.search_steps),
+        largest_(taken.largest),
+        size_steps_(taken.size_steps),
+        is_any_wrong_(taken.triangles > 0) {
     work_ = bound();
     work_.take(taken.triangles);
   }
@@ -37,17 +44,24 @@ class AttemptEffort {
     work_.take(taken);
   }
 
-  Taken all_taken() const { return {work_.taken(), search_steps_}; }
+  Taken all_taken() const { return {work_.taken(), search_steps_, largest_, size_steps_}; }
   /// Returns the triangles of all attempts.
   std::uint64_t taken() const { return work_.taken(); }
   std::uint64_t left() const { return work_.left(); }
   /// Takes the triangles of the attempt that has ended.
   void take(std::uint64_t triangles) {
     last_ = triangles;
+    largest_ = std::max(largest_, triangles);
     work_.take(triangles);
   }
   /// Takes the steps of the search for intersections in the check of an attempt.
   void take_check(std::uint64_t steps) { search_steps_ += steps; }
+  /// Takes the steps of a search for gaps.
+  void take_sizes(std::uint64_t steps) { size_steps_ += std::min(steps, WorkBound::kNone - size_steps_); }
+  /// Returns the steps of all searches for gaps.
+  std::uint64_t size_steps() const { return size_steps_; }
+  /// Bounds the work that may be in vain by the triangles that the patches have before refinement.
+  void limit_vain_work(std::uint64_t triangles) { max_in_vain_ = kWorkInVain.steps(triangles, 0); }
   /// The last attempt failed by the number of its faces alone, so it does not count.
   void give_back_last() {
     const std::uint64_t others = work_.taken() - std::exchange(last_, 0);
@@ -66,7 +80,8 @@ class AttemptEffort {
   /// Must be called before each attempt.
   /// Input: whether patches may be left as they are.
   void begin_attempt(bool may_leave_all) {
-    const bool is_in_vain = is_any_wrong_ && work_.taken() > work_.left() && !is_spent();
+    const bool is_enough = work_.taken() > work_.left() || work_.taken() > max_in_vain_;
+    const bool is_in_vain = is_any_wrong_ && is_enough && !is_spent();
     if (order_ == Order::kAll && may_leave_all && is_in_vain) order_ = Order::kNothingYet;
   }
   /// Returns false if the attempt is to show whether a result passes without any refinement.
@@ -91,18 +106,22 @@ class AttemptEffort {
   /// An attempt with fewer triangles is not worth while.
   static constexpr std::uint64_t kMinAttempt = 1 << 10;
   /// The searches for intersections in all checks together may take as many steps as this number of searches in failed
-  /// results of the largest size.
+  /// results as large as the largest so far.
   static constexpr std::uint64_t kSearches = 4;
 
   WorkBound bound() const { return WorkBound(kWorkOfAttempts.steps(0, max_faces_)); }
   bool is_spent() const {
-    return work_.left() < kMinAttempt || search_steps_ > kSearches * SearchLimits::few_steps_for(max_faces_);
+    return work_.left() < kMinAttempt ||
+           search_steps_ > kSearches * SearchLimits::few_steps_for(std::min(max_faces_, largest_));
   }
 
   std::uint64_t max_faces_;
   WorkBound work_;
   std::uint64_t last_ = 0;  ///< the work of the last attempt
   std::uint64_t search_steps_;
+  std::uint64_t largest_;
+  std::uint64_t size_steps_;
+  std::uint64_t max_in_vain_ = WorkBound::kNone;
   bool is_any_wrong_;  ///< a result has failed the check
   Order order_ = Order::kAll;
 };

@@ -34,13 +34,13 @@ double area_of(const Surface& surface, const PatchMeshes& meshes, RunControl& co
 
 /// Makes the field of sizes that the goals ask for.
 SizeField sizes_for(const Goals& goals, const GapSearch* gaps, double coarsest, const PatchedSurface& on,
-                    const TriangulatedPatches& triangulated, RunControl& control) {
+                    const TriangulatedPatches& triangulated, std::uint64_t earlier_steps, RunControl& control) {
   // With proximity, gradation is about the sizes that gaps ask for; around short segments, the bound on angles makes
   // edges grow gradually. Gradation without proximity is about short segments.
   std::vector<std::array<VertexId, 2>> segments;
   if (gaps == nullptr && goals.gradation > 0) segments = segment_ends(triangulated.meshes, control);
   if (gaps == nullptr && !(goals.gradation > 0)) return SizeField(goals.max_edge_length);
-  return SizeField(on.surface, gaps, segments, goals, on.plane_tolerance, control, coarsest);
+  return SizeField(on.surface, gaps, segments, goals, on.plane_tolerance, control, coarsest, earlier_steps);
 }
 
 std::string count_text(double count) {
@@ -88,19 +88,26 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
   for (std::size_t p = 0; p < on.patches.count(); ++p)
     if (ladder.is_kept(on.patches.faces_of(PatchId(p))[0])) frozen_[PatchId(p)] = 1;
   if (is_budget_too_small() || effort_.is_used_up()) frozen_.assign(on.patches.count(), 1);
+  if (!is_floor_automatic())
+    effort_.limit_vain_work(std::max<std::uint64_t>(on.surface.face_count(), triangulated.triangle_count()));
   // There are at most as many samples of sizes as faces, apart from a few.
   if (goals_.proximity > 0)
     control_.memory().set_output(std::min<std::uint64_t>(goals_.max_faces, SizeField::kMaxSamples));
   const auto gaps = gap_search(on, triangulated);
-  const SizeField& sizes = size_field(on, triangulated, gaps.get());
+  // Where nothing is refined, it does not matter which sizes are aimed at.
+  const bool is_any_refined = std::find(frozen_.begin(), frozen_.end(), 0) != frozen_.end();
+  const SizeField one_size(goals_.max_edge_length);
+  if (gaps) find_smallest_gap(*gaps);
+  const SizeField& sizes = is_any_refined ? size_field(on, triangulated, gaps.get()) : one_size;
   const std::optional<SizeField> graded = sizes_without_floor(on, triangulated);
-  Prediction prediction = predict_roughly(triangulated, goals_, sizes, control_);
-  if (gaps && sizes_.coarsest == 0 && prediction.expected > kFarTooMany * static_cast<double>(goals_.max_faces)) {
+  Prediction prediction = predict_now(triangulated, is_any_refined);
+  if (is_any_refined && gaps && sizes_.coarsest == 0 &&
+      prediction.expected > kFarTooMany * static_cast<double>(goals_.max_faces)) {
     sizes_.coarsest = equilateral_edge(area_of(on.surface, triangulated.meshes, control_) /
                                        (kEvenShare * static_cast<double>(goals_.max_faces)));
-    sizes_.field.reset();
-    size_field(on, triangulated, gaps.get());
-    prediction = predict_roughly(triangulated, goals_, sizes, control_);
+    *sizes_.field = sizes_.field->coarsened(sizes_.coarsest, control_);
+    sizes_.predicted.reset();
+    prediction = predict_now(triangulated, is_any_refined);
   }
   limit_to_proportion(prediction);
   roughly_predicted_ = whole(prediction.expected);
@@ -139,7 +146,7 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
       if (auto refined = attempt(Goals::kNoLimit, max_made())) return measured(*std::move(refined));
       if (!may_change_floor()) break;
       change_floor();
-      prediction = predict_roughly(triangulated, goals_, sizes, control_);
+      prediction = predict_now(triangulated, is_any_refined);
       limit_to_proportion(prediction);
       roughly_predicted_ = whole(prediction.expected);
     }
@@ -147,6 +154,21 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
   }
   // Half of what is left remains for yet another attempt, so that one of them is small enough to be worth its result.
   return measured(attempt(is_cut_short ? effort_.left() / 2 : budget_, Goals::kNoLimit).value());
+}
+
+Prediction GoalRefinement::predict_now(const TriangulatedPatches& triangulated, bool is_any_refined) {
+  if (!is_any_refined) {
+    Prediction same;
+    for (const PatchMesh& patch : triangulated.meshes)
+      same.of_patch.push_back(static_cast<float>(patch.mesh.triangle_count()));
+    same.expected = static_cast<double>(triangulated.triangle_count());
+    return same;
+  }
+  if (!sizes_.predicted || sizes_.predicted_floor != goals_.min_edge_length) {
+    sizes_.predicted = predict_roughly(triangulated, goals_, *sizes_.field, control_);
+    sizes_.predicted_floor = goals_.min_edge_length;
+  }
+  return *sizes_.predicted;
 }
 
 void GoalRefinement::Overridden::write_to(std::vector<UnrefinedReason>& reasons) const {
@@ -162,8 +184,11 @@ void GoalRefinement::measure_sizes(const PatchedSurface& on, std::span<const std
   const auto gaps = gap_search(on, triangulated);
   const std::optional<SizeField> graded = sizes_without_floor(on, triangulated);
   refined.before.exchange_with(triangulated.meshes);
+  // Without a field, nothing was refined, and sizes that were aimed at do not count.
+  const SizeField one_size(goals_.max_edge_length);
   note_size_misses(on.surface, triangulated.meshes, frozen_,
-                   {goals_, on.plane_tolerance, *sizes_.field, gaps.get(), graded ? &*graded : nullptr, crossing},
+                   {goals_, on.plane_tolerance, sizes_.field ? *sizes_.field : one_size, gaps.get(),
+                    graded ? &*graded : nullptr, crossing},
                    refined, control_);
   unmeasured_->write_to(refined.reason);
 }
@@ -244,12 +269,18 @@ std::optional<SizeField> GoalRefinement::sizes_without_floor(const PatchedSurfac
   return SizeField::without_floor(on.surface, segment_ends(triangulated.meshes, control_), goals_, control_);
 }
 
+void GoalRefinement::find_smallest_gap(const GapSearch& gaps) {
+  if (!std::exchange(sizes_.is_smallest_gap_known, true))
+    sizes_.smallest_gap = gaps.smallest(control_, goals_.max_faces);
+}
+
 const SizeField& GoalRefinement::size_field(const PatchedSurface& on, const TriangulatedPatches& triangulated,
                                             const GapSearch* gaps) {
   if (sizes_.field) return *sizes_.field;
-  if (gaps != nullptr && !std::exchange(sizes_.is_smallest_gap_known, true))
-    sizes_.smallest_gap = gaps->smallest(control_, goals_.max_faces);
-  sizes_.field.emplace(sizes_for(goals_, gaps, sizes_.coarsest, on, triangulated, control_));
+  if (gaps != nullptr) find_smallest_gap(*gaps);
+  sizes_.predicted.reset();
+  sizes_.field.emplace(sizes_for(goals_, gaps, sizes_.coarsest, on, triangulated, effort_.size_steps(), control_));
+  effort_.take_sizes(sizes_.field->search_steps());
   return *sizes_.field;
 }
 
@@ -262,7 +293,7 @@ double GoalRefinement::predict_with(const Goals& goals, const PatchedSurface& on
     return predict_roughly(triangulated, goals, sizes_.field->rescaled(goals_.proximity, goals, control_), control_)
         .expected;
   const auto gaps = goals.proximity > 0 ? gap_search(on, triangulated) : nullptr;
-  const SizeField sizes = sizes_for(goals, gaps.get(), 0, on, triangulated, control_);
+  const SizeField sizes = sizes_for(goals, gaps.get(), 0, on, triangulated, effort_.size_steps(), control_);
   return predict_roughly(triangulated, goals, sizes, control_).expected;
 }
 

@@ -137,6 +137,7 @@ class GoalRefinement {
     sizes_.is_smallest_gap_known = false;
     frozen_.clear();
     sizes_.field.reset();
+    sizes_.predicted.reset();
     last_faces_ = 0;
   }
 
@@ -173,6 +174,10 @@ class GoalRefinement {
   /// Returns null without proximity. The result refers to its arguments.
   std::unique_ptr<const GapSearch> gap_search(const PatchedSurface& on, const TriangulatedPatches& triangulated) const;
   std::optional<SizeField> sizes_without_floor(const PatchedSurface& on, const TriangulatedPatches& triangulated) const;
+  void find_smallest_gap(const GapSearch& gaps);
+  /// Predicts roughly how many faces this refinement makes, if that is not known yet.
+  /// Input: if any patch is refined, the size field must be there. Otherwise all triangles stay.
+  Prediction predict_now(const TriangulatedPatches& triangulated, bool is_any_refined);
   std::uint64_t max_made() const;
   bool is_floor_automatic() const;
   bool may_change_floor() const;
@@ -188,6 +193,8 @@ class GoalRefinement {
     double coarsest = 0;             ///< gaps do not make sizes smaller than this, in model units
     std::optional<double> smallest_gap;
     bool is_smallest_gap_known = false;
+    std::optional<Prediction> predicted;  ///< what the field lets expect, with this floor; empty until needed
+    double predicted_floor = 0;
   };
 
   /// Holds why triangles of an attempt were left as they are, whatever they miss.

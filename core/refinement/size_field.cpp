@@ -95,10 +95,11 @@ class SizeField::Sampler {
         std::clamp<std::uint64_t>(goals.max_faces, SizeField::kFewSamples, SizeField::kMaxSamples));
   }
 
-  void sample_gaps(const GapSearch& gaps);
+  void sample_gaps(const GapSearch& gaps, std::uint64_t earlier_steps);
   void sample_segments(std::span<const std::array<VertexId, 2>> segments);
 
   const std::vector<Sample>& samples() const { return samples_; }
+  std::uint64_t steps() const { return work_.taken(); }
   double floor() const { return floor_; }
   bool is_floor_asked() const { return is_floor_asked_; }
   void drop_floor() { floor_ = 0; }
@@ -278,7 +279,7 @@ std::vector<SizeField::Sampler::Cell> SizeField::Sampler::look_at_all(const GapS
   return cells;
 }
 
-void SizeField::Sampler::sample_gaps(const GapSearch& gaps) {
+void SizeField::Sampler::sample_gaps(const GapSearch& gaps, std::uint64_t earlier_steps) {
   const auto whole_patch = [&](std::size_t p) {
     const Vec3 all{HUGE_VAL, HUGE_VAL, HUGE_VAL};
     Cell cell{PatchId(p), {-all, all}, std::vector<std::uint32_t>(gaps.triangles_of(PatchId(p)).size())};
@@ -287,7 +288,7 @@ void SizeField::Sampler::sample_gaps(const GapSearch& gaps) {
   };
   std::size_t triangles = 0;
   for (std::size_t p = 0; p < gaps.patch_count(); ++p) triangles += gaps.triangles_of(PatchId(p)).size();
-  work_ = WorkBound(kWorkOfSizes.steps(triangles, max_faces_));
+  work_ = WorkBound(work_of_sizes_after(earlier_steps, kWorkOfSizes.steps(triangles, max_faces_)));
   // Whole patches are looked at first, and then the cells into which they are cut, round by round.
   std::vector<Cell> cells = look_at_all(gaps, gaps.patch_count(), whole_patch);
   while (!cells.empty())
@@ -311,7 +312,8 @@ void SizeField::Sampler::sample_segments(std::span<const std::array<VertexId, 2>
 }
 
 SizeField::SizeField(const Surface& surface, const GapSearch* gaps, std::span<const std::array<VertexId, 2>> segments,
-                     const Goals& goals, double plane_tolerance, RunControl& control, double coarsest)
+                     const Goals& goals, double plane_tolerance, RunControl& control, double coarsest,
+                     std::uint64_t earlier_steps)
     : largest_(goals.max_edge_length),
       slope_(goals.size_slope()),
       centre_(surface.centre),
@@ -324,7 +326,8 @@ SizeField::SizeField(const Surface& surface, const GapSearch* gaps, std::span<co
   if (gaps != nullptr) {
     axes_.reserve(gaps->patch_count());
     for (std::size_t p = 0; p < gaps->patch_count(); ++p) axes_.push_back(gaps->axes_of(PatchId(p)));
-    sampler.sample_gaps(*gaps);
+    sampler.sample_gaps(*gaps, earlier_steps);
+    search_steps_ = sampler.steps();
   } else if (goals.gradation > 0) {
     sampler.sample_segments(segments);
   }
@@ -366,6 +369,23 @@ SizeField SizeField::rescaled(double proximity, const Goals& goals, RunControl& 
     if (entry.tag.value * unit_ < field.largest_) samples.push_back({entry, cells_[slot]});
   }
   field.set_samples(samples, control);
+  return field;
+}
+
+SizeField SizeField::coarsened(double coarsest, RunControl& control) const {
+  SizeField field = *this;
+  std::vector<Sample> samples;
+  samples.reserve(samples_.size());
+  StopCheck check(control);
+  for (std::size_t slot = 0; slot < samples_.size(); ++slot) {
+    check();
+    Samples::Entry entry = samples_[slot];
+    entry.tag.value = FloatBox::rounded_down(std::max<double>(entry.tag.value, coarsest / unit_));
+    if (entry.tag.value * unit_ < largest_)
+      samples.push_back(is_of_segments_ ? Sample{entry, {}, segments_[slot]} : Sample{entry, cells_[slot], {}});
+  }
+  field.set_samples(samples, control);
+  field.drop_dominated(control);
   return field;
 }
 

@@ -48,10 +48,11 @@ class SizeField {
   /// Input:  `gaps` is there with proximity, and null otherwise. `segments` are pairs of essential vertices; they have
   ///         no effect with proximity. The tolerance is in model units.
   ///         `coarsest` is 0, or a size in model units: gaps that ask for less get this size, although it is above the
-  ///         floor.
+  ///         floor. `earlier_steps` are the steps that searches for gaps have taken in this run before.
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
   SizeField(const Surface& surface, const GapSearch* gaps, std::span<const std::array<VertexId, 2>> segments,
-            const Goals& goals, double plane_tolerance, RunControl& control, double coarsest = 0);
+            const Goals& goals, double plane_tolerance, RunControl& control, double coarsest = 0,
+            std::uint64_t earlier_steps = 0);
 
   /// Makes the field that short segments alone ask for, with no floor under it.
   /// Input: The same as for the constructor, with goals.gradation > 0.
@@ -62,6 +63,9 @@ class SizeField {
   /// asked for more than the largest size of this field asks for nothing.
   /// Input: a field of gaps, its goals.proximity, and goals with proximity.
   SizeField rescaled(double proximity, const Goals& goals, RunControl& control) const;
+
+  /// Returns this field with no size smaller than `coarsest`, in model units. Its floor is the same.
+  SizeField coarsened(double coarsest, RunControl& control) const;
 
   /// Cells are not cut further if that would make more samples than faces are allowed, and more than four for each
   /// patch. There are never more than kMaxSamples for that reason, and kFewSamples are always allowed.
@@ -76,6 +80,8 @@ class SizeField {
   bool is_uniform() const { return samples_.size() == 0; }
   double largest() const { return largest_; }
   std::size_t sample_count() const { return samples_.size(); }
+  /// Returns the steps that the search for gaps has taken, as kWorkOfSizes counts them.
+  std::uint64_t search_steps() const { return search_steps_; }
   /// Returns the floor: gaps and short edges do not make sizes smaller than this. It is in model units.
   double floor() const { return floor_; }
   /// Returns whether the floor would be lower without the option min_edge_length.
@@ -136,6 +142,7 @@ class SizeField {
   Vec3 centre_;  ///< the middle of local units, as in Surface
   double unit_ = 1;
   bool is_of_segments_ = false;
+  std::uint64_t search_steps_ = 0;
   Samples samples_;
   IdVector<PatchId, Axes> axes_;
   std::vector<Cell> cells_;        ///< one per slot; empty in a field of segments
