@@ -62,11 +62,10 @@ inline constexpr StageWork kWorkOfSizes{128, 1, 1 << 20};
 
 /// Returns the steps of a search for gaps if those before it in the run have taken `earlier` steps and one alone may
 /// take `max_steps`. Sizes are looked for again when the patches have changed. All these searches together take no more
-/// than half as many steps again as one, apart from an eighth for each, which sees the widest gaps. Good surfaces never
-/// take half of the steps.
+/// than a quarter as many steps again as one, apart from an eighth for each.
 constexpr std::uint64_t work_of_sizes_after(std::uint64_t earlier, std::uint64_t max_steps) {
   if (max_steps == WorkBound::kNone) return max_steps;
-  const std::uint64_t all = max_steps + max_steps / 2;
+  const std::uint64_t all = max_steps + max_steps / 4;
   return std::clamp(all - std::min(all, earlier), max_steps / 8, max_steps);
 }
 

@@ -105,8 +105,7 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
       prediction.expected > kFarTooMany * static_cast<double>(goals_.max_faces)) {
     sizes_.coarsest = equilateral_edge(area_of(on.surface, triangulated.meshes, control_) /
                                        (kEvenShare * static_cast<double>(goals_.max_faces)));
-    *sizes_.field = sizes_.field->coarsened(sizes_.coarsest, control_);
-    sizes_.predicted.reset();
+    if (sizes_.field->coarsen(sizes_.coarsest, control_)) sizes_.predicted.reset();
     prediction = predict_now(triangulated, is_any_refined);
   }
   limit_to_proportion(prediction);
@@ -128,8 +127,9 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
   const auto measured = [&](Refinement refined) {
     const Overridden overridden{is_budget_too_small(), effort_.is_used_up(), is_cut_short};
     if (gaps || graded) {
-      // If vertices are moved to keep a volume, the misses are needed before that.
-      if (effort_.is_any_wrong() && angle_margin_ == 0)
+      // An attempt with a budget may have too many faces, and its result is not needed then. If vertices are moved to
+      // keep a volume, the misses are needed before that.
+      if ((effort_.is_any_wrong() || needs_budget_) && angle_margin_ == 0)
         unmeasured_ = overridden;
       else
         note_size_misses(on.surface, triangulated.meshes, frozen_,
@@ -289,7 +289,8 @@ double GoalRefinement::predict_with(const Goals& goals, const PatchedSurface& on
   const bool have_same_sizes = goals.max_edge_length == goals_.max_edge_length && goals.proximity == goals_.proximity &&
                                goals.gradation == goals_.gradation;
   if (sizes_.field && have_same_sizes) return predict_roughly(triangulated, goals, *sizes_.field, control_).expected;
-  if (goals.proximity > 0 && goals_.proximity > 0 && sample_count() > kManySamples)
+  const bool is_search_long = sample_count() > kManySamples || (sizes_.field && sizes_.field->is_search_cut_short());
+  if (goals.proximity > 0 && goals_.proximity > 0 && is_search_long)
     return predict_roughly(triangulated, goals, sizes_.field->rescaled(goals_.proximity, goals, control_), control_)
         .expected;
   const auto gaps = goals.proximity > 0 ? gap_search(on, triangulated) : nullptr;

@@ -96,7 +96,8 @@ class GoalRefinement {
   Refinement refine(const PatchedSurface& on, const Ladder& ladder,
                     std::span<const std::pair<PatchId, PatchId>> crossing, TriangulatedPatches& triangulated);
   /// Returns whether the last refinement has left it open which triangles miss sizes that vary. If a result has failed
-  /// the check before, this one may fail as well, and to measure sizes takes as long as all the rest.
+  /// the check before, or it has a budget, this one may fail as well, and to measure sizes takes as long as all the
+  /// rest.
   bool are_sizes_unmeasured() const { return unmeasured_.has_value(); }
   /// Finds the triangles of the last refinement that miss sizes, and why.
   /// Input: the arguments of that refinement, and its result. New vertices may have been moved since, by less than the

@@ -100,6 +100,7 @@ class SizeField::Sampler {
 
   const std::vector<Sample>& samples() const { return samples_; }
   std::uint64_t steps() const { return work_.taken(); }
+  bool is_cut_short() const { return work_.is_spent(); }
   double floor() const { return floor_; }
   bool is_floor_asked() const { return is_floor_asked_; }
   void drop_floor() { floor_ = 0; }
@@ -328,6 +329,7 @@ SizeField::SizeField(const Surface& surface, const GapSearch* gaps, std::span<co
     for (std::size_t p = 0; p < gaps->patch_count(); ++p) axes_.push_back(gaps->axes_of(PatchId(p)));
     sampler.sample_gaps(*gaps, earlier_steps);
     search_steps_ = sampler.steps();
+    is_search_cut_short_ = sampler.is_cut_short();
   } else if (goals.gradation > 0) {
     sampler.sample_segments(segments);
   }
@@ -372,21 +374,23 @@ SizeField SizeField::rescaled(double proximity, const Goals& goals, RunControl& 
   return field;
 }
 
-SizeField SizeField::coarsened(double coarsest, RunControl& control) const {
-  SizeField field = *this;
+bool SizeField::coarsen(double coarsest, RunControl& control) {
+  bool is_any_smaller = false;
   std::vector<Sample> samples;
   samples.reserve(samples_.size());
   StopCheck check(control);
   for (std::size_t slot = 0; slot < samples_.size(); ++slot) {
     check();
     Samples::Entry entry = samples_[slot];
+    is_any_smaller = is_any_smaller || entry.tag.value * unit_ < coarsest;
     entry.tag.value = FloatBox::rounded_down(std::max<double>(entry.tag.value, coarsest / unit_));
     if (entry.tag.value * unit_ < largest_)
       samples.push_back(is_of_segments_ ? Sample{entry, {}, segments_[slot]} : Sample{entry, cells_[slot], {}});
   }
-  field.set_samples(samples, control);
-  field.drop_dominated(control);
-  return field;
+  if (!is_any_smaller) return false;
+  set_samples(samples, control);
+  drop_dominated(control);
+  return true;
 }
 
 void SizeField::set_samples(std::span<const Sample> samples, RunControl& control) {

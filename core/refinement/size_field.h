@@ -64,8 +64,8 @@ class SizeField {
   /// Input: a field of gaps, its goals.proximity, and goals with proximity.
   SizeField rescaled(double proximity, const Goals& goals, RunControl& control) const;
 
-  /// Returns this field with no size smaller than `coarsest`, in model units. Its floor is the same.
-  SizeField coarsened(double coarsest, RunControl& control) const;
+  /// Gives this field no size smaller than `coarsest`, in model units. Its floor stays. Returns whether there was one.
+  bool coarsen(double coarsest, RunControl& control);
 
   /// Cells are not cut further if that would make more samples than faces are allowed, and more than four for each
   /// patch. There are never more than kMaxSamples for that reason, and kFewSamples are always allowed.
@@ -82,6 +82,8 @@ class SizeField {
   std::size_t sample_count() const { return samples_.size(); }
   /// Returns the steps that the search for gaps has taken, as kWorkOfSizes counts them.
   std::uint64_t search_steps() const { return search_steps_; }
+  /// Returns whether the search for gaps had to end early, so that cells are larger than gaps ask for.
+  bool is_search_cut_short() const { return is_search_cut_short_; }
   /// Returns the floor: gaps and short edges do not make sizes smaller than this. It is in model units.
   double floor() const { return floor_; }
   /// Returns whether the floor would be lower without the option min_edge_length.
@@ -143,6 +145,7 @@ class SizeField {
   double unit_ = 1;
   bool is_of_segments_ = false;
   std::uint64_t search_steps_ = 0;
+  bool is_search_cut_short_ = false;
   Samples samples_;
   IdVector<PatchId, Axes> axes_;
   std::vector<Cell> cells_;        ///< one per slot; empty in a field of segments
