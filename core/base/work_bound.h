@@ -61,8 +61,8 @@ struct StageWork {
 inline constexpr StageWork kWorkOfSizes{128, 1, 1 << 20};
 
 /// Returns the steps of a search for gaps if those before it in the run have taken `earlier` steps and one alone may
-/// take `max_steps`. Sizes are looked for again when the patches have changed. All these searches together take no more
-/// than a quarter as many steps again as one, apart from an eighth for each.
+/// take `max_steps`. Sizes are looked for again when the patches have changed. Those whose sizes
+/// are aimed at take together no more than a quarter as many steps again as one, apart from an eighth for each.
 constexpr std::uint64_t work_of_sizes_after(std::uint64_t earlier, std::uint64_t max_steps) {
   if (max_steps == WorkBound::kNone) return max_steps;
   const std::uint64_t all = max_steps + max_steps / 4;

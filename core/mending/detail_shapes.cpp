@@ -65,4 +65,21 @@ std::uint32_t third(const PresentTriangle& t, std::uint32_t a, std::uint32_t b) 
   return kNone;
 }
 
+bool would_fold(const FacesAtEdge& moved, const FacesAtEdge& kept, std::uint32_t end, const Vec3& target,
+                const DetailComplex& complex, const DetailRules& rules) {
+  const Vec3 along = normalized(complex.place(end) - target);
+  const auto for_each_side = [&](const FacesAtEdge& faces, const auto& body) {
+    for (const PresentTriangle& t : faces.at_node) {
+      if (!t.has(end) || t.has(faces.without) || TriangleShape(places_of(t, complex)).height < rules.size) continue;
+      const Vec3 out = complex.place(third(t, faces.node, end)) - target;
+      body(out - dot(out, along) * along);
+    }
+  };
+  bool is_any = false;
+  for_each_side(moved, [&](const Vec3& a) {
+    for_each_side(kept, [&](const Vec3& b) { is_any = is_any || dot(a, b) > kFoldedCosine * norm(a) * norm(b); });
+  });
+  return is_any;
+}
+
 }  // namespace remesh

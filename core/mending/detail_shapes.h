@@ -62,4 +62,18 @@ const Spoke* find_spoke(const std::vector<Spoke>& spokes, std::uint32_t to);
 /// Returns the corner of a triangle that is neither of two nodes.
 std::uint32_t third(const PresentTriangle& t, std::uint32_t a, std::uint32_t b);
 
+/// Two faces at one edge lie on each other if they enclose less than about 8 degrees.
+inline constexpr double kFoldedCosine = 0.99;
+
+/// The triangles at the edge between a node and another one that is named beside it, but for those with a third node.
+struct FacesAtEdge {
+  std::uint32_t node, without;
+  const std::vector<PresentTriangle>& at_node;
+};
+
+/// Returns whether two faces that are no details would lie on each other at the edge from `target` to `end`: one of
+/// those at the edge between `end` and the node of `moved`, and one of those between `end` and the node of `kept`.
+bool would_fold(const FacesAtEdge& moved, const FacesAtEdge& kept, std::uint32_t end, const Vec3& target,
+                const DetailComplex& complex, const DetailRules& rules);
+
 }  // namespace remesh

@@ -20,8 +20,6 @@
 namespace remesh {
 namespace {
 
-/// Two faces at one edge lie on each other if they enclose less than about 8 degrees.
-constexpr double kFoldedCosine = 0.99;
 /// If details that went have led to new intersections, they stay in another try. There are this many of them.
 constexpr int kMaxTries = 8;
 
@@ -121,7 +119,9 @@ class DetailRemover {
     control_.memory().ask_for<Edge>(3 * rules_.faces.size());
     std::vector<Edge> edges;
     edges.reserve(3 * rules_.faces.size());
+    StopCheck check(control_);
     for (std::size_t f = 0; f < rules_.faces.size(); ++f) {
+      check();
       if (specks_.has(FaceId(f))) continue;
       for (std::size_t k = 0; k < 3; ++k)
         edges.push_back(std::minmax(rules_.faces[f][k].value, rules_.faces[f][(k + 1) % 3].value));
@@ -129,6 +129,7 @@ class DetailRemover {
     sort_stoppable(edges.begin(), edges.end(), control_);
     std::vector<std::uint32_t> nodes;
     for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
+      check();
       while (end < edges.size() && edges[end] == edges[begin]) ++end;
       if (end - begin == 1) nodes.insert(nodes.end(), {edges[begin].first, edges[begin].second});
     }
@@ -141,12 +142,20 @@ class DetailRemover {
     const std::uint32_t tip = detail.first;
     if (complex_.node_of(tip) != tip) return;
     const std::optional<Slit> slit = slits_.find(tip);
-    if (!slit || slit->width != detail.size) return;
+    if (!slit) return;
+    if (slit->width != detail.size) {
+      // It has changed since.
+      add_slit_at(tip);
+      return;
+    }
     complex_.collect(tip, triangles_, work_);
     const FaceId at_tip = complex_.face_of(triangles_.front().index);
     const std::vector<std::uint32_t> joined = slits_.close(tip, *slit);
     if (joined.empty()) return;
-    ++result_.closed_slits;
+    if (joined.size() == slit->steps.size())
+      ++result_.closed_slits;
+    else
+      result_.joined_edges += joined.size();
     result_.at_slits.push_back(at_tip);
     for (const std::uint32_t node : joined)
       if (complex_.node_of(node) == node) add_details_at(node);
@@ -194,7 +203,7 @@ class DetailRemover {
     for (const PresentTriangle& gone : at_from) {
       if (!gone.has(to)) continue;
       const std::uint32_t apex = third(gone, from, to);
-      if (would_fold(from, apex, target, at_from, to, to, at_to, from)) return {};
+      if (would_fold({from, to, at_from}, {to, from, at_to}, apex, target, complex_, rules_)) return {};
     }
     if (std::min(change.lowest_after, rules_.size) < change.lowest_before) return {};
     if (leaves_half_a_strip(from, to, at_from, at_to, spokes_from, spokes_to)) return {};
@@ -349,30 +358,6 @@ class DetailRemover {
     });
   }
 
-  /// Returns whether two faces would lie on each other at the edge from `target` to `apex`: one of those at the edge
-  /// between `moved` and `apex`, and one of those at the edge between `kept` and `apex`. Faces with the node in
-  /// `without` do not count.
-  bool would_fold(std::uint32_t moved, std::uint32_t apex, const Vec3& target,
-                  const std::vector<PresentTriangle>& at_moved, std::uint32_t without_kept, std::uint32_t kept,
-                  const std::vector<PresentTriangle>& at_kept, std::uint32_t without_moved) const {
-    const Vec3 along = normalized(complex_.place(apex) - target);
-    const auto side = [&](const PresentTriangle& t, std::uint32_t end) {
-      const Vec3 out = complex_.place(third(t, end, apex)) - target;
-      return out - dot(out, along) * along;
-    };
-    for (const PresentTriangle& f : at_moved) {
-      if (!f.has(apex) || f.has(without_kept) || TriangleShape(places_of(f, complex_)).height < rules_.size) continue;
-      const Vec3 of_f = side(f, moved);
-      for (const PresentTriangle& g : at_kept) {
-        if (!g.has(apex) || g.has(without_moved) || TriangleShape(places_of(g, complex_)).height < rules_.size)
-          continue;
-        const Vec3 of_g = side(g, kept);
-        if (dot(of_f, of_g) > kFoldedCosine * norm(of_f) * norm(of_g)) return true;
-      }
-    }
-    return false;
-  }
-
   /// A narrow face over a crease: its long side from a to b, its corner c, and the place of c on the side.
   struct Sliver {
     std::uint32_t a, b, c;
@@ -472,7 +457,7 @@ class DetailRemover {
     if (!(std::min(change.lowest_after, rules_.size) > change.lowest_before)) return {};
     for (const std::uint32_t end : {s.a, s.b}) {
       const std::uint32_t other = end == s.a ? s.b : s.a;
-      if (would_fold(s.c, end, target, at_c, other, other, beside, kNone)) return {};
+      if (would_fold({s.c, other, at_c}, {other, kNone, beside}, end, target, complex_, rules_)) return {};
     }
     return change;
   }

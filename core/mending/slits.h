@@ -46,7 +46,7 @@ class Slits {
   /// Closes a slit from its tip on, as far as no face turns too far and no point moves too far, and no nodes but those
   /// of the slit become one.
   /// Input:  what find returned, if nothing has changed since.
-  /// Output: the nodes to which others were joined.
+  /// Output: the nodes to which others were joined, one for each step that was taken.
   std::vector<std::uint32_t> close(std::uint32_t tip, const Slit& slit);
 
  private:
@@ -69,7 +69,9 @@ class Slits {
   double angle_around(std::uint32_t node, const Around& around) const;
   static std::optional<std::array<std::uint32_t, 2>> open_neighbours(const Around& around);
   bool walk_on(Side& side) const;
+  bool is_next(Side side, std::uint32_t node) const;
   bool is_next_nearer(Side side, std::uint32_t other) const;
+  std::optional<Slit::Step::Joins> step_over(Side& a, Side& b, double& width) const;
   std::optional<Foot> foot_on(const Vec3& from, std::uint32_t to, std::uint32_t node) const;
   std::optional<double> look_at_join(std::uint32_t from, std::uint32_t to) const;
   std::optional<std::uint32_t> join_nodes(std::uint32_t first, std::uint32_t second);

@@ -170,7 +170,9 @@ void DetailStage::reset(const Options& options, double plane_tolerance) {
 
 bool DetailStage::are_there(const TriangulatedPatches& triangulated, const Surface& surface, const Adjacency& adjacency,
                             RunControl& control) const {
-  if (limits_.is_size_given && !adjacency.odd_edges().empty()) return true;
+  const auto is_open = [&](EdgeId e) { return adjacency.half_edges(e).size() == 1; };
+  const auto odd = adjacency.odd_edges();
+  if (limits_.is_size_given && std::any_of(odd.begin(), odd.end(), is_open)) return true;
   StopCheck check(control);
   const double size = limits_.size / surface.unit;
   for (const PatchMesh& patch : triangulated.meshes) {

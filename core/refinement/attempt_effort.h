@@ -31,7 +31,7 @@ class AttemptEffort {
         search_steps_(taken.search_steps),
         largest_(taken.largest),
         size_steps_(taken.size_steps),
-        is_any_wrong_(taken.triangles > 0) {
+        wrong_(taken.triangles > 0 ? 1 : 0) {
     work_ = bound();
     work_.take(taken.triangles);
   }
@@ -69,19 +69,20 @@ class AttemptEffort {
     work_.take(others);
   }
   /// Notes that a result has failed the check.
-  void note_wrong() { is_any_wrong_ = true; }
-  bool is_any_wrong() const { return is_any_wrong_; }
+  void note_wrong() { ++wrong_; }
+  bool is_any_wrong() const { return wrong_ > 0; }
   /// Notes that the patches are others.
   void note_other_patches() {
     if (order_ != Order::kAll) order_ = Order::kNothingYet;
-    is_any_wrong_ = true;
+    wrong_ = std::max<std::uint64_t>(wrong_, 1);
   }
 
   /// Must be called before each attempt.
   /// Input: whether patches may be left as they are.
   void begin_attempt(bool may_leave_all) {
-    const bool is_enough = work_.taken() > work_.left() || work_.taken() > max_in_vain_;
-    const bool is_in_vain = is_any_wrong_ && is_enough && !is_spent();
+    // One failure is often mended at once, whatever it took.
+    const bool is_much = wrong_ >= 2 && work_.taken() > max_in_vain_;
+    const bool is_in_vain = is_any_wrong() && (is_much || work_.taken() > work_.left()) && !is_spent();
     if (order_ == Order::kAll && may_leave_all && is_in_vain) order_ = Order::kNothingYet;
   }
   /// Returns false if the attempt is to show whether a result passes without any refinement.
@@ -106,13 +107,13 @@ class AttemptEffort {
   /// An attempt with fewer triangles is not worth while.
   static constexpr std::uint64_t kMinAttempt = 1 << 10;
   /// The searches for intersections in all checks together may take as many steps as this number of searches in failed
-  /// results as large as the largest so far.
-  static constexpr std::uint64_t kSearches = 4;
+  /// results as large as the largest so far, or of kMinSearched triangles.
+  static constexpr std::uint64_t kSearches = 4, kMinSearched = 1 << 15;
 
   WorkBound bound() const { return WorkBound(kWorkOfAttempts.steps(0, max_faces_)); }
   bool is_spent() const {
-    return work_.left() < kMinAttempt ||
-           search_steps_ > kSearches * SearchLimits::few_steps_for(std::min(max_faces_, largest_));
+    const std::uint64_t searched = std::min(max_faces_, std::max(largest_, kMinSearched));
+    return work_.left() < kMinAttempt || search_steps_ > kSearches * SearchLimits::few_steps_for(searched);
   }
 
   std::uint64_t max_faces_;
@@ -122,7 +123,7 @@ class AttemptEffort {
   std::uint64_t largest_;
   std::uint64_t size_steps_;
   std::uint64_t max_in_vain_ = WorkBound::kNone;
-  bool is_any_wrong_;  ///< a result has failed the check
+  std::uint64_t wrong_;  ///< the results that have failed the check
   Order order_ = Order::kAll;
 };
 

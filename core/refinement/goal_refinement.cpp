@@ -105,7 +105,8 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
       prediction.expected > kFarTooMany * static_cast<double>(goals_.max_faces)) {
     sizes_.coarsest = equilateral_edge(area_of(on.surface, triangulated.meshes, control_) /
                                        (kEvenShare * static_cast<double>(goals_.max_faces)));
-    if (sizes_.field->coarsen(sizes_.coarsest, control_)) sizes_.predicted.reset();
+    sizes_.field.reset();
+    size_field(on, triangulated, gaps.get());
     prediction = predict_now(triangulated, is_any_refined);
   }
   limit_to_proportion(prediction);

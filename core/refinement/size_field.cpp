@@ -374,25 +374,6 @@ SizeField SizeField::rescaled(double proximity, const Goals& goals, RunControl& 
   return field;
 }
 
-bool SizeField::coarsen(double coarsest, RunControl& control) {
-  bool is_any_smaller = false;
-  std::vector<Sample> samples;
-  samples.reserve(samples_.size());
-  StopCheck check(control);
-  for (std::size_t slot = 0; slot < samples_.size(); ++slot) {
-    check();
-    Samples::Entry entry = samples_[slot];
-    is_any_smaller = is_any_smaller || entry.tag.value * unit_ < coarsest;
-    entry.tag.value = FloatBox::rounded_down(std::max<double>(entry.tag.value, coarsest / unit_));
-    if (entry.tag.value * unit_ < largest_)
-      samples.push_back(is_of_segments_ ? Sample{entry, {}, segments_[slot]} : Sample{entry, cells_[slot], {}});
-  }
-  if (!is_any_smaller) return false;
-  set_samples(samples, control);
-  drop_dominated(control);
-  return true;
-}
-
 void SizeField::set_samples(std::span<const Sample> samples, RunControl& control) {
   std::vector<Samples::Entry> entries;
   entries.reserve(samples.size());

@@ -64,9 +64,6 @@ class SizeField {
   /// Input: a field of gaps, its goals.proximity, and goals with proximity.
   SizeField rescaled(double proximity, const Goals& goals, RunControl& control) const;
 
-  /// Gives this field no size smaller than `coarsest`, in model units. Its floor stays. Returns whether there was one.
-  bool coarsen(double coarsest, RunControl& control);
-
   /// Cells are not cut further if that would make more samples than faces are allowed, and more than four for each
   /// patch. There are never more than kMaxSamples for that reason, and kFewSamples are always allowed.
   static constexpr std::size_t kMaxSamples = std::size_t{1} << 19;

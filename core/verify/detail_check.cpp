@@ -28,9 +28,9 @@ class DetailProof {
     std::vector<Triangle> not_anchored;
     for (const Triangle& t : claim_.faces_before)
       if (!is_anchored(t[0])) not_anchored.push_back(t);
-    const Shape before = shape_of(claim_.positions_before, not_anchored);
-    const Shape after = shape_of(claim_.positions_after, claim_.faces_after);
-    if (after.euler > before.euler + std::max<std::int64_t>(0, before.rims - after.rims)) return {};
+    const Shape before = shape_of(claim_.positions_before.size(), not_anchored);
+    const Shape after = shape_of(claim_.positions_after.size(), claim_.faces_after);
+    if (after.euler > before.euler + count_closed_rims(before.open, after.open)) return {};
     double moved = 0;
     StopCheck check(control_);
     for (std::size_t i = 0; i < points_.size(); ++i) {
@@ -246,15 +246,14 @@ class DetailProof {
                        [&](const Edge& side) { return std::binary_search(edges.begin(), edges.end(), side); });
   }
 
-  /// Numbers that say how a surface hangs together.
   struct Shape {
-    std::int64_t euler;
-    std::int64_t rims;  ///< the number of parts in which the edges of one face hang together
+    std::int64_t euler;      ///< the number of vertices, minus that of edges, plus that of faces
+    std::vector<Edge> open;  ///< the edges of one face
   };
 
-  Shape shape_of(std::span<const Vec3> positions, std::span<const Triangle> faces) const {
+  Shape shape_of(std::size_t vertices, std::span<const Triangle> faces) const {
     std::vector<Edge> edges;
-    std::vector<std::uint8_t> is_used(positions.size(), 0);
+    std::vector<std::uint8_t> is_used(vertices, 0);
     StopCheck check(control_);
     for (const Triangle& t : faces) {
       check();
@@ -264,38 +263,39 @@ class DetailProof {
       }
     }
     sort_stoppable(edges.begin(), edges.end(), control_);
-    std::vector<Edge> open;
+    Shape shape{};
     std::int64_t count = 0;
     for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end, ++count) {
       check();
       while (end < edges.size() && edges[end] == edges[begin]) ++end;
-      if (end - begin == 1) open.push_back(edges[begin]);
+      if (end - begin == 1) shape.open.push_back(edges[begin]);
     }
-    return {std::count(is_used.begin(), is_used.end(), 1) - count + static_cast<std::int64_t>(faces.size()),
-            count_parts(positions.size(), open)};
+    shape.euler = std::count(is_used.begin(), is_used.end(), 1) - count + static_cast<std::int64_t>(faces.size());
+    return shape;
   }
 
-  /// Returns in how many parts edges hang together.
-  std::int64_t count_parts(std::size_t vertices, const std::vector<Edge>& edges) const {
-    if (edges.empty()) return 0;
+  /// Counts the rims that are closed: rims before whose images have no vertex at an open edge. Rims whose images hang
+  /// together count once.
+  std::int64_t count_closed_rims(const std::vector<Edge>& before, const std::vector<Edge>& after) const {
+    const std::size_t vertices = claim_.positions_after.size();
     std::vector<std::uint32_t> parent(vertices);
     std::iota(parent.begin(), parent.end(), 0U);
-    const auto root = [&](std::uint32_t v) {
+    const auto root = [&](VertexId of) {
+      std::uint32_t v = of.value;
       while (parent[v] != v) v = parent[v] = parent[parent[v]];
       return v;
     };
     StopCheck check(control_);
-    std::vector<std::uint8_t> is_used(vertices, 0);
-    std::int64_t parts = 0;
-    for (const Edge& edge : edges) {
+    for (const Edge& edge : before) {
       check();
-      for (const VertexId v : {edge.first, edge.second}) parts += std::exchange(is_used[v.value], 1) == 0 ? 1 : 0;
-      const std::uint32_t a = root(edge.first.value), b = root(edge.second.value);
-      if (a == b) continue;
-      parent[a] = b;
-      --parts;
+      parent[root(image(edge.first))] = root(image(edge.second));
     }
-    return parts;
+    std::vector<std::uint8_t> is_rim(vertices, 0), is_open(vertices, 0);
+    for (const Edge& edge : before) is_rim[root(image(edge.first))] = 1;
+    for (const Edge& edge : after) is_open[root(edge.first)] = is_open[root(edge.second)] = 1;
+    std::int64_t closed = 0;
+    for (std::size_t v = 0; v < vertices; ++v) closed += is_rim[v] != 0 && is_open[v] == 0 ? 1 : 0;
+    return closed;
   }
 
   const DetailClaim& claim_;

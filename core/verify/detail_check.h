@@ -32,7 +32,8 @@ struct DetailClaim {
 /// - Or all corners of a piece are anchored at one point of a face of the other surface. Then all pieces that it hangs
 ///   together with are, too.
 /// - The Euler number of what is not anchored has not grown, as it would by 2 if a handle were pinched off. It may grow
-///   by 1 with each rim that is no longer there, as that of a slit. It falls by 1 with each flap that goes and has two
+///   by 1 with each rim whose image has no open edge left, as that of a slit; rims whose images hang together count
+///   once. It falls by 1 with each flap that goes and has two
 ///   sides, since the two sides are a closed surface of their own.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:    O(n log n).

@@ -38,5 +38,26 @@ TEST(attempt_effort, what_was_taken_counts_after_the_faces_were_mended_anew) {
   EXPECT_TRUE(after.is_used_up());
 }
 
+TEST(attempt_effort, two_failures_that_are_large_for_the_mesh_are_enough) {
+  for (const bool is_small_mesh : {false, true}) {
+    AttemptEffort effort(200'000, {});
+    effort.limit_vain_work(is_small_mesh ? 500 : 10'000);
+    for (int failures = 1; failures <= 2; ++failures) {
+      effort.take(50'000);
+      effort.note_wrong();
+      effort.begin_attempt(true);
+      EXPECT_EQ(effort.has_goals(), failures < 2 || !is_small_mesh) << failures;
+    }
+  }
+}
+
+TEST(attempt_effort, searches_for_gaps_share_a_bound) {
+  constexpr std::uint64_t kOne = 1'000'000;
+  EXPECT_EQ(work_of_sizes_after(0, kOne), kOne);
+  EXPECT_EQ(work_of_sizes_after(kOne / 2, kOne), kOne / 4 * 3);
+  EXPECT_EQ(work_of_sizes_after(100 * kOne, kOne), kOne / 8);
+  EXPECT_EQ(work_of_sizes_after(100 * kOne, WorkBound::kNone), WorkBound::kNone);
+}
+
 }  // namespace
 }  // namespace remesh

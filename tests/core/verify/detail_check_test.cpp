@@ -239,5 +239,22 @@ TEST(detail_check, a_handle_may_not_be_pinched_off_even_if_a_hole_is_closed) {
   EXPECT_FALSE(claim_of(positions, faces, {{2, 1}, {ring[1], ring[0]}, {ring[2], ring[0]}}).proven());
 }
 
+TEST(detail_check, rims_that_meet_are_not_closed) {
+  // The rims of two sheets get a vertex in common, which lets the Euler number fall by 1. Each torus that is pinched
+  // lets it grow by 1.
+  std::vector<Vec3> positions = kRing;
+  std::vector<Triangle> faces = ring_faces();
+  for (const Vec3& p : kRing) positions.push_back({p.x, p.y, 1});
+  for (const Triangle& t : ring_faces())
+    faces.push_back({VertexId(t[0].value + 6), VertexId(t[1].value + 6), VertexId(t[2].value + 6)});
+  std::vector<std::pair<int, int>> joined{{6, 0}};
+  EXPECT_TRUE(claim_of(positions, faces, joined).proven());
+  for (int i = 0; i < 2; ++i) {
+    const std::vector<int> ring = add_torus(positions, faces);
+    joined.insert(joined.end(), {{ring[1], ring[0]}, {ring[2], ring[0]}});
+  }
+  EXPECT_FALSE(claim_of(positions, faces, joined).proven());
+}
+
 }  // namespace
 }  // namespace remesh
