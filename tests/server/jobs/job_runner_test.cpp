@@ -48,12 +48,17 @@ class runner : public ::testing::Test {
   }
 
   api::KeptRemesh work(const api::Request& request, RunControl& control) {
-    ++calls_;
+    const int call = ++calls_;
     if (request.body == "throw") throw std::runtime_error("a secret of the server");
     if (request.body == "no memory") throw std::bad_alloc();
     if (request.body == "no threads") throw std::system_error(EAGAIN, std::generic_category());
     if (request.body == "bad") throw Error(Code::kEmptyMesh, Stage::kRead, "there is no face").at_line(3);
-    if (request.body == "slow") std::this_thread::sleep_for(milliseconds(150));
+    if (request.body == "overlaps") {
+      // It ends once the next one has begun, or else after a while.
+      const Clock::time_point begin = Clock::now();
+      std::this_thread::sleep_for(milliseconds(100));
+      while (calls_ == call && Clock::now() < begin + milliseconds(2000)) std::this_thread::sleep_for(milliseconds(2));
+    }
     while (request.body == "block" && !released_) {
       std::this_thread::sleep_for(milliseconds(2));
       control.check();
@@ -227,11 +232,10 @@ TEST_F(runner, a_job_that_needs_all_memory_has_its_turn_although_jobs_that_overl
   std::atomic<bool> is_over{false};
   std::thread jobs([&] {
     while (!is_over) {
-      if (store_->statistics().queued < 4) submit("slow", 1000);
+      if (store_->statistics().queued < 4) submit("overlaps", 1000);
       std::this_thread::sleep_for(milliseconds(1));
     }
   });
-  // The two places are taken at different times, so that one of them is always in use.
   EXPECT_TRUE(eventually([&] { return calls_ >= 1; }));
   const std::string large = submit("large", memory_.limit());
   EXPECT_EQ(ended(large).state, JobState::kSucceeded);
