@@ -1,5 +1,6 @@
 #include "server/service.h"
 
+#include <algorithm>
 #include <chrono>
 #include <filesystem>
 #include <system_error>
@@ -81,7 +82,9 @@ Service::Service(const Config& config, Operations operations)
       operations_(std::move(operations)),
       work_limits_{config.limits, config.memory_budget},
       keys_(config.api_key_file, config.api_key),
-      memory_(config.memory_budget),
+      // Each request that waits for memory takes a connection, and others need some to look or to cancel.
+      memory_(config.memory_budget, MemoryBudget::kPatience,
+              std::max<std::size_t>(1, config.connections.max_connections / 4)),
       memory_watch_(memory_, registry_),
       jobs_(make_jobs()),
       job_routes_({jobs_.get(), keys_, work_limits_, memory_, registry_, pool_, draining_}),
@@ -159,9 +162,9 @@ void Service::begin_drain() {
 void Service::stop() {
   begin_drain();
   stopping_ = true;
+  memory_.close();  // whoever waits for memory is answered while jobs are given back
   if (jobs_) jobs_->stop();
   registry_.cancel_all();
-  memory_.close();
   const Clock::time_point deadline = Clock::now() + kLastAnswers;
   while (!is_idle() && Clock::now() < deadline) std::this_thread::sleep_for(std::chrono::milliseconds(2));
   http_.stop();
@@ -211,6 +214,7 @@ Response Service::show_metrics() const {
   gauges.workers = config_.limits.workers;
   gauges.busy = pool_.busy_threads();
   gauges.memory_reserved = memory_.reserved();
+  gauges.memory_waiting = memory_.waiting();
   gauges.log_lines_dropped = log::dropped_lines();
   gauges.is_ready = !draining_ && (!jobs_ || jobs_->is_well());
   if (jobs_) {

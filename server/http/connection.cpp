@@ -198,8 +198,7 @@ Connection::Ahead Connection::read_ahead() {
   return got == 0 ? Ahead::kEnd : Ahead::kHasRead;  // poll() reports errors
 }
 
-Connection::Wake Connection::wait(const Event* event, Clock::time_point until, HalfClosed half_closed) {
-  bool may_read = true;
+Connection::Wake Connection::wait(const Event* event, Clock::time_point until, HalfClosed half_closed, bool may_read) {
   for (;;) {
     // poll() reports a reset in any case.
     const auto events = static_cast<short>(ask_at_ ? 0 : may_read ? POLLRDHUP | POLLIN : POLLRDHUP);

@@ -114,7 +114,10 @@ class Connection {
   /// Waits until the event is set, the client goes away, or the time is over. It reads ahead what the client sends
   /// meanwhile, which is part of its next request: the end of what a client sends is seen only behind all of it. Beyond
   /// the limits of ReadAhead, only a reset shows that the client is gone.
-  Wake wait(const Event* event, Clock::time_point until, HalfClosed half_closed = HalfClosed::kIsGone);
+  /// Input: `may_read` - false leaves what the client sends unread: it belongs to a request whose body is not read yet,
+  ///        or has no memory.
+  Wake wait(const Event* event, Clock::time_point until, HalfClosed half_closed = HalfClosed::kIsGone,
+            bool may_read = true);
 
   /// The bounds on reading what a client still sends after its answer.
   struct Linger {

@@ -12,6 +12,7 @@
 
 #include "api/service.h"
 #include "server/http/body.h"
+#include "server/http/connection.h"
 
 namespace remesh::server {
 
@@ -52,6 +53,7 @@ struct Request : RequestHead {
   std::string owner;   ///< identifies the API key (ApiKeys::owner); empty if the server has no keys
   Body body;           ///< without the chunked coding
   Timing timing;
+  Clock::duration waited{0};            ///< the time that it has waited for memory
   std::shared_ptr<MemoryShare> memory;  ///< the reservation that lasts until the answer is sent; may be null
 };
 

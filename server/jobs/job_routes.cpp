@@ -36,7 +36,7 @@ HttpError not_found() { return HttpError(404, "not_found", "there is no job with
 HttpError expired() { return HttpError(410, "result_expired", "the result has expired or was deleted"); }
 
 /// Calls a function that asks the store.
-/// Errors: HttpError 503 or 507 instead of StoreError.
+/// Errors: HttpError 503 or 507 instead of StoreError and NoFolder.
 template <typename Question>
 auto ask(Question question) {
   try {
@@ -46,6 +46,9 @@ auto ask(Question question) {
         .with_header("Retry-After", kFullSeconds);
   } catch (const StoreError&) {
     throw store_unavailable();  // the store's observer has logged the reason
+  } catch (const NoFolder& error) {
+    log::write(log::Level::kError, "a stored blob cannot be read", {{"error", std::string(error.what())}});
+    throw store_unavailable();  // another daemon may have the folder
   }
 }
 
@@ -99,12 +102,12 @@ std::optional<Response> answer_without_result(const JobRecord& job) {
   return response;
 }
 
-/// True if the request names the format whose texts are the largest.
-bool asks_for_vtu(const Request& request) {
-  const bool is_option = std::any_of(request.query.begin(), request.query.end(), [](const auto& option) {
-    return option.first == "format" && option.second == "vtu";
-  });
-  return is_option || api::ascii_lower(request.list("accept")).find("vtu") != std::string::npos;
+/// True if the answer may have the format whose texts are the largest. A request that names no format gets the one
+/// that was asked for when the job was submitted.
+bool may_get_vtu(const Request& request) {
+  const auto named = std::find_if(request.query.begin(), request.query.end(),
+                                  [](const auto& option) { return option.first == "format"; });
+  return named == request.query.end() || named->second == "vtu";
 }
 
 /// The record of a job that was stored just now.
@@ -224,6 +227,11 @@ Admission JobRoutes::admit(const RequestHead& head) const {
   check_content_coding(head);
   if (context_.draining) throw HttpError(503, "draining", "this server is about to stop");
   if (!jobs().is_well()) throw store_unavailable();
+  // Where the folder of jobs is in memory, what is stored takes memory from all work.
+  if (context_.memory.stored() > context_.memory.limit() / 2) {
+    throw HttpError(507, "storage_full", "the store of jobs is in memory, and what it holds takes half of the budget")
+        .with_header("Retry-After", kFullSeconds);
+  }
   if (jobs().is_full()) throw HttpError(503, "overloaded", "the queue of jobs is full: try again later");
   // The request only passes the body on to the store, which copies it, so each byte counts twice. Whoever claims the
   // job reserves the memory for the work.
@@ -239,7 +247,7 @@ void JobRoutes::check(const api::Request& request, const Call& call) const {
   const std::uint64_t wanted = held + api::kCheckPerJsonByte * request.body.size();
   wait_for_memory(
       memory, [&] { return memory.try_hold(wanted); }, call.request, call.connection,
-      Clock::now() + context_.limits.memory_patience().of(request.body.size()));
+      end_of_waiting(call.request, context_.limits.memory_patience().of(request.body.size())));
   api::check_json(request, context_.limits.api);
   memory.hold_answer(held);
 }
@@ -334,7 +342,7 @@ Response JobRoutes::answer_from(const Operation& write, std::uint64_t memory, co
   memory = std::min(memory, context_.memory.limit());
   wait_for_memory(
       *call.request.memory, [&] { return call.request.memory->try_hold(memory); }, call.request, call.connection,
-      Clock::now() + context_.limits.api.request_timeout);
+      end_of_waiting(call.request, context_.limits.api.request_timeout));
   Response response;
   static_cast<api::Response&>(response) =
       run_in_pool(context_.pool, context_.registry, context_.limits, write, call.request, call.connection);
@@ -345,7 +353,7 @@ Response JobRoutes::answer_from(const Operation& write, std::uint64_t memory, co
 Response JobRoutes::result(const Call& call) const {
   const JobRecord job = find_own(call);
   if (std::optional<Response> problem = answer_without_result(job)) return std::move(*problem);
-  const std::uint64_t per_byte = asks_for_vtu(call.request) ? kPerMeshByteOfVtu : kPerMeshByte;
+  const std::uint64_t per_byte = may_get_vtu(call.request) ? kPerMeshByteOfVtu : kPerMeshByte;
   const std::uint64_t memory =
       per_byte * size_of(job.id, BlobKind::kMesh) + kPerReportByte * size_of(job.id, BlobKind::kReport);
   const Operation write = [this, id = job.id](const api::Request& wanted, const api::Limits&, RunControl& control) {

@@ -22,6 +22,17 @@ constexpr std::chrono::milliseconds kPause{250};
 constexpr std::chrono::milliseconds kMaxBetweenLooks{1000};
 /// The pause between two looks for a job that is passed over because it finds no memory.
 constexpr std::chrono::milliseconds kBetweenLooks{1000};
+/// The pause between two claims while a job is passed over, no more memory is free, and nobody says that there are new
+/// jobs. It finds jobs that were submitted to other daemons.
+constexpr std::chrono::milliseconds kBetweenClaims{1000};
+/// A job that is passed over holds up other jobs for no longer than this while only requests are in its way. Then other
+/// jobs pass for a while.
+constexpr std::chrono::seconds kMaxHeldUp = MemoryBudget::kLongestTurn;
+constexpr std::chrono::seconds kOthersPass = MemoryBudget::kPause;
+/// A job fails that finds this daemon without its folder after so many pauses for it.
+constexpr int kMaxPauses = 5;
+/// If pauses are remembered for more jobs than this, they are forgotten. Most of these jobs were done elsewhere.
+constexpr std::size_t kMaxPaused = 1000;
 /// How long cancelled work may take to stop.
 constexpr std::chrono::milliseconds kStopPatience{1100};
 /// How long a result waits for room in the store before its job fails. Until then other work waits for the memory that
@@ -136,8 +147,8 @@ void JobRunner::claim_until_stopped() {
       if (step == Step::kClaimed) continue;
       if (step == Step::kNothing) {
         store_.wait_for_work(wake_, Clock::now() + kPoll);
-      } else {
-        wake_.wait(Clock::now() + kPause);
+      } else if (wake_.wait(Clock::now() + kPause)) {
+        empty_claim_.reset();
       }
     } catch (const StoreError&) {
       passed_over_.reset();               // no memory is set aside while nothing can be claimed
@@ -161,7 +172,7 @@ bool JobRunner::has_room() const {
 }
 
 JobRunner::Step JobRunner::claim_one() {
-  if (!has_room()) {
+  if (Clock::now() < next_claims_.load() || !has_room()) {
     if (passed_over_) passed_over_->share->leave_line();  // it could not begin, so it is in nobody's way
     return Step::kNoRoom;
   }
@@ -173,7 +184,12 @@ JobRunner::Step JobRunner::claim_one() {
   std::shared_ptr<MemoryShare> share;
   if (passed_over_ && passed_over_->share->bytes() > 0)
     share = std::exchange(passed_over_->share, memory_.open_share(/*per_byte=*/1));
+  const bool is_repeated =
+      passed_over_ && !share && empty_claim_ && *room <= empty_claim_->room && Clock::now() < empty_claim_->again;
+  if (is_repeated) return Step::kNoRoom;
   std::optional<Claim> claim = store_.claim(settings_.worker, *room);
+  empty_claim_.reset();
+  if (!claim) empty_claim_ = EmptyClaim{*room, Clock::now() + kBetweenClaims};
   // Another worker may have taken the job meanwhile. If another job came before it in turn, it keeps its place.
   if (passed_over_ && (claim ? claim->id == passed_over_->job.id : share != nullptr)) passed_over_.reset();
   if (!claim) {
@@ -191,21 +207,44 @@ void JobRunner::look_for_passed_over() {
   next_look_ = now + kBetweenLooks;
   if (passed_over_) {
     const std::optional<JobRecord> record = store_.find(passed_over_->job.id);
-    if (record && record->state == JobState::kQueued) return;
-    passed_over_.reset();
+    if (!record || record->state != JobState::kQueued) passed_over_.reset();
   }
   std::optional<WaitingJob> next = store_.next_in_turn(memory_.limit());
-  if (!next || next->memory <= memory_.available()) return;
-  passed_over_ = PassedOver{std::move(*next), now, memory_.open_share(/*per_byte=*/1)};
+  if (!next) return passed_over_.reset();
+  if (passed_over_ && passed_over_->job.id == next->id) {
+    passed_over_->job = std::move(*next);  // its estimate may have changed
+    return;
+  }
+  // A job that has come before the other in turn and fits is claimed, and the other keeps its place.
+  if (next->memory <= memory_.available()) return;
+  const Clock::time_point since = passed_over_ ? passed_over_->since : now;
+  passed_over_ = PassedOver{std::move(*next), since, memory_.open_share(/*per_byte=*/1), std::nullopt, {}};
 }
 
 std::optional<std::uint64_t> JobRunner::memory_for_claim() {
   if (passed_over_) {
     passed_over_->share->stand_in_line(passed_over_->since);
     if (passed_over_->share->try_hold(passed_over_->job.memory)) return passed_over_->job.memory;
+    if (holds_up_jobs()) return std::nullopt;
   }
   const std::uint64_t available = memory_.available();
   return available > 0 ? std::optional(available) : std::nullopt;
+}
+
+bool JobRunner::holds_up_jobs() {
+  const Clock::time_point now = Clock::now();
+  PassedOver& first = *passed_over_;
+  if (now < first.since + memory_.patience() || now < first.others_until) return false;
+  if (!held().empty()) {
+    // These jobs will end, and nothing follows them.
+    first.alone_since.reset();
+    return true;
+  }
+  if (!first.alone_since) first.alone_since = now;
+  if (now < *first.alone_since + kMaxHeldUp) return true;
+  first.alone_since.reset();
+  first.others_until = now + kOthersPass;
+  return false;
 }
 
 void JobRunner::hold(Claim claim, std::shared_ptr<MemoryShare> share) {
@@ -331,8 +370,8 @@ std::optional<JobOutcome> JobRunner::work_on(Held& held) {
     give_back(held, JobStore::Attempt::kDoesNotCount, "store");
     return std::nullopt;
   } catch (const NoFolder&) {
-    if (held.claim.attempts < settings_.max_attempts) {
-      give_back(held, JobStore::Attempt::kCounts, "no_folder");
+    if (pause_without_folder(held.claim)) {
+      give_back(held, JobStore::Attempt::kDoesNotCount, "no_folder");
       return std::nullopt;
     }
     return outcome_of_failure(held, std::current_exception());
@@ -360,6 +399,19 @@ std::optional<JobOutcome> JobRunner::work_on(Held& held) {
   }
 }
 
+bool JobRunner::pause_without_folder(const Claim& claim) {
+  const std::lock_guard lock(mutex_);
+  if (pauses_.size() > kMaxPaused) pauses_.clear();
+  if (++pauses_[claim.id] > kMaxPauses) {
+    pauses_.erase(claim.id);
+    return false;
+  }
+  next_claims_ = Clock::now() + settings_.lease;
+  log::write(log::Level::kError, "a job's input is in a folder, but --blob-dir is missing; no jobs are claimed now",
+             {{"job", claim.id}, {"pause_s", std::chrono::duration<double>(settings_.lease).count()}});
+  return true;
+}
+
 std::optional<JobOutcome> JobRunner::outcome_of_failure(Held& held, const std::exception_ptr& failure) {
   using Eviction = RunningRequest::Eviction;
   if (held.is_lost) return std::nullopt;
@@ -377,8 +429,14 @@ std::optional<JobOutcome> JobRunner::outcome_of_failure(Held& held, const std::e
       // Others had a part in it. With the memory that it was seen to take reserved, if need be all, it has its chance.
       const std::uint64_t estimate =
           memory_.next_reservation(held.running->next_estimate(held.claim.memory), held.claim.memory);
-      give_back(held, JobStore::Attempt::kDoesNotCount, "out_of_memory", estimate);
-      return std::nullopt;
+      // With all memory reserved it cannot be given more, so it is not tried for ever.
+      const bool had_all = held.claim.memory >= memory_.limit();
+      if (!had_all || may_retry) {
+        const auto attempt = had_all ? JobStore::Attempt::kCounts : JobStore::Attempt::kDoesNotCount;
+        give_back(held, attempt, "out_of_memory", estimate);
+        return std::nullopt;
+      }
+      told = std::make_exception_ptr(out_of_memory());
     }
     if (error.code == Code::kCancelled && eviction == Eviction::kAlone)
       told = std::make_exception_ptr(never_fits(memory_.limit()));

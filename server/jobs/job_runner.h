@@ -8,6 +8,7 @@
 #include <deque>
 #include <functional>
 #include <list>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -79,6 +80,11 @@ class JobRunner {
   void look_for_passed_over();
   /// Output: the memory for the next claim; nothing if no job may be claimed now.
   std::optional<std::uint64_t> memory_for_claim();
+  /// True if no job may pass the one that is passed over any more.
+  bool holds_up_jobs();
+  /// Stops claiming for a while, because this daemon lacks the folder that a job's input is in.
+  /// Output: false if the job is to fail, since that has happened to it too often.
+  bool pause_without_folder(const Claim& claim);
   /// Input: `share` - memory that was reserved for this job, or null.
   void hold(Claim claim, std::shared_ptr<MemoryShare> share);
   void renew_all();
@@ -123,14 +129,25 @@ class JobRunner {
   std::vector<Return> late_returns_;  ///< claims that could not be given back yet
   bool committer_may_end_ = false;
   std::atomic<std::size_t> claiming_{0};
-  /// The job that is next in turn and finds no memory, and its place in the line. The claiming thread uses it alone.
+  std::atomic<Clock::time_point> next_claims_{Clock::time_point::min()};  ///< no job is claimed before
+  std::map<std::string, int> pauses_;  ///< how often claiming was stopped because of a job; guarded by `mutex_`
+  // The claiming thread alone uses what follows.
+  /// The job that is next in turn and finds no memory, and its place in the line.
   struct PassedOver {
     WaitingJob job;
     Clock::time_point since;
     std::shared_ptr<MemoryShare> share;
+    std::optional<Clock::time_point> alone_since;  ///< since when only requests are in its way, and no job may pass
+    Clock::time_point others_until;                ///< other jobs pass until then
   };
   std::optional<PassedOver> passed_over_;
   Clock::time_point next_look_{};
+  /// The last claim that found no job for the memory that there was, and when it may be repeated with no more memory.
+  struct EmptyClaim {
+    std::uint64_t room;
+    Clock::time_point again;
+  };
+  std::optional<EmptyClaim> empty_claim_;
   std::optional<Periodic> renewals_;
   std::thread claimer_;
   std::thread committer_;

@@ -24,19 +24,11 @@ constexpr std::chrono::seconds kBetweenSums{5};
 /// does not answer end then.
 constexpr std::chrono::milliseconds kLastCalls{1400};
 
-/// The bytes of the jobs' files that are in memory, because their folder is.
-/// Input: `stored` - the bytes of all inputs and results.
-std::uint64_t bytes_in_memory(const JobSettings& settings, std::uint64_t stored) {
-  std::uint64_t bytes = !settings.blob_dir.empty() && is_memory_folder(settings.blob_dir) ? stored : 0;
-  if (settings.store != "sqlite") return bytes;
-  const std::string folder = find_state_dir(settings.state_dir);
-  if (!is_memory_folder(folder)) return bytes;
-  for (const char* name : {"/jobs.sqlite", "/jobs.sqlite-wal"}) {
-    std::error_code none;
-    const std::uintmax_t size = std::filesystem::file_size(folder + name, none);
-    if (!none) bytes += size;
-  }
-  return bytes;
+/// The folder of SQLite's file if it is in memory, else empty.
+std::string memory_folder(const JobSettings& settings) {
+  if (settings.store != "sqlite") return {};
+  std::string folder = find_state_dir(settings.state_dir);
+  return is_memory_folder(folder) ? folder : std::string();
 }
 
 }  // namespace
@@ -70,6 +62,8 @@ JobService::JobService(std::unique_ptr<JobStore> store, const JobSettings& setti
                        KeepOperation operation)
     : store_(std::move(store)),
       settings_(settings),
+      are_blobs_in_memory_(!settings.blob_dir.empty() && is_memory_folder(settings.blob_dir)),
+      memory_folder_(memory_folder(settings)),
       memory_(memory),
       metrics_(metrics),
       runner_(*store_, pool, registry, memory, metrics, std::move(operation), std::move(runner)) {}
@@ -132,9 +126,9 @@ void JobService::look_after() {
       tell(store_->upkeep());
     }
     if (now >= next_sum_) {
-      stored_bytes_ = store_->stored_bytes();
-      memory_.note_stored(bytes_in_memory(settings_, stored_bytes_));
       next_sum_ = now + kBetweenSums;
+      stored_bytes_ = store_->stored_bytes();
+      memory_.note_stored(bytes_in_memory());
     }
     const QueueStatistics statistics = store_->statistics();
     const std::lock_guard lock(mutex_);
@@ -144,6 +138,17 @@ void JobService::look_after() {
   } catch (const DataError& error) {
     log::write(log::Level::kError, "the job store holds damaged data", {{"error", std::string(error.what())}});
   }
+}
+
+std::uint64_t JobService::bytes_in_memory() const {
+  std::uint64_t bytes = are_blobs_in_memory_ ? stored_bytes_.load() : 0;
+  if (memory_folder_.empty()) return bytes;
+  for (const char* name : {"/jobs.sqlite", "/jobs.sqlite-wal"}) {
+    std::error_code none;
+    const std::uintmax_t size = std::filesystem::file_size(memory_folder_ + name, none);
+    if (!none) bytes += size;
+  }
+  return bytes;
 }
 
 void JobService::tell(const Upkeep& done) {

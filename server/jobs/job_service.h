@@ -53,8 +53,13 @@ class JobService {
   /// Counts and logs what upkeep has changed.
   void tell(const Upkeep& done);
 
+  /// The bytes of the jobs' files that are in memory, because their folder is.
+  std::uint64_t bytes_in_memory() const;
+
   const std::unique_ptr<JobStore> store_;
   const JobSettings settings_;
+  const bool are_blobs_in_memory_;
+  const std::string memory_folder_;  ///< the folder of SQLite's file if it is in memory, else empty
   MemoryBudget& memory_;
   Metrics& metrics_;
   JobRunner runner_;

@@ -239,6 +239,8 @@ std::string Metrics::text(const Gauges& gauges) const {
   now.gauge("remeshd_workers_busy", "Threads of requests that compute.", static_cast<double>(gauges.busy));
   now.gauge("remeshd_memory_reserved_bytes", "Memory that requests have reserved.",
             static_cast<double>(gauges.memory_reserved));
+  now.gauge("remeshd_memory_waiting", "Requests and jobs that wait for memory.",
+            static_cast<double>(gauges.memory_waiting));
   now.counter("remeshd_log_lines_dropped_total", "Lines of the log that nobody took in time.",
               static_cast<double>(gauges.log_lines_dropped));
   now.gauge("remeshd_ready", "1 while new work is taken.", gauges.is_ready ? 1 : 0);

@@ -19,6 +19,7 @@ struct Gauges {
   int workers = 0;
   std::size_t busy = 0;
   std::uint64_t memory_reserved = 0;
+  std::size_t memory_waiting = 0;
   std::uint64_t log_lines_dropped = 0;
   bool is_ready = false;
   bool has_jobs = false;  ///< true if the members that follow are known

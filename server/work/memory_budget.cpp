@@ -28,18 +28,24 @@ std::uint64_t MemoryBudget::used_by_others_locked(std::uint64_t own) const {
 
 std::uint64_t MemoryBudget::available(Clock::time_point now) {
   const std::lock_guard lock(mutex_);
-  if (is_held_up_locked(nullptr, now)) return 0;
-  return limit_ - std::min(limit_, used_by_others_locked(0));
+  const std::uint64_t used = used_by_others_locked(0);
+  const std::uint64_t free = limit_ - std::min(limit_, used);
+  if (!is_held_up_locked(nullptr, free, now)) return free;
+  const MemoryShare& first = *line_.front();
+  const std::uint64_t has = limit_ + first.bytes_;
+  return has - std::min(has, used + first.needed_);
 }
 
 /// True if a newcomer must wait because the first in line goes before it.
-/// Input: `newcomer` - null for one that has no share yet.
-bool MemoryBudget::is_held_up_locked(const MemoryShare* newcomer, Clock::time_point now) {
+/// Input: `newcomer` - null for one that has no share yet; `needed` - the bytes that it asks for.
+bool MemoryBudget::is_held_up_locked(const MemoryShare* newcomer, std::uint64_t needed, Clock::time_point now) {
   if (line_.empty()) return false;
   const MemoryShare* const first = line_.front();
   if (now < *first->waits_since_ + patience_) return false;
   if (!turn_ || turn_->first != first) begin_turn_locked(kFirstTurn, now);
   if (first == newcomer || now < turn_->pause_end) return false;
+  // Whoever leaves the first one its room takes nothing from it.
+  if (used_by_others_locked(0) + needed + first->needed_ <= limit_ + first->bytes_) return false;
 
   // Memory that is really in use counts as that of the old holders while there are any.
   const std::uint64_t young_bytes = reserved_ - turn_->old_bytes;
@@ -109,7 +115,7 @@ bool MemoryShare::try_reserve(std::uint64_t wanted, std::uint64_t needed, Clock:
   const std::lock_guard lock(budget_.mutex_);
   needed_ = needed;
   const bool is_newcomer = bytes_ == 0 && needed > 0;
-  if (is_newcomer && budget_.is_held_up_locked(this, now)) return false;
+  if (is_newcomer && budget_.is_held_up_locked(this, needed, now)) return false;
   if (needed > bytes_ && budget_.used_by_others_locked(bytes_) + needed > budget_.limit_) return false;
   budget_.resize_locked(*this, wanted);
   budget_.leave_line_locked(*this);
@@ -123,6 +129,17 @@ void MemoryShare::hold_answer(std::uint64_t bytes) {
 
 void MemoryShare::stand_in_line(Clock::time_point since) {
   const std::lock_guard lock(budget_.mutex_);
+  stand_in_line_locked(since);
+}
+
+bool MemoryShare::try_stand_in_line(Clock::time_point now) {
+  const std::lock_guard lock(budget_.mutex_);
+  if (budget_.line_.size() >= budget_.max_waiting_) return false;
+  stand_in_line_locked(now);
+  return true;
+}
+
+void MemoryShare::stand_in_line_locked(Clock::time_point since) {
   if (waits_since_) return;
   waits_since_ = since;
   std::list<MemoryShare*>& line = budget_.line_;

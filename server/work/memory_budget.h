@@ -5,6 +5,7 @@
 /// Whoever finds no memory may stand in line. Small reservations may pass larger ones there, so that memory is not
 /// idle. Once the first in line has waited for `kPatience`, it goes before all newcomers, and memory that becomes free
 /// is set aside for it. These rules prevent that everybody waits for nothing:
+/// - Newcomers pass if enough is left for the first in line besides what they take.
 /// - Whoever holds memory already may reserve more, since the first in line can wait for it to end.
 /// - Newcomers pass while the first in line could not begin in any case, because those who held memory before it went
 ///   first take too much.
@@ -17,6 +18,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <list>
 #include <memory>
 #include <mutex>
@@ -60,6 +62,9 @@ class MemoryShare {
   /// Gives this share a place in line, unless it has one: behind those who have waited for longer. It leaves the line
   /// with its next reservation that succeeds, and with its end.
   void stand_in_line(Clock::time_point since = Clock::now());
+  /// Does the same as a newcomer.
+  /// Output: false if as many as may stand in line already.
+  bool try_stand_in_line(Clock::time_point now = Clock::now());
   void leave_line();
   /// True if this share is to be refused, because it and all others who hold memory stand in line for more.
   bool is_stuck() const;
@@ -72,6 +77,7 @@ class MemoryShare {
  private:
   friend class MemoryBudget;
 
+  void stand_in_line_locked(Clock::time_point since);
   /// Reserves `wanted` bytes if `needed` bytes, of which they are a part, are free.
   bool try_reserve(std::uint64_t wanted, std::uint64_t needed, Clock::time_point now);
 
@@ -98,9 +104,10 @@ class MemoryBudget {
   /// How long newcomers pass between its turns.
   static constexpr std::chrono::seconds kPause{5};
 
-  /// Input: `patience` - see kPatience; tests have less.
-  explicit MemoryBudget(std::uint64_t limit, std::chrono::milliseconds patience = kPatience)
-      : limit_(limit), patience_(patience) {}
+  /// Input: `patience` - see kPatience; tests have less. `max_waiting` - the number of requests that may stand in line.
+  explicit MemoryBudget(std::uint64_t limit, std::chrono::milliseconds patience = kPatience,
+                        std::size_t max_waiting = std::numeric_limits<std::size_t>::max())
+      : limit_(limit), patience_(patience), max_waiting_(max_waiting) {}
   MemoryBudget(const MemoryBudget&) = delete;
   MemoryBudget& operator=(const MemoryBudget&) = delete;
 
@@ -109,6 +116,7 @@ class MemoryBudget {
   }
 
   std::uint64_t limit() const { return limit_; }
+  std::chrono::milliseconds patience() const { return patience_; }
   std::uint64_t reserved() const;
   /// The number of shares that have reserved memory.
   std::size_t holders() const;
@@ -122,7 +130,7 @@ class MemoryBudget {
   std::uint64_t next_reservation(std::uint64_t wanted, std::uint64_t reserved) const {
     return reserved < usual_limit() ? std::min(wanted, usual_limit()) : limit_;
   }
-  /// The number of bytes that a newcomer could reserve now.
+  /// The number of bytes that a newcomer could reserve now. If the first in line goes first, that is without its room.
   std::uint64_t available(Clock::time_point now = Clock::now());
   /// Tells the budget how much memory is really in use. If that is more than is reserved, it counts instead.
   /// It does not count while nobody has reserved anything: otherwise an idle process could refuse for ever a request
@@ -153,13 +161,14 @@ class MemoryBudget {
   /// The bytes that count as used by others.
   /// Input: `own` - the part of the reservations that belongs to the caller.
   std::uint64_t used_by_others_locked(std::uint64_t own) const;
-  bool is_held_up_locked(const MemoryShare* newcomer, Clock::time_point now);
+  bool is_held_up_locked(const MemoryShare* newcomer, std::uint64_t needed, Clock::time_point now);
   void begin_turn_locked(std::chrono::seconds length, Clock::time_point pause_end);
   void resize_locked(MemoryShare& share, std::uint64_t bytes);
   void leave_line_locked(MemoryShare& share);
 
   const std::uint64_t limit_;
   const std::chrono::milliseconds patience_;
+  const std::size_t max_waiting_;
   mutable std::mutex mutex_;
   std::uint64_t reserved_ = 0;
   std::size_t holders_ = 0;

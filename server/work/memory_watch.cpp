@@ -98,7 +98,10 @@ void MemoryWatch::look(std::uint64_t used) {
   log::write(log::Level::kWarning, "over the memory budget, ending the largest request",
              {{"id", largest->id}, {"used", static_cast<std::int64_t>(used)}});
   // Other holders of memory may be waiting, sending or buffered. With them gone there may be room for this request.
-  largest->evict(/*was_alone=*/computing.size() == 1 && budget_.holders() <= 1);
+  // What others have stored in memory may be gone by then, too.
+  const std::uint64_t files = memory_file_bytes() + budget_.stored();
+  const bool is_alone = computing.size() == 1 && budget_.holders() <= 1;
+  largest->evict(/*was_alone=*/is_alone && used > budget_.limit() + files);
   patience_until_ = Clock::now() + kPatience;
 }
 

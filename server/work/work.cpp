@@ -20,6 +20,8 @@ namespace {
 /// How long cancelled work may take to stop. After this the request is answered, and the result of the work is
 /// dropped.
 constexpr std::chrono::seconds kStopPatience{2};
+/// The time to wait for a worker that is left to a request that has waited long for memory.
+constexpr std::chrono::seconds kMinQueueTime{1};
 /// The bounds on what clients are told to wait before they try again, in seconds.
 constexpr std::int64_t kMinRetry = 1;
 constexpr std::int64_t kMaxRetry = 300;
@@ -134,12 +136,14 @@ api::Response wait_for_stop(Job& job, RunningRequest& running) {
 }
 
 /// Waits until the task is done or must be stopped.
-/// Input: `end` - the latest time for its end, if it is tried again.
+/// Input: `last_start` - the latest time for its start; `end` - the latest time for its end, if it is tried again.
 api::Response wait_for(Job& job, RunningRequest& running, WorkerPool& pool, WorkerPool::Ticket ticket,
-                       const WorkLimits& limits, Request& request, Connection& connection, Clock::time_point end) {
+                       const WorkLimits& limits, Request& request, Connection& connection, Clock::time_point last_start,
+                       Clock::time_point end) {
   const auto time_is_over = [&](Clock::time_point start) { return std::min(start + limits.api.request_timeout, end); };
   for (;;) {
-    const Clock::time_point until = time_is_over(job.started().value_or(running.start));
+    const std::optional<Clock::time_point> begun = job.started();
+    const Clock::time_point until = begun ? time_is_over(*begun) : last_start;
     const Connection::Wake wake = connection.wait(&running.changed, until, half_closed(request));
     running.changed.clear();
     if (job.is_done()) {
@@ -184,15 +188,17 @@ void reserve_again(std::uint64_t bytes, RunningRequest& running, Request& reques
 }
 
 /// Does the work once.
+/// Input:  as `wait_for`.
 /// Errors: those of the work; StoppedForMemory.
 api::Response run_once(WorkerPool& pool, const std::shared_ptr<RunningRequest>& running, const WorkLimits& limits,
-                       const Operation& operation, Request& request, Connection& connection, Clock::time_point end) {
+                       const Operation& operation, Request& request, Connection& connection,
+                       Clock::time_point last_start, Clock::time_point end) {
   const std::uint64_t bytes = request.body.size();
   const auto job = std::make_shared<Job>(request, limits, operation, running);
   const std::optional<WorkerPool::Ticket> ticket = pool.try_submit([job] { job->run(); }, bytes);
   if (!ticket) throw overloaded(pool);
   try {
-    return wait_for(*job, *running, pool, *ticket, limits, request, connection, end);
+    return wait_for(*job, *running, pool, *ticket, limits, request, connection, last_start, end);
   } catch (const Error& error) {
     if (error.code != Code::kCancelled || running->was_cancelled) throw;
     switch (running->eviction.load()) {
@@ -215,14 +221,19 @@ HttpError overloaded(const WorkerPool& pool) {
 
 api::Response run_in_pool(WorkerPool& pool, RequestRegistry& registry, const WorkLimits& limits,
                           const Operation& operation, Request& request, Connection& connection) {
-  const Clock::time_point end_of_retries = Clock::now() + limits.api.request_timeout;
+  const Clock::time_point start = Clock::now();
+  const Clock::time_point end_of_retries = start + limits.api.request_timeout;
+  // The time to wait for a worker is what is left of the time to wait for memory, or enough to find one that is free.
+  Clock::time_point last_start =
+      start + std::max<Clock::duration>(limits.api.request_timeout - request.waited,
+                                        std::min<Clock::duration>(kMinQueueTime, limits.api.request_timeout));
   Clock::time_point end = Clock::time_point::max();
-  for (std::optional<std::uint64_t> estimate;; end = end_of_retries) {
+  for (std::optional<std::uint64_t> estimate;; end = last_start = end_of_retries) {
     const RequestRegistry::Entry running = registry.add(request.id, request.owner);
     request.id = running->id;
     if (estimate) reserve_again(*estimate, *running.get(), request, connection, end);
     try {
-      return run_once(pool, running.get(), limits, operation, request, connection, end);
+      return run_once(pool, running.get(), limits, operation, request, connection, last_start, end);
     } catch (const StoppedForMemory& stopped) {
       estimate = stopped.estimate;
     }

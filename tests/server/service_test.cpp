@@ -4,11 +4,15 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <thread>
 #include <vector>
 
+#include "server/http/memory_files.h"
+#include "server/jobs/job_request.h"
+#include "server/jobs/sql_store.h"
 #include "tests/server/stub_service.h"
 #include "tests/support/time_limit.h"
 
@@ -460,6 +464,52 @@ TEST_F(service, a_port_in_use_is_an_error_not_a_second_daemon) {
     EXPECT_NE(std::string(error.what()).find("Address already in use"), std::string::npos) << error.what();
   }
   EXPECT_EQ(get(port_, "/livez").status, 200);
+}
+
+/// The daemon with a folder for jobs of its own. It does not work on them.
+class service_with_jobs : public StubService {
+ protected:
+  ~service_with_jobs() override {
+    service_.reset();
+    std::filesystem::remove_all(folder_);
+  }
+  void start_with_jobs(const std::filesystem::path& parent) {
+    folder_ = parent / ("remeshd-service-" + new_request_id());
+    std::filesystem::create_directories(folder_);
+    config_.jobs.store = "sqlite";
+    config_.jobs.state_dir = folder_.string();
+    config_.jobs.role = jobs::Role::kServe;
+    start();
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(service_with_jobs, a_result_in_a_folder_that_another_daemon_has_is_not_there_now) {
+  start_with_jobs(std::filesystem::temp_directory_path());
+  const std::string file = (folder_ / "jobs.sqlite").string();
+  jobs::SqlStore store(jobs::make_sqlite_driver(file), jobs::StoreRules{});
+  jobs::NewJob job;
+  job.id = new_request_id();
+  job.request = jobs::pack_request({});
+  job.body = "x";
+  job.memory = 1;
+  store.submit(job);
+  jobs::JobOutcome outcome;
+  outcome.mesh = "a mesh";
+  outcome.report = "{}";
+  ASSERT_TRUE(store.commit(store.claim("test", 1).value(), outcome));
+  jobs::make_sqlite_driver(file)->connect()->run("UPDATE remeshd_blob SET file = 'a file'");
+  const Answer answer = get(port_, "/v1/jobs/" + job.id + "/result");
+  EXPECT_EQ(answer.status, 503);
+  EXPECT_EQ(code_of(answer), "store_unavailable");
+}
+
+TEST_F(service_with_jobs, jobs_in_memory_take_no_more_than_half_of_the_budget) {
+  if (!is_memory_folder("/dev/shm")) GTEST_SKIP() << "there is no folder in memory";
+  config_.memory_budget = 1000;  // an empty file of SQLite is larger
+  start_with_jobs("/dev/shm");
+  EXPECT_TRUE(eventually([&] { return code_of(post(port_, "/v1/jobs", "x")) == "storage_full"; }));
 }
 
 }  // namespace

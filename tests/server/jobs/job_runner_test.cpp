@@ -41,18 +41,24 @@ class runner : public ::testing::Test {
     settings_.max_held = static_cast<std::size_t>(places);
     pool_ = std::make_unique<WorkerPool>(places, api::QueueLimits{.max_large = 16}, 1);
     runner_ = std::make_unique<JobRunner>(
-        *store_, *pool_, registry_, memory_, metrics_,
+        *store_, *pool_, registry_, *budget_, metrics_,
         [this](const api::Request& request, const api::Limits&, RunControl& control) { return work(request, control); },
         settings_);
     runner_->start();
   }
 
   api::KeptRemesh work(const api::Request& request, RunControl& control) {
-    ++calls_;
+    const int call = ++calls_;
     if (request.body == "throw") throw std::runtime_error("a secret of the server");
     if (request.body == "no memory") throw std::bad_alloc();
     if (request.body == "no threads") throw std::system_error(EAGAIN, std::generic_category());
     if (request.body == "bad") throw Error(Code::kEmptyMesh, Stage::kRead, "there is no face").at_line(3);
+    if (request.body == "overlaps") {
+      // It ends once the next one has begun, or else after a while.
+      const Clock::time_point begin = Clock::now();
+      std::this_thread::sleep_for(milliseconds(100));
+      while (calls_ == call && Clock::now() < begin + milliseconds(2000)) std::this_thread::sleep_for(milliseconds(2));
+    }
     while (request.body == "block" && !released_) {
       std::this_thread::sleep_for(milliseconds(2));
       control.check();
@@ -88,6 +94,8 @@ class runner : public ::testing::Test {
   RunnerSettings settings_;
   RequestRegistry registry_;
   MemoryBudget memory_{1 << 20, /*patience=*/milliseconds(200)};
+  MemoryBudget patient_{1 << 20, /*patience=*/std::chrono::hours(1)};
+  MemoryBudget* budget_ = &memory_;
   Metrics metrics_;
   std::atomic<int> calls_{0};
   std::atomic<bool> released_{false};
@@ -219,6 +227,40 @@ TEST_F(runner, a_job_that_needs_all_memory_has_its_turn_although_small_jobs_come
   jobs.join();
 }
 
+TEST_F(runner, a_job_that_needs_all_memory_has_its_turn_although_jobs_that_overlap_come_all_the_time) {
+  start(2);
+  std::atomic<bool> is_over{false};
+  std::thread jobs([&] {
+    while (!is_over) {
+      if (store_->statistics().queued < 4) submit("overlaps", 1000);
+      std::this_thread::sleep_for(milliseconds(1));
+    }
+  });
+  EXPECT_TRUE(eventually([&] { return calls_ >= 1; }));
+  const std::string large = submit("large", memory_.limit());
+  EXPECT_EQ(ended(large).state, JobState::kSucceeded);
+  is_over = true;
+  jobs.join();
+}
+
+TEST_F(runner, while_a_job_is_passed_over_the_store_is_rarely_asked_for_others) {
+  std::atomic<int> claims{0};
+  store_ = std::make_unique<SqlStore>(
+      make_sqlite_driver(folder_ / "jobs.sqlite"), StoreRules{}, nullptr,
+      [&](std::string_view op, double, const StoreError*) { claims += op == "claim" ? 1 : 0; });
+  budget_ = &patient_;
+  const auto request = patient_.open_share(1);
+  ASSERT_TRUE(request->try_hold(1000));
+  submit("large", patient_.limit());
+  start(2);
+  ASSERT_TRUE(eventually([&] { return patient_.waiting() == 1 && claims > 0; }));
+  const Clock::time_point begin = Clock::now();
+  const int before = claims;
+  std::this_thread::sleep_for(milliseconds(2500));
+  EXPECT_LE(claims - before, 2 + (Clock::now() - begin) / std::chrono::seconds(1));
+  EXPECT_EQ(ended(submit("small", 1000)).state, JobState::kSucceeded) << "a new job is found";
+}
+
 TEST_F(runner, a_waiting_job_that_is_cancelled_or_a_stop_sets_no_memory_aside) {
   start(2);
   const auto request = memory_.open_share(1);
@@ -261,16 +303,19 @@ TEST_F(runner, an_input_that_is_missing_fails_its_job) {
   EXPECT_EQ(ended(id).problem_status, 500);
 }
 
-TEST_F(runner, an_input_in_a_file_without_a_folder_is_tried_again_but_not_for_ever) {
+TEST_F(runner, an_input_in_a_file_without_a_folder_is_left_to_others_but_not_for_ever) {
+  settings_.lease = milliseconds(200);
   const std::string id = submit("gone"), good = submit("good");
   make_sqlite_driver(folder_ / "jobs.sqlite")
       ->connect()
       ->run(("UPDATE remeshd_blob SET file = 'a file' WHERE job = '" + id + "'").c_str());
+  const Clock::time_point begin = Clock::now();
   start();
-  EXPECT_EQ(ended(good).state, JobState::kSucceeded);
   const JobRecord job = ended(id);
   EXPECT_EQ(job.problem_status, 500);
-  EXPECT_EQ(job.attempts, 3) << "another daemon may have the folder";
+  EXPECT_EQ(job.attempts, 1) << "those before do not count";
+  EXPECT_GE(Clock::now() - begin, 5 * settings_.lease) << "another daemon may have the folder";
+  EXPECT_EQ(ended(good).state, JobState::kSucceeded);
 }
 
 TEST_F(runner, a_run_that_is_stopped_for_memory_goes_back_with_a_better_estimate) {
@@ -287,6 +332,19 @@ TEST_F(runner, a_run_that_is_stopped_for_memory_goes_back_with_a_better_estimate
   EXPECT_EQ(job.attempts, 1) << "the first run does not count";
   const auto memory = make_sqlite_driver(folder_ / "jobs.sqlite")->connect()->run("SELECT memory FROM remeshd_job");
   EXPECT_EQ(memory.at(0)[0], "500000") << "what it was seen to take, and a quarter more";
+}
+
+TEST_F(runner, a_run_that_is_stopped_for_memory_with_all_of_it_is_not_tried_for_ever) {
+  start();
+  const std::string id = submit("block", memory_.limit());
+  for (int attempt = 1; attempt <= 3; ++attempt) {
+    ASSERT_TRUE(eventually([&] { return calls_ == attempt && registry_.computing().size() == 1; }));
+    registry_.computing().front()->evict(/*was_alone=*/false);
+  }
+  const JobRecord job = ended(id);
+  EXPECT_EQ(job.problem_status, 500);
+  EXPECT_NE(job.problem.find("\"code\":\"out_of_memory\""), std::string::npos);
+  EXPECT_EQ(job.attempts, 3);
 }
 
 TEST_F(runner, a_run_that_takes_too_much_memory_alone_fails) {

@@ -1,12 +1,16 @@
 #include "server/work/memory_budget.h"
 
 #include <gtest/gtest.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <vector>
 
 #include "api/machine_limits.h"
+#include "server/work/memory_wait.h"
 #include "server/work/memory_watch.h"
 #include "tests/server/stub_service.h"
 
@@ -151,6 +155,23 @@ TEST_F(memory_line, memory_that_is_really_in_use_by_what_ran_before_counts_for_i
   const auto young = holder(1);
   before.reset();
   EXPECT_FALSE(newcomer_passes(1));
+}
+
+TEST_F(memory_line, all_who_wait_begin_at_once_if_there_is_room_for_all) {
+  auto all = holder(1000);
+  std::vector<std::shared_ptr<MemoryShare>> line;
+  for (int i = 0; i < 100; ++i) {
+    line.push_back(budget_.open_share(1));
+    EXPECT_FALSE(tries(line.back(), 10));
+  }
+  now_ += seconds(60);
+  all.reset();
+  EXPECT_EQ(budget_.available(now_), 990u) << "the first one's room is its own";
+  EXPECT_FALSE(newcomer_passes(991));
+  // The first one looks last.
+  for (auto share = line.rbegin(); share != line.rend(); ++share) EXPECT_TRUE(tries(*share, 10));
+  EXPECT_EQ(budget_.waiting(), 0u);
+  EXPECT_EQ(budget_.reserved(), 1000u);
 }
 
 TEST_F(memory_line, who_holds_memory_may_have_more_although_another_waits_for_all) {
@@ -306,6 +327,79 @@ TEST(memory_watch, a_request_is_alone_only_where_nobody_else_holds_memory) {
   EXPECT_EQ(request->eviction, RunningRequest::Eviction::kAlone);
 }
 
+TEST(memory_watch, a_request_is_not_alone_with_what_is_stored_in_memory) {
+  log::set_up(log::Format::kText, log::Level::kError);
+  MemoryBudget budget(1000);
+  budget.note_stored(600);
+  RequestRegistry registry;
+  const auto eviction_at = [&](std::uint64_t used) {
+    MemoryWatch watch(budget, registry, std::chrono::hours(1));
+    const auto request = registry.add("");
+    request->is_computing = true;
+    watch.look(used);
+    return request->eviction.load();
+  };
+  EXPECT_EQ(eviction_at(1001), RunningRequest::Eviction::kAmongOthers);
+  EXPECT_EQ(eviction_at(1600), RunningRequest::Eviction::kAmongOthers);
+  EXPECT_EQ(eviction_at(1601), RunningRequest::Eviction::kAlone);
+}
+
+TEST(memory_wait, all_waiting_of_a_request_is_one_time) {
+  std::array<int, 2> ends{};
+  ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM, 0, ends.data()), 0);
+  Connection connection(ends[0]);
+  const Connection client(ends[1]);
+  MemoryBudget budget(1000);
+  const auto other = budget.open_share(1), share = budget.open_share(1);
+  ASSERT_TRUE(other->try_hold(1000));
+  Request request;
+  request.minor_version = 1;
+  const auto waits = [&](milliseconds patience) {
+    hold_body_in_line(*share, 1, 1, request, connection, {patience, patience});
+  };
+  EXPECT_THROW(waits(milliseconds(50)), HttpError);
+  EXPECT_GE(request.waited, milliseconds(50));
+  request.waited = std::chrono::hours(1);
+  EXPECT_THROW(waits(std::chrono::hours(1)), HttpError) << "it has waited long enough";
+  other->hold_answer(0);
+  waits(std::chrono::hours(1));
+  EXPECT_EQ(share->bytes(), 1u);
+}
+
+TEST(memory_wait, nothing_of_a_body_is_read_before_there_is_memory_for_it) {
+  std::array<int, 2> ends{};
+  ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM, 0, ends.data()), 0);
+  ReadAhead ahead;
+  Connection connection(ends[0], &ahead);
+  const Connection client(ends[1]);
+  ASSERT_EQ(::send(ends[1], "body", 4, 0), 4);
+  MemoryBudget budget(1000);
+  const auto other = budget.open_share(1), share = budget.open_share(1);
+  ASSERT_TRUE(other->try_hold(1000));
+  Request request;
+  request.minor_version = 1;
+  const auto wait = [&] {
+    EXPECT_THROW(hold_body_in_line(*share, 4, 4, request, connection, {milliseconds(50), milliseconds(50)}), HttpError);
+    request.waited = {};
+    int left = 0;
+    EXPECT_EQ(::ioctl(ends[0], FIONREAD, &left), 0);
+    return left;
+  };
+  EXPECT_EQ(wait(), 4);
+  request.timing.body = 1;  // now what comes is another request, behind which the end of the connection is seen
+  EXPECT_EQ(wait(), 0);
+}
+
+TEST(memory_wait, no_more_than_so_many_wait) {
+  MemoryBudget budget(1000, MemoryBudget::kPatience, /*max_waiting=*/2);
+  const auto first = budget.open_share(1), second = budget.open_share(1), third = budget.open_share(1);
+  EXPECT_TRUE(first->try_stand_in_line());
+  EXPECT_TRUE(second->try_stand_in_line());
+  EXPECT_FALSE(third->try_stand_in_line());
+  third->stand_in_line(Clock::now());
+  EXPECT_EQ(budget.waiting(), 3u) << "a job";
+}
+
 using memory = StubService;
 
 TEST_F(memory, a_body_that_cannot_fit_is_refused_before_it_is_sent) {
@@ -368,6 +462,27 @@ TEST_F(memory, a_request_that_finds_no_memory_waits_for_it) {
   EXPECT_FALSE(waiting.has_input());
   taken.reset();
   EXPECT_EQ(waiting.receive("\r\n\r\n"), "HTTP/1.1 100 Continue\r\n\r\n");
+}
+
+TEST_F(memory, requests_that_wait_for_memory_leave_connections_to_others) {
+  config_.limits.max_body = 64 << 20;
+  config_.memory_budget = api::resident_memory() + (64 << 20);
+  config_.connections.max_connections = 8;
+  start();
+  const auto taken = take_memory(port_);
+  std::vector<std::unique_ptr<RawClient>> waiting;
+  for (int i = 0; i < 2; ++i) {
+    waiting.push_back(std::make_unique<RawClient>(port_));
+    waiting.back()->send(kLargeHead);
+  }
+  EXPECT_TRUE(
+      eventually([&] { return get(port_, "/metrics").body.find("remeshd_memory_waiting 2") != std::string::npos; }));
+  for (int i = 0; i < 8; ++i) {
+    const Answer answer = ask(port_, kLargeHead);
+    EXPECT_EQ(code_of(answer), "out_of_memory");
+    EXPECT_NE(answer.header("Retry-After"), "");
+  }
+  EXPECT_EQ(get(port_, "/livez").status, 200);
 }
 
 TEST_F(memory, a_request_waits_for_memory_no_longer_than_its_time) {
