@@ -96,8 +96,9 @@ def wait_for(condition, seconds=LONG_S, step=0.02):
 
 def wait_for_state(port, job_id, *states, seconds=LONG_S):
     def reached():
+        # The store may not answer yet.
         job = state_of(port, job_id)
-        return job if job["state"] in states else None
+        return job if job.get("state") in states else None
 
     return wait_for(reached, seconds)
 
