@@ -466,7 +466,8 @@ def expect_sensible(run, daemon, job, kind):
         if part == "events" and state not in FINAL:
             continue
         answer = run.asked(daemon.port, "GET", f"/v1/jobs/{job}/{part}")
-        expect(answer.status != 503, f"{part}: {answer.status} {answer.body[:200]}")
+        # This daemon has no folder, so it cannot give what may lie in the folder of another one.
+        expect(answer.status != 503 or kind.name.endswith("a file"), f"{part}: {answer.status} {answer.body[:200]}")
         if answer.status >= 400:
             expect(isinstance(answer.json(), dict), f"{part}: {answer.body[:100]}")
     answer = run.asked(daemon.port, "DELETE", f"/v1/jobs/{job}")
