@@ -33,6 +33,7 @@ class MemoryWatch {
   Clock::time_point next_measurement_{};
   std::uint64_t resident_after_trim_ = 0;
   Clock::time_point next_trim_{};
+  Clock::time_point next_small_trim_{};  ///< see kBetweenSmallTrims
   Clock::time_point patience_until_{};
   Periodic looks_;
 };
