@@ -18,9 +18,11 @@ namespace {
 constexpr std::chrono::milliseconds kPatience{500};
 /// Free memory that the allocator may retain.
 constexpr std::uint64_t kSlack = 64 << 20;
-/// While nothing is computed, less is retained, but memory is not returned as often for that.
+/// While nothing is computed, less is retained, but this is not looked at as often.
 constexpr std::uint64_t kSmallSlack = 8 << 20;
 constexpr std::chrono::seconds kBetweenSmallTrims{5};
+/// Code, stacks and what the system keeps for the process are resident, too, but are no matter of the allocator.
+constexpr std::uint64_t kBesides = 32 << 20;
 /// Measuring walks through all free blocks, so it is not done at every look.
 constexpr std::chrono::milliseconds kBetweenMeasurements{100};
 /// Returning memory holds up everybody who allocates.
@@ -58,15 +60,18 @@ void MemoryWatch::measure_and_look() {
   std::uint64_t used = used_of(resident);
   const bool is_idle = registry_.computing().empty();
   const Clock::time_point now = Clock::now();
-  const std::uint64_t idle_slack = now >= next_small_trim_ ? kSmallSlack : kSlack;
-  const bool has_much_free = is_idle ? resident > resident_after_trim_ + idle_slack : resident > used + kSlack;
+  bool has_much_free = is_idle ? resident > resident_after_trim_ + kSlack : resident > used + kSlack;
+  if (is_idle && now >= next_small_trim_) {
+    // What is in use may have become less since the last time.
+    has_much_free = has_much_free || resident > allocated_memory() + kBesides + kSmallSlack;
+    next_small_trim_ = now + kBetweenSmallTrims;
+  }
   // Nothing is ended because of memory that may be free.
   const bool may_be_free = used <= budget_.limit() && resident > budget_.limit();
   const bool is_due = has_much_free && (is_idle || resident > high_share(budget_.limit())) && now >= next_trim_;
   if (is_due || may_be_free) {
     ::malloc_trim(0);
     next_trim_ = now + kBetweenTrims;
-    next_small_trim_ = now + kBetweenSmallTrims;
     resident = api::resident_memory();
     if (is_idle) resident_after_trim_ = resident;  // while something is computed, this says nothing for later
     next_measurement_ = {};
@@ -78,8 +83,6 @@ void MemoryWatch::measure_and_look() {
 }
 
 std::uint64_t MemoryWatch::used_of(std::uint64_t resident) {
-  // Code, stacks and what the system keeps for the process are resident, too, but are no matter of the allocator.
-  constexpr std::uint64_t kBesides = 32 << 20;
   if (resident < budget_.limit() / 4) return resident;
   if (Clock::now() >= next_measurement_) {
     const std::uint64_t allocated = allocated_memory() + kBesides;
