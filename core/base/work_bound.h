@@ -61,8 +61,9 @@ struct StageWork {
 inline constexpr StageWork kWorkOfSizes{128, 1, 1 << 20};
 
 /// Returns the steps of a search for gaps if those before it in the run have taken `earlier` steps and one alone may
-/// take `max_steps`. Sizes are looked for again when the patches have changed. Those whose sizes
-/// are aimed at take together no more than a quarter as many steps again as one, apart from an eighth for each.
+/// take `max_steps`. Sizes are looked for again when the patches have changed. All searches for sizes that refinement
+/// aims at take no more steps together than one and a quarter of one may, apart from an eighth for each. Searches that
+/// only predict what other options would lead to do not count.
 constexpr std::uint64_t work_of_sizes_after(std::uint64_t earlier, std::uint64_t max_steps) {
   if (max_steps == WorkBound::kNone) return max_steps;
   const std::uint64_t all = max_steps + max_steps / 4;

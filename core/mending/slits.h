@@ -39,8 +39,10 @@ class Slits {
       : complex_(complex), rules_(rules), is_fixed_(is_fixed), work_(work) {}
 
   /// Finds the slit that begins at a node. All of it must be narrower than a detail, so a notch that becomes wider and
-  /// wider is no slit. No point of its sides may move too far. Around its tip lies the surface, so the tip of a spike is none either.
-  /// Cost:   O(k) for the triangles at its k nodes.
+  /// wider is no slit. No point of its sides may move too far. The surface lies around its tip, so what is beside the
+  /// tip of a spike is no slit either.
+  /// Errors: kCancelled, kTimeout - asked to stop through the control of the bound on work.
+  /// Cost:   O(k) for k triangles at the nodes of its sides.
   std::optional<Slit> find(std::uint32_t tip) const;
 
   /// Closes a slit from its tip on, as far as no face turns too far and no point moves too far, and no nodes but those
