@@ -217,9 +217,10 @@ std::optional<double> Slits::look_at_join(std::uint32_t from, std::uint32_t to) 
   return bend;
 }
 
-/// Returns whether two nodes may become one: pairs of open edges then become edges between two faces, which have them in
-/// opposite directions, and nothing else that is different becomes one. If the nodes are neighbours, the face at their
-/// edge goes, and its two other edges become one. One of these must be no border then, or a label would go as well.
+/// Returns whether two nodes may become one: pairs of open edges then become edges between two faces, which have them
+/// in opposite directions, and nothing else that is different becomes one. If the nodes are neighbours, the face at
+/// their edge goes, and its two other edges become one. One of these must be no border then, or a label would go as
+/// well.
 bool Slits::keeps_links(std::uint32_t from, std::uint32_t to, const Around& at_from, const Around& at_to) {
   if (!open_neighbours(at_from) || !open_neighbours(at_to)) return false;
   std::vector<std::uint32_t> apexes;

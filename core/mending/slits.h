@@ -14,8 +14,8 @@
 
 namespace remesh {
 
-/// A slit that begins at a tip: the node where its two sides meet. It ends at another tip, or at a mouth, where the open
-/// edges of the rim leave it to both sides.
+/// A slit that begins at a tip: the node where its two sides meet. It ends at another tip, or at a mouth, where the
+/// open edges of the rim leave it to both sides.
 struct Slit {
   /// The nodes ahead of the closed part: those on the two sides that come next. One of them is joined to the other, or
   /// the nearer one to a point on the edge to the other one. The second happens if the other one is too far away, or if
