@@ -1,5 +1,4 @@
 /// The program remeshd: configuration, service and signals. Everything else is in the library.
-#include <malloc.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <tbb/global_control.h>
@@ -17,6 +16,7 @@
 #include "server/http_server.h"
 #include "server/observe/log.h"
 #include "server/service.h"
+#include "server/work/heap_tops.h"
 
 namespace remesh::server {
 namespace {
@@ -143,8 +143,7 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
   // The allocator would raise these thresholds by itself after a large mesh. Until then it would return memory and
   // request it again several times in each request. Unused memory is returned between requests instead (MemoryWatch).
-  mallopt(M_MMAP_THRESHOLD, 32 << 20);
-  mallopt(M_TRIM_THRESHOLD, 64 << 20);
+  remesh::server::HeapTops::set_thresholds();
   try {
     // TBB's threads must end last, because until then they own memory that the pools gave them.
     tbb::task_scheduler_handle scheduler{tbb::attach{}};

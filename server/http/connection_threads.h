@@ -14,6 +14,8 @@
 #include <utility>
 #include <vector>
 
+#include "server/work/heap_tops.h"
+
 namespace remesh::server {
 
 /// The task queue to which httplib gives accepted connections.
@@ -65,8 +67,10 @@ class ConnectionThreads : public httplib::TaskQueue {
   void run(std::function<void()> serve) {
     while (serve) {
       serve();
+      HeapTops::return_if_asked();
       serve = next();
     }
+    HeapTops::return_now();
     leave();
   }
 

@@ -10,6 +10,7 @@
 #include "api/machine_limits.h"
 #include "server/http/memory_files.h"
 #include "server/observe/log.h"
+#include "server/work/heap_tops.h"
 
 namespace remesh::server {
 namespace {
@@ -73,6 +74,8 @@ void MemoryWatch::measure_and_look() {
     ::malloc_trim(0);
     next_trim_ = now + kBetweenTrims;
     resident = api::resident_memory();
+    // The rest of the free memory may be at the ends of the other threads' heaps.
+    if (resident > allocated_memory() + kBesides + kSmallSlack) HeapTops::ask();
     if (is_idle) resident_after_trim_ = resident;  // while something is computed, this says nothing for later
     next_measurement_ = {};
     used = used_of(resident);

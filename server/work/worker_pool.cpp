@@ -1,11 +1,14 @@
 #include "server/work/worker_pool.h"
 
+#include <tbb/parallel_for.h>
+#include <tbb/partitioner.h>
 #include <tbb/task_arena.h>
 #include <tbb/task_scheduler_observer.h>
 
 #include <algorithm>
 
 #include "server/observe/niceness.h"
+#include "server/work/heap_tops.h"
 
 namespace remesh::server {
 namespace {
@@ -14,10 +17,22 @@ namespace {
 /// that a few tasks that were held up, as other programs took the cores, do not make hundreds that wait look like too
 /// many.
 constexpr double kAveraged = 32;
+/// A thread without work looks so often whether it is asked for free memory.
+constexpr std::chrono::seconds kBetweenLooks{1};
+/// So long a thread of TBB stays in an arena that has no other work, so that the others come, too.
+constexpr std::chrono::milliseconds kStay{5};
+
+/// Lets threads of TBB enter an arena and leave it, which is when they return free memory.
+void call_all(tbb::task_arena& arena, int workers) {
+  arena.execute([workers] {
+    tbb::parallel_for(
+        0, workers, [](int) { std::this_thread::sleep_for(kStay); }, tbb::simple_partitioner());
+  });
+}
 
 }  // namespace
 
-/// Counts the threads that enter and leave an arena, and lowers their priority.
+/// Counts the threads that enter and leave an arena, lowers their priority, and lets them return free memory.
 class WorkerPool::BusyThreads : public tbb::task_scheduler_observer {
  public:
   BusyThreads(tbb::task_arena& arena, std::atomic<std::size_t>& counter)
@@ -29,7 +44,10 @@ class WorkerPool::BusyThreads : public tbb::task_scheduler_observer {
     ++counter_;
     be_nice();
   }
-  void on_scheduler_exit(bool) override { --counter_; }
+  void on_scheduler_exit(bool) override {
+    --counter_;
+    HeapTops::return_if_asked();
+  }
 
  private:
   std::atomic<std::size_t>& counter_;
@@ -178,8 +196,12 @@ void WorkerPool::work(std::size_t place, int workers) {
         watched_until_ = until;
         changed_.wait_until(lock, until);
         if (watched_until_ == until) watched_until_ = Clock::time_point::max();
+      } else if (HeapTops::is_asked()) {
+        lock.unlock();
+        call_all(arena, workers);
+        lock.lock();
       } else {
-        changed_.wait(lock);
+        changed_.wait_for(lock, kBetweenLooks);
       }
       continue;
     }
