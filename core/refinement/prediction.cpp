@@ -108,7 +108,7 @@ class PatchPrediction {
         is_filled = is_filled || length[k] > std::min({length[0], length[1], length[2]});
       }
       by_angle += is_filled ? 1 : faces_for_angle(length, triangle);
-      by_size += faces_for_size(p, triangle, fixed.get());
+      by_size += faces_for_size(p, triangle, std::max({length[0], length[1], length[2]}), fixed.get());
     }
     Prediction result;
     result.expected = std::max({static_cast<double>(mesh.triangle_count()), pieces - 2,
@@ -176,25 +176,59 @@ class PatchPrediction {
     return std::make_unique<const FixedSideSizes>(sides, goals_.min_angle_deg, control);
   }
 
-  double faces_for_size(const Vec2 (&p)[3], double area, const FixedSideSizes* fixed) const {
+  double faces_for_size(const Vec2 (&p)[3], double area, double longest, const FixedSideSizes* fixed) const {
     const double edge = longest_edge();
     if (sizes_.is_uniform() && fixed == nullptr)
       return std::isfinite(edge) ? kFacesPerIdeal * area / equilateral_area(edge) : 0;
-    // The size is read in the middles of small triangles into which the triangle is divided.
+    const auto faces_at = [&](Vec2 at, double part) {
+      double size = size_at(at);
+      if (fixed != nullptr) size = std::max(size, fixed->at(at) * chart_.scale(at));
+      return std::isfinite(size) ? kFacesPerIdeal * part / equilateral_area(size) : 0;
+    };
     constexpr int kParts = 6;
+    if (fixed == nullptr) {
+      const Vec2 middle = (1.0 / 3) * (p[0] + p[1] + p[2]);
+      const double size = size_at(middle);
+      if (longest < size * kSmall) return faces_at(middle, area);
+      if (2 * area / longest < size) return faces_in_strips(p, area, kParts, faces_at);
+    }
+    // The size is read in the middles of small triangles into which the triangle is divided.
     const double part = area / (kParts * kParts);
     double faces = 0;
     for (int i = 0; i < kParts; ++i)
       for (int j = 0; i + j < kParts; ++j)
         for (int up = 0; up < (i + j + 1 < kParts ? 2 : 1); ++up) {
           const double u = (i + (1.0 + up) / 3) / kParts, v = (j + (1.0 + up) / 3) / kParts;
-          const Vec2 at = p[0] + u * (p[1] - p[0]) + v * (p[2] - p[0]);
-          double size = size_at(at);
-          if (fixed != nullptr) size = std::max(size, fixed->at(at) * chart_.scale(at));
-          if (std::isfinite(size)) faces += kFacesPerIdeal * part / equilateral_area(size);
+          faces += faces_at(p[0] + u * (p[1] - p[0]) + v * (p[2] - p[0]), part);
         }
     return faces;
   }
+
+  /// The triangle has no room for two edges across its longest side. So it is cut into strips across this side, and the
+  /// size is read in their middles.
+  template <class FacesAt>
+  static double faces_in_strips(const Vec2 (&p)[3], double area, int strips, const FacesAt& faces_at) {
+    int k = 0;  // the longest side begins at this corner
+    for (int i = 1; i < 3; ++i)
+      if (norm(p[(i + 1) % 3] - p[i]) > norm(p[(k + 1) % 3] - p[k])) k = i;
+    const Vec2 from = p[k], along = p[(k + 1) % 3] - from, apex = p[(k + 2) % 3] - from;
+    const double place = std::clamp(dot(apex, along) / dot(along, along), 0.0, 1.0);  // of the apex along the side
+    const Vec2 up = apex - place * along;
+    // The part of the area before a place t along the side, and the part of the height there.
+    const auto area_before = [&](double t) { return t <= place ? t * t / place : 1 - (1 - t) * (1 - t) / (1 - place); };
+    const auto height = [&](double t) { return t <= place ? t / place : (1 - t) / (1 - place); };
+    double faces = 0, before = 0;
+    for (int i = 0; i < strips; ++i) {
+      const double middle = (i + 0.5) / strips;
+      const double next = i + 1 == strips ? 1 : area_before((i + 1.0) / strips);
+      faces += faces_at(from + middle * along + (height(middle) / 2) * up, area * (next - before));
+      before = next;
+    }
+    return faces;
+  }
+
+  /// The size does not differ much within a triangle whose longest side is this part of it.
+  static constexpr double kSmall = 0.5;
 
   const PatchMesh& patch_;
   const PatchChart chart_;

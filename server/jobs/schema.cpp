@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "server/jobs/row_values.h"
+
 namespace remesh::server::jobs {
 namespace {
 
@@ -74,7 +76,7 @@ std::optional<std::int64_t> version_of(Database& database, const DatabaseDriver&
     database.run("CREATE TABLE remeshd_schema (version int NOT NULL, touched_ms bigint NOT NULL)");
   const Rows rows = database.run("SELECT version FROM remeshd_schema");
   if (rows.empty()) return std::nullopt;
-  return std::stoll(rows[0][0].value());
+  return integer(rows[0][0]);
 }
 
 }  // namespace

@@ -236,16 +236,17 @@ std::optional<Submission> SqlStore::find_repeated(Database& database, const NewJ
 /// job, but not before the job that is running now. An owner who was absent therefore gets no credit for that time.
 /// Source: start-time fair queueing (Goyal, Vin, Cheng, Start-time Fair Queueing, 1996), with all jobs of one size.
 std::int64_t SqlStore::next_turn(Database& database, const std::string& owner) {
-  // A damaged turn would be followed by all turns to come, so turns that nobody can have given do not count.
+  // A damaged turn would be followed by all turns to come, so turns that nobody can have given do not count. SQLite may
+  // hold a fraction in a column of integers.
   const Rows now = database.run(
-      "SELECT coalesce((SELECT max(turn) FROM remeshd_job WHERE state = 'running' AND turn BETWEEN 0 AND $1),"
+      "SELECT CAST(coalesce((SELECT max(turn) FROM remeshd_job WHERE state = 'running' AND turn BETWEEN 0 AND $1),"
       " (SELECT min(turn) FROM remeshd_job WHERE state = 'queued' AND turn BETWEEN 0 AND $1),"
-      " (SELECT max(last_turn) FROM remeshd_owner WHERE last_turn BETWEEN 0 AND $1), 0)",
+      " (SELECT max(last_turn) FROM remeshd_owner WHERE last_turn BETWEEN 0 AND $1), 0) AS bigint)",
       {kMaxTurn});
   const Rows turn = database.run(
       "INSERT INTO remeshd_owner (owner, last_turn) VALUES ($1, $2) ON CONFLICT (owner) DO UPDATE "
       "SET last_turn = CASE WHEN remeshd_owner.last_turn BETWEEN excluded.last_turn AND $3 "
-      "THEN remeshd_owner.last_turn + 1 ELSE excluded.last_turn END RETURNING last_turn",
+      "THEN CAST(remeshd_owner.last_turn AS bigint) + 1 ELSE excluded.last_turn END RETURNING last_turn",
       {std::string_view(owner), integer(now.at(0)[0]), kMaxTurn});
   return integer(turn.at(0)[0]);
 }
@@ -478,8 +479,8 @@ bool SqlStore::discard(const std::string& id) {
 QueueStatistics SqlStore::statistics() {
   return with_database("statistics", Access::kRead, [&](Database& database) {
     const Rows rows = database.run(
-        "SELECT count(*), coalesce(remeshd_now() - min(CASE WHEN created_ms BETWEEN 0 AND 9000000000000000 THEN "
-        "created_ms END), 0),"
+        "SELECT count(*), CAST(coalesce(remeshd_now() - min(CASE WHEN created_ms BETWEEN 0 AND 9000000000000000 THEN "
+        "created_ms END), 0) AS bigint),"
         " (SELECT count(*) FROM remeshd_job WHERE state = 'running') FROM remeshd_job WHERE state = 'queued'");
     QueueStatistics statistics;
     statistics.queued = integer(rows.at(0)[0]);

@@ -269,12 +269,13 @@ class SqliteDriver : public DatabaseDriver {
     Transaction transaction(database);
     const std::string boot = boot_id();
     const Rows known = database.run("SELECT boot, base_ms FROM remeshd_clock");
-    if (!known.empty() && known[0][0] == boot && !boot.empty()) {
-      clock_.set_base(std::stoll(*known[0][1]));
+    const auto base_of_boot = known.empty() ? std::nullopt : maybe_integer(known[0][1]);
+    if (base_of_boot && known[0][0] == boot && !boot.empty()) {
+      clock_.set_base(*base_of_boot);
       return;
     }
     const Rows last = database.run("SELECT touched_ms FROM remeshd_schema");
-    const std::int64_t base = FileClock::new_base(std::stoll(last.at(0).at(0).value()));
+    const std::int64_t base = FileClock::new_base(maybe_integer(last.at(0).at(0)).value_or(0));
     database.run("DELETE FROM remeshd_clock");
     database.run("INSERT INTO remeshd_clock (boot, base_ms) VALUES ($1, $2)", {std::string_view(boot), base});
     transaction.commit();
@@ -282,8 +283,9 @@ class SqliteDriver : public DatabaseDriver {
   }
 
   void keep_clock(Database& database) override {
-    if (const Rows kept = database.run("SELECT base_ms FROM remeshd_clock"); !kept.empty())
-      clock_.set_base(integer(kept[0][0]));  // another process may have changed it
+    const Rows kept = database.run("SELECT base_ms FROM remeshd_clock");
+    // Another process may have changed it. One that is damaged is like none.
+    if (const auto base = kept.empty() ? std::nullopt : maybe_integer(kept[0][0])) clock_.set_base(*base);
     const std::int64_t behind = clock_.behind_ms();
     if (behind <= kWrongClock.count() && behind >= -kWrongClock.count()) return;
     Transaction transaction(database);
@@ -291,7 +293,7 @@ class SqliteDriver : public DatabaseDriver {
     shift_times(database, behind, StoreRules().timeout);
     const Rows base = database.run("SELECT base_ms FROM remeshd_clock");
     transaction.commit();
-    if (!base.empty()) clock_.set_base(integer(base[0][0]));
+    if (const auto kept_base = base.empty() ? std::nullopt : maybe_integer(base[0][0])) clock_.set_base(*kept_base);
   }
 
   void check_room(Database& database, std::uint64_t bytes, RoomFor purpose) const override {

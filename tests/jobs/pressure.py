@@ -425,10 +425,14 @@ def case_damaged(run, store):
         for group in groups:
             jobs = [(secrets.token_hex(16), kind) for kind in group]
             writer.write(jobs)
-            sound = [accepted(run.asked(daemon.port, "POST", f"/v1/jobs?{QUICK}", SQUARE)) for _ in range(20)]
-            start = time.monotonic()
-            for job in sound:
-                expect_done(daemon, job)
+            try:
+                sound = [accepted(run.asked(daemon.port, "POST", f"/v1/jobs?{QUICK}", SQUARE)) for _ in range(20)]
+                start = time.monotonic()
+                for job in sound:
+                    expect_done(daemon, job)
+            except Exception as failure:
+                errors = [line for line in daemon.lines if line.get("level") in ("warning", "error")]
+                raise AssertionError(f"beside {group[0].name}: {failure!r}; the log's end is {errors[-3:]}") from failure
             slowest = max(slowest, time.monotonic() - start)
             for job, kind in jobs:
                 try:

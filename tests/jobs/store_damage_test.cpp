@@ -68,6 +68,35 @@ TEST_F(store_damage, a_turn_of_an_owner_that_cannot_be_counted_up_does_not_keep_
   for (int i = 0; i < 3; ++i) EXPECT_FALSE(work(*store).empty());
 }
 
+TEST_F(store_damage, turns_that_are_no_integers_do_not_keep_jobs_out) {
+  if (!is_sqlite()) GTEST_SKIP() << "PostgreSQL stores integers alone in such a column";
+  const auto store = open();
+  for (const char* turn : {"1.5", "'text'", "'1.5'", "x'00ff'", "1e300"}) {
+    const std::string waiting = submit(*store, "", "owner"), good = submit(*store, "", "owner");
+    run("UPDATE remeshd_owner SET last_turn = " + std::string(turn));
+    submit(*store, "", "owner");
+    run("UPDATE remeshd_job SET turn = " + std::string(turn) + ", created_ms = " + turn + " WHERE id = '" + waiting + "'");
+    submit(*store, "", "another");
+    EXPECT_GE(store->statistics().oldest_queued_s, 0) << turn;
+    store->upkeep();
+    for (int i = 0; i < 3; ++i) EXPECT_FALSE(work(*store).empty()) << turn;
+  }
+}
+
+TEST_F(store_damage, a_clock_that_is_no_number_is_begun_anew) {
+  if (!is_sqlite()) GTEST_SKIP() << "PostgreSQL has its own clock";
+  for (const char* value : {"'text'", "x'00ff'", "1.5"}) {
+    auto store = open();
+    submit(*store);
+    run("UPDATE remeshd_clock SET base_ms = " + std::string(value));
+    run("UPDATE remeshd_schema SET touched_ms = " + std::string(value));
+    EXPECT_FALSE(work(*store).empty()) << value;
+    store = open();
+    submit(*store);
+    EXPECT_FALSE(work(*store).empty()) << value;
+  }
+}
+
 TEST_F(store_damage, damaged_times_and_sizes_do_not_count_for_other_jobs) {
   StoreRules rules;
   rules.max_stored = 1000;
