@@ -121,13 +121,14 @@ void JobUpkeep::requeue_or_fail(const LeaseJudge::Sign& sign) {
   static const std::string problem =
       problem_text(500, "worker_crashed", "every worker that tried this job crashed or was stopped");
   const std::string sql =
-      "UPDATE remeshd_job SET state = CASE WHEN attempts >= $1 THEN 'failed' ELSE 'queued' END, "
+      std::string("UPDATE remeshd_job SET ") + kNextToken + ", " + kNextVersion +
+      ", state = CASE WHEN attempts >= $1 THEN 'failed' ELSE 'queued' END, "
       "commits = commits + CASE WHEN attempts >= $1 THEN 1 ELSE 0 END, "
       "finished_ms = CASE WHEN attempts >= $1 THEN remeshd_now() END, "
       "expires_ms = CASE WHEN attempts >= $1 THEN remeshd_now() + $2 END, "
       "problem_status = CASE WHEN attempts >= $1 THEN 500 ELSE 0 END, "
       "problem = CASE WHEN attempts >= $1 THEN replace($3, '{job}', id) ELSE '' END, queued_ms = remeshd_now(), "
-      "token = token + 1, version = version + 1, lease_ms = NULL, started_ms = NULL, stage = 'queued', fraction = 0 "
+      "lease_ms = NULL, started_ms = NULL, stage = 'queued', fraction = 0 "
       "WHERE id IN (SELECT id FROM remeshd_job WHERE id = $4 AND token = $5 AND version = $6 AND state = 'running'" +
       std::string(driver_.skip_locked()) + ") RETURNING state";
   Transaction transaction(database_);
@@ -149,8 +150,9 @@ void JobUpkeep::end_waiting() {
 void JobUpkeep::end_waiting(const std::string& id) {
   static const std::string problem = problem_text(504, "timeout", "no worker became free for this job in time");
   const std::string sql =
-      "UPDATE remeshd_job SET state = 'failed', commits = commits + 1, token = token + 1, version = version + 1, "
-      "finished_ms = remeshd_now(), expires_ms = remeshd_now() + $1, problem_status = 504, "
+      std::string("UPDATE remeshd_job SET state = 'failed', ") + kNextCommits + ", " + kNextToken + ", " +
+      kNextVersion +
+      ", finished_ms = remeshd_now(), expires_ms = remeshd_now() + $1, problem_status = 504, "
       "problem = replace($2, '{job}', id) WHERE id IN (SELECT id FROM remeshd_job WHERE id = $4 AND state = 'queued' "
       "AND coalesce(queued_ms, created_ms) < remeshd_now() - $3" +
       std::string(driver_.skip_locked()) + ") RETURNING id";
@@ -166,7 +168,8 @@ void JobUpkeep::expire_results() {
 
 void JobUpkeep::expire(const std::string& id) {
   const std::string sql =
-      "UPDATE remeshd_job SET state = 'expired', version = version + 1, stored = 0, expires_ms = remeshd_now() + $1 "
+      std::string("UPDATE remeshd_job SET state = 'expired', ") + kNextVersion +
+      ", stored = 0, expires_ms = remeshd_now() + $1 "
       "WHERE id IN (SELECT id FROM remeshd_job WHERE id = $2 AND state = 'succeeded' AND expires_ms < remeshd_now()" +
       std::string(driver_.skip_locked()) + ") RETURNING id";
   Transaction transaction(database_);

@@ -16,6 +16,14 @@ inline constexpr const char* kDamagedJob =
     " OR memory <> CAST(memory AS bigint) OR token <> CAST(token AS bigint) OR attempts <> CAST(attempts AS bigint)"
     " OR commits <> CAST(commits AS bigint) OR version <> CAST(version AS bigint) OR turn <> CAST(turn AS bigint))";
 
+/// Assignments that count up columns of a row that may be damaged. A number that cannot be counted up begins anew.
+inline constexpr const char* kNextVersion =
+    "version = CASE WHEN version BETWEEN 0 AND 9000000000000000 THEN CAST(version AS bigint) + 1 ELSE 1 END";
+inline constexpr const char* kNextToken =
+    "token = CASE WHEN token BETWEEN 0 AND 9000000000000000 THEN CAST(token AS bigint) + 1 ELSE 1 END";
+inline constexpr const char* kNextCommits =
+    "commits = CASE WHEN commits BETWEEN 0 AND 1000000 THEN CAST(commits AS bigint) + 1 ELSE 1 END";
+
 /// The condition for rows of jobs whose blobs count as stored. A daemon of an older version removes the blobs of the
 /// others without noting it. An index finds these rows.
 inline constexpr const char* kJobWithBlobs = "stored > 0 AND state NOT IN ('cancelled', 'expired')";

@@ -435,14 +435,15 @@ std::vector<JobRecord> SqlStore::list(const std::string& owner, int limit) {
 
 bool SqlStore::cancel(const std::string& id) {
   static const std::string problem = problem_text(409, "cancelled", "the job was cancelled");
+  static const std::string sql =
+      std::string("UPDATE remeshd_job SET state = 'cancelled', ") + kNextToken + ", " + kNextVersion +
+      ", lease_ms = NULL, finished_ms = remeshd_now(), expires_ms = remeshd_now() + $1, problem_status = 409, "
+      "stored = 0, problem = replace($2, '{job}', id) WHERE id = $3 AND state IN ('queued', 'running') RETURNING id";
   std::vector<std::string> files;
   const auto end_it = [&](Database& database) {
     Transaction transaction(database);
     const Rows rows = database.run(
-        "UPDATE remeshd_job SET state = 'cancelled', token = token + 1, version = version + 1, lease_ms = NULL, "
-        "finished_ms = remeshd_now(), expires_ms = remeshd_now() + $1, problem_status = 409, stored = 0, "
-        "problem = replace($2, '{job}', id) WHERE id = $3 AND state IN ('queued', 'running') RETURNING id",
-        {std::int64_t{rules_.result_ttl.count()}, std::string_view(problem), std::string_view(id)});
+        sql.c_str(), {std::int64_t{rules_.result_ttl.count()}, std::string_view(problem), std::string_view(id)});
     if (rows.empty()) return false;
     files = blobs_.remove(database, id, "kind = 'input'");
     transaction.commit();
@@ -454,13 +455,13 @@ bool SqlStore::cancel(const std::string& id) {
 }
 
 bool SqlStore::discard(const std::string& id) {
+  static const std::string end_result = std::string("UPDATE remeshd_job SET state = 'expired', ") + kNextVersion +
+                                        ", expires_ms = remeshd_now() + $1 "
+                                        "WHERE id = $2 AND state = 'succeeded' RETURNING id";
   std::vector<std::string> files;
   const auto remove_it = [&](Database& database) {
     Transaction transaction(database);
-    const Rows rows = database.run(
-        "UPDATE remeshd_job SET state = 'expired', version = version + 1, expires_ms = remeshd_now() + $1 "
-        "WHERE id = $2 AND state = 'succeeded' RETURNING id",
-        {std::int64_t{rules_.history.count()}, std::string_view(id)});
+    const Rows rows = database.run(end_result.c_str(), {std::int64_t{rules_.history.count()}, std::string_view(id)});
     // This also concerns jobs in other final states: the input of a job is still stored if every worker died of it.
     if (!database
              .run("UPDATE remeshd_job SET stored = 0 WHERE id = $1 AND state NOT IN ('queued', 'running') RETURNING id",
