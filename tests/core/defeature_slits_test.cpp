@@ -269,6 +269,49 @@ TEST(defeature_slits, wide_gaps_and_notches_stay) {
   }
 }
 
+TEST(defeature_slits, sheets_that_would_lie_on_each_other_stay_apart) {
+  // Two sheets meet along an edge and are less than the size apart everywhere. Closed, their sides would be folds.
+  const double size = 2e-2;
+  for (const double height : {size / 2, size / 20, 0.0}) {
+    const int n = 8;
+    std::vector<Vec3> positions;
+    std::vector<std::vector<std::uint32_t>> faces;
+    const auto sheet = [&](double slope) {
+      const auto first = static_cast<std::uint32_t>(positions.size());
+      for (int i = 0; i <= n; ++i)
+        for (int j = 0; j <= n; ++j) positions.push_back({1.0 * i / n, 1.0 * j / n, slope * i / n + 0.1 * height});
+      return first;
+    };
+    const std::uint32_t below = sheet(0), above = sheet(height > 0 ? height : size / 2);
+    const auto vertex = [&](std::uint32_t first, int i, int j) {
+      return (i == 0 ? below : first) + static_cast<std::uint32_t>(i * (n + 1) + j);
+    };
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j) {
+        faces.push_back({vertex(below, i, j), vertex(below, i, j + 1), vertex(below, i + 1, j)});
+        faces.push_back({vertex(below, i + 1, j), vertex(below, i, j + 1), vertex(below, i + 1, j + 1)});
+        faces.push_back({vertex(above, i, j), vertex(above, i + 1, j), vertex(above, i, j + 1)});
+        faces.push_back({vertex(above, i + 1, j), vertex(above, i + 1, j + 1), vertex(above, i, j + 1)});
+      }
+    // The third one is a pouch: its two other sides are closed, and the last one is open.
+    if (height == 0) {
+      for (const int j : {0, n})
+        for (int i = 0; i < n; ++i) {
+          std::vector<std::uint32_t> side{vertex(below, i, j), vertex(below, i + 1, j), vertex(above, i + 1, j)};
+          if (i > 0) side.push_back(vertex(above, i, j));
+          if (j > 0) std::reverse(side.begin(), side.end());
+          faces.push_back(side);
+        }
+    }
+    const PolygonMesh mesh = shapes::fan_triangulated(shapes::from_lists(positions, faces));
+    const Result result = without_details(mesh, size);
+    expect_sound(mesh, size, result, std::to_string(height));
+    EXPECT_EQ(count_rims(result.mesh), 1) << height;
+    const Diagnostic* const told = removal(result.report);
+    EXPECT_TRUE(told == nullptr || told->message.find(" slit") == std::string::npos) << height << ": " << told->message;
+  }
+}
+
 TEST(defeature_slits, a_slit_with_corners_is_closed) {
   // Its sides are a stair of steps as high as they are long. Each has its corners elsewhere.
   const double width = 2e-3;
