@@ -75,7 +75,8 @@ TEST_F(store_damage, turns_that_are_no_integers_do_not_keep_jobs_out) {
     const std::string waiting = submit(*store, "", "owner"), good = submit(*store, "", "owner");
     run("UPDATE remeshd_owner SET last_turn = " + std::string(turn));
     submit(*store, "", "owner");
-    run("UPDATE remeshd_job SET turn = " + std::string(turn) + ", created_ms = " + turn + " WHERE id = '" + waiting + "'");
+    run("UPDATE remeshd_job SET turn = " + std::string(turn) + ", created_ms = " + turn + " WHERE id = '" + waiting +
+        "'");
     submit(*store, "", "another");
     EXPECT_GE(store->statistics().oldest_queued_s, 0) << turn;
     store->upkeep();
