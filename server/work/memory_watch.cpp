@@ -29,6 +29,14 @@ constexpr std::chrono::milliseconds kBetweenMeasurements{100};
 /// Returning memory holds up everybody who allocates.
 constexpr std::chrono::milliseconds kBetweenTrims{250};
 
+/// Work takes about so long to stop. Meanwhile it takes memory as fast as before.
+constexpr std::chrono::milliseconds kTimeToStop{100};
+/// The time over which growth is measured.
+constexpr std::chrono::milliseconds kLately{100};
+
+/// What will be in use soon matters beyond this share of the budget. Work that needs less never ends for its growth.
+constexpr std::uint64_t nearly_all(std::uint64_t limit) { return limit / 8 * 7; }
+
 /// The share of the budget beyond which free memory is returned although requests are computing.
 constexpr std::uint64_t high_share(std::uint64_t limit) { return limit / 10 * 8; }
 
@@ -82,7 +90,17 @@ void MemoryWatch::measure_and_look() {
   }
   // If memory cannot be returned, because small blocks in use are between the free ones, it counts as in use.
   // Files in memory count, too. Nothing can be freed of them here.
-  look((resident > budget_.limit() ? resident : used) + memory_file_bytes() + budget_.stored());
+  const std::uint64_t all = (resident > budget_.limit() ? resident : used) + memory_file_bytes() + budget_.stored();
+  look(all, soon(all, now));
+}
+
+std::uint64_t MemoryWatch::soon(std::uint64_t used, Clock::time_point now) {
+  while (!lately_.empty() && lately_.front().time < now - kLately) lately_.pop_front();
+  lately_.push_back({now, used});
+  const Look& before = lately_.front();
+  if (used <= nearly_all(budget_.limit()) || used <= before.used || now <= before.time) return used;
+  const std::chrono::duration<double> time = now - before.time, stop = kTimeToStop;
+  return used + static_cast<std::uint64_t>(static_cast<double>(used - before.used) * (stop / std::max(time, stop)));
 }
 
 std::uint64_t MemoryWatch::used_of(std::uint64_t resident) {
@@ -95,7 +113,7 @@ std::uint64_t MemoryWatch::used_of(std::uint64_t resident) {
   return resident - std::min(resident, free_);
 }
 
-void MemoryWatch::look(std::uint64_t used) {
+void MemoryWatch::look(std::uint64_t used, std::uint64_t soon) {
   budget_.note_used(used);
   const std::vector<std::shared_ptr<RunningRequest>> computing = registry_.computing();
   if (used > last_used_ && !computing.empty()) {
@@ -104,7 +122,7 @@ void MemoryWatch::look(std::uint64_t used) {
     for (const auto& request : computing) request->growth += share;
   }
   last_used_ = used;
-  if (computing.empty() || used <= budget_.limit() || Clock::now() <= patience_until_) return;
+  if (computing.empty() || soon <= budget_.limit() || Clock::now() <= patience_until_) return;
   const auto largest = to_end(computing);
   log::write(log::Level::kWarning, "over the memory budget, ending the largest request",
              {{"id", largest->id}, {"used", static_cast<std::int64_t>(used)}});
@@ -112,7 +130,7 @@ void MemoryWatch::look(std::uint64_t used) {
   // What others have stored in memory may be gone by then, too.
   const std::uint64_t files = memory_file_bytes() + budget_.stored();
   const bool is_alone = computing.size() == 1 && budget_.holders() <= 1;
-  largest->evict(/*was_alone=*/is_alone && used > budget_.limit() + files);
+  largest->evict(/*was_alone=*/is_alone && soon > budget_.limit() + files);
   patience_until_ = Clock::now() + kPatience;
 }
 

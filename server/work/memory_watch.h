@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <deque>
 
 #include "server/work/memory_budget.h"
 #include "server/work/periodic.h"
@@ -18,8 +19,13 @@ class MemoryWatch {
 
   MemoryWatch(MemoryBudget& budget, RequestRegistry& registry, std::chrono::milliseconds period = kPeriod);
 
-  /// Performs one check with the given memory in use. It is public for tests.
-  void look(std::uint64_t used);
+  /// Performs one check. It is public for tests.
+  /// Input: `used` - the memory in use now. `soon` - what would be in use before a request that is ended now has stopped.
+  void look(std::uint64_t used, std::uint64_t soon);
+  void look(std::uint64_t used) { look(used, used); }
+  /// Output: the memory that will be in use soon if it grows as it did lately. It is `used` unless nearly all of the
+  ///         budget is in use.
+  std::uint64_t soon(std::uint64_t used, Clock::time_point now);
 
  private:
   void measure_and_look();
@@ -28,6 +34,11 @@ class MemoryWatch {
 
   MemoryBudget& budget_;
   RequestRegistry& registry_;
+  struct Look {
+    Clock::time_point time;
+    std::uint64_t used;
+  };
+  std::deque<Look> lately_;  ///< oldest first
   std::uint64_t last_used_ = 0;
   std::uint64_t free_ = 0;  ///< free memory of the allocator at the last measurement
   Clock::time_point next_measurement_{};

@@ -525,6 +525,25 @@ TEST(memory_watch, of_those_that_grew_about_as_much_the_last_one_is_ended) {
   EXPECT_EQ(third->eviction, RunningRequest::Eviction::kNone);
 }
 
+TEST(memory_watch, a_request_that_grows_fast_is_ended_before_it_is_over_the_budget) {
+  log::set_up(log::Format::kText, log::Level::kError);
+  MemoryBudget budget(1000);
+  RequestRegistry registry;
+  MemoryWatch watch(budget, registry, std::chrono::hours(1));
+  const Clock::time_point start = Clock::now();
+  EXPECT_EQ(watch.soon(100, start), 100u);
+  EXPECT_EQ(watch.soon(800, start + milliseconds(50)), 800u) << "much is left";
+  EXPECT_EQ(watch.soon(900, start + milliseconds(100)), 1700u);
+  EXPECT_EQ(watch.soon(910, start + milliseconds(150)), 1020u) << "growth ends";
+  EXPECT_EQ(watch.soon(905, start + milliseconds(260)), 905u);
+  const auto request = registry.add("");
+  request->is_computing = true;
+  watch.look(900, 1000);
+  EXPECT_EQ(request->eviction, RunningRequest::Eviction::kNone);
+  watch.look(900, 1001);
+  EXPECT_EQ(request->eviction, RunningRequest::Eviction::kAlone);
+}
+
 TEST(memory_watch, files_in_memory_count_as_used) {
   log::set_up(log::Format::kText, log::Level::kError);
   MemoryBudget budget(api::resident_memory() + (256 << 20));
