@@ -20,7 +20,8 @@ class MemoryWatch {
   MemoryWatch(MemoryBudget& budget, RequestRegistry& registry, std::chrono::milliseconds period = kPeriod);
 
   /// Performs one check. It is public for tests.
-  /// Input: `used` - the memory in use now. `soon` - what would be in use before a request that is ended now has stopped.
+  /// Input: `used` - the memory in use now. `soon` - what would be in use before a request that is ended now has
+  ///        stopped.
   void look(std::uint64_t used, std::uint64_t soon);
   void look(std::uint64_t used) { look(used, used); }
   /// Output: the memory that will be in use soon if it grows as it did lately. It is `used` unless nearly all of the
