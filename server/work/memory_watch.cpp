@@ -34,7 +34,7 @@ constexpr std::chrono::milliseconds kTimeToStop{100};
 /// The time over which growth is measured.
 constexpr std::chrono::milliseconds kLately{100};
 
-/// What will be in use soon matters beyond this share of the budget. Work that needs less never ends for its growth.
+/// Beyond this share of the budget, it matters how fast work grows. Work that needs less never ends for its growth.
 constexpr std::uint64_t nearly_all(std::uint64_t limit) { return limit / 8 * 7; }
 
 /// The share of the budget beyond which free memory is returned although requests are computing.
