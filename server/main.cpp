@@ -14,9 +14,9 @@
 #include "core/remesh.h"
 #include "server/config.h"
 #include "server/http_server.h"
+#include "server/observe/heap_tops.h"
 #include "server/observe/log.h"
 #include "server/service.h"
-#include "server/work/heap_tops.h"
 
 namespace remesh::server {
 namespace {

@@ -14,7 +14,7 @@
 #include <utility>
 #include <vector>
 
-#include "server/work/heap_tops.h"
+#include "server/observe/heap_tops.h"
 
 namespace remesh::server {
 

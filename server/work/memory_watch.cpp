@@ -9,8 +9,8 @@
 
 #include "api/machine_limits.h"
 #include "server/http/memory_files.h"
+#include "server/observe/heap_tops.h"
 #include "server/observe/log.h"
-#include "server/work/heap_tops.h"
 
 namespace remesh::server {
 namespace {

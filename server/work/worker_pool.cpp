@@ -7,8 +7,8 @@
 
 #include <algorithm>
 
+#include "server/observe/heap_tops.h"
 #include "server/observe/niceness.h"
-#include "server/work/heap_tops.h"
 
 namespace remesh::server {
 namespace {

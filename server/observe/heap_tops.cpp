@@ -1,4 +1,4 @@
-#include "server/work/heap_tops.h"
+#include "server/observe/heap_tops.h"
 
 #include <malloc.h>
 
