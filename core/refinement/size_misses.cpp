@@ -126,7 +126,7 @@ class MissSearch {
     for (std::uint32_t t = begin; t < end; ++t) {
       const Measured& here = measured[t - begin];
       const double limit = too_small_gap(here, here.centroid);
-      if (gap_at(here.centroid, limit) < limit) note(p, t, here, size_of(limit));
+      if (const double gap = gap_at(here.centroid, limit); gap < limit) note(p, t, here, size_of(gap));
     }
     for (std::uint32_t t = begin; t < end; ++t) {
       const Measured& here = measured[t - begin];
@@ -139,8 +139,8 @@ class MissSearch {
         double limit = is_missed(p, t) == 0 ? too_small_gap(here, middle) : 0, limit_there = 0;
         if (is_shared && is_missed(p, twin / 3) == 0) limit_there = too_small_gap(measured[twin / 3 - begin], middle);
         const double gap = gap_at(middle, std::max(limit, limit_there));
-        if (gap < limit) note(p, t, here, size_of(limit));
-        if (gap < limit_there) note(p, twin / 3, measured[twin / 3 - begin], size_of(limit_there));
+        if (gap < limit) note(p, t, here, size_of(gap));
+        if (gap < limit_there) note(p, twin / 3, measured[twin / 3 - begin], size_of(gap));
       }
     }
   }
@@ -157,7 +157,7 @@ class MissSearch {
     }
   }
 
-  /// Notes that a triangle misses its bound. Some place of the triangle asks for less than `size`.
+  /// Notes that a triangle misses its bound. Some place of the triangle asks for `size`.
   void note(PatchId p, std::uint32_t t, const Measured& triangle, double size) {
     is_missed(p, t) = 1;
     if (is_frozen_[p] != 0) return;

@@ -58,6 +58,7 @@ std::string boot_id() {
 class FileClock {
  public:
   std::int64_t now_ms() const { return base_ms_ + milliseconds_of(CLOCK_BOOTTIME); }
+  std::int64_t base_ms() const { return base_ms_; }
   void set_base(std::int64_t base_ms) { base_ms_ = base_ms; }
   /// Computes the base after a restart of the system.
   /// Input: `last_ms` - the last time stored in the file; 0 if there is none.
@@ -283,17 +284,25 @@ class SqliteDriver : public DatabaseDriver {
   }
 
   void keep_clock(Database& database) override {
-    const Rows kept = database.run("SELECT base_ms FROM remeshd_clock");
-    // Another process may have changed it. One that is damaged is like none.
-    if (const auto base = kept.empty() ? std::nullopt : maybe_integer(kept[0][0])) clock_.set_base(*base);
-    const std::int64_t behind = clock_.behind_ms();
-    if (behind <= kWrongClock.count() && behind >= -kWrongClock.count()) return;
+    const auto behind_others = [&] {
+      // Another process may have changed the base. One that is damaged is written again.
+      const Rows kept = database.run("SELECT base_ms FROM remeshd_clock");
+      if (const auto base = kept.empty() ? std::nullopt : maybe_integer(kept[0][0]))
+        clock_.set_base(*base);
+      else
+        database.run("UPDATE remeshd_clock SET base_ms = $1", {clock_.base_ms()});
+      const std::int64_t behind = clock_.behind_ms();
+      return behind > kWrongClock.count() || behind < -kWrongClock.count() ? behind : 0;
+    };
+    if (behind_others() == 0) return;
     Transaction transaction(database);
-    database.run("UPDATE remeshd_clock SET base_ms = base_ms + $1", {behind});
+    const std::int64_t behind = behind_others();
+    if (behind == 0) return;  // another process has shifted all times just now
+    const std::int64_t base = clock_.base_ms() + behind;
+    database.run("UPDATE remeshd_clock SET base_ms = $1", {base});
     shift_times(database, behind, StoreRules().timeout);
-    const Rows base = database.run("SELECT base_ms FROM remeshd_clock");
     transaction.commit();
-    if (const auto kept_base = base.empty() ? std::nullopt : maybe_integer(base[0][0])) clock_.set_base(*kept_base);
+    clock_.set_base(base);
   }
 
   void check_room(Database& database, std::uint64_t bytes, RoomFor purpose) const override {

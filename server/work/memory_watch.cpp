@@ -31,8 +31,11 @@ constexpr std::chrono::milliseconds kBetweenTrims{250};
 
 /// Work takes about so long to stop. Meanwhile it takes memory as fast as before.
 constexpr std::chrono::milliseconds kTimeToStop{100};
-/// The time over which growth is measured.
-constexpr std::chrono::milliseconds kLately{100};
+/// Memory that is freed and taken again within this time is no growth.
+constexpr std::chrono::seconds kRemembered{1};
+/// Threads look every second whether they are asked for free memory.
+constexpr std::chrono::milliseconds kTimeToReturn{1100};
+constexpr std::chrono::seconds kBetweenAsks{2};
 
 /// Beyond this share of the budget, it matters how fast work grows. Work that needs less never ends for its growth.
 constexpr std::uint64_t nearly_all(std::uint64_t limit) { return limit / 8 * 7; }
@@ -83,24 +86,46 @@ void MemoryWatch::measure_and_look() {
     next_trim_ = now + kBetweenTrims;
     resident = api::resident_memory();
     // The rest of the free memory may be at the ends of the other threads' heaps.
-    if (resident > allocated_memory() + kBesides + kSmallSlack) HeapTops::ask();
+    if (resident > allocated_memory() + kBesides + kSmallSlack && now >= asked_ + kBetweenAsks) {
+      HeapTops::ask();
+      asked_ = now;
+    }
     if (is_idle) resident_after_trim_ = resident;  // while something is computed, this says nothing for later
     next_measurement_ = {};
     used = used_of(resident);
   }
-  // If memory cannot be returned, because small blocks in use are between the free ones, it counts as in use.
+  // If memory cannot be returned, because small blocks in use are between the free ones, it counts as in use. But
+  // threads that were asked for it have some time to return it.
+  const auto taken = [&] {
+    const bool may_come_back = now < asked_ + kTimeToReturn && resident <= budget_.limit() / 10 * 11;
+    return resident > budget_.limit() && !may_come_back ? resident : used;
+  };
+  std::uint64_t growth = expected_growth(taken(), now);
+  if (growth > 0 && taken() <= budget_.limit()) {
+    // Nothing is ended because of what was in use some time ago.
+    next_measurement_ = {};
+    used = used_of(resident);
+    lately_.back().used = taken();
+    if (taken() <= nearly_all(budget_.limit())) growth = 0;
+  }
   // Files in memory count, too. Nothing can be freed of them here.
-  const std::uint64_t all = (resident > budget_.limit() ? resident : used) + memory_file_bytes() + budget_.stored();
-  look(all, soon(all, now));
+  const std::uint64_t all = taken() + memory_file_bytes() + budget_.stored();
+  look(all, all + growth);
 }
 
-std::uint64_t MemoryWatch::soon(std::uint64_t used, Clock::time_point now) {
-  while (!lately_.empty() && lately_.front().time < now - kLately) lately_.pop_front();
+std::uint64_t MemoryWatch::expected_growth(std::uint64_t used, Clock::time_point now) {
+  while (!lately_.empty() && lately_.front().time < now - kRemembered) lately_.pop_front();
+  std::uint64_t highest = 0;
+  Clock::time_point last{};
+  for (const Look& look : lately_) {
+    if (look.time > now - kTimeToStop) break;
+    highest = std::max(highest, look.used);
+    last = look.time;
+  }
   lately_.push_back({now, used});
-  const Look& before = lately_.front();
-  if (used <= nearly_all(budget_.limit()) || used <= before.used || now <= before.time) return used;
-  const std::chrono::duration<double> time = now - before.time, stop = kTimeToStop;
-  return used + static_cast<std::uint64_t>(static_cast<double>(used - before.used) * (stop / std::max(time, stop)));
+  if (last == Clock::time_point{} || used <= nearly_all(budget_.limit()) || used <= highest) return 0;
+  const std::chrono::duration<double> time = now - last, stop = kTimeToStop;
+  return static_cast<std::uint64_t>(static_cast<double>(used - highest) * (stop / time));
 }
 
 std::uint64_t MemoryWatch::used_of(std::uint64_t resident) {
@@ -124,8 +149,14 @@ void MemoryWatch::look(std::uint64_t used, std::uint64_t soon) {
   last_used_ = used;
   if (computing.empty() || soon <= budget_.limit() || Clock::now() <= patience_until_) return;
   const auto largest = to_end(computing);
+  if (largest->eviction != RunningRequest::Eviction::kNone) return;  // it has not stopped yet
+  // If memory only grows fast, whoever is ended must be the one that grows.
+  if (used <= budget_.limit() && largest->growth < soon - used) return;
   log::write(log::Level::kWarning, "over the memory budget, ending the largest request",
-             {{"id", largest->id}, {"used", static_cast<std::int64_t>(used)}});
+             {{"id", largest->id},
+              {"used", static_cast<std::int64_t>(used)},
+              {"expected", static_cast<std::int64_t>(soon)},
+              {"budget", static_cast<std::int64_t>(budget_.limit())}});
   // Other holders of memory may be waiting, sending or buffered. With them gone there may be room for this request.
   // What others have stored in memory may be gone by then, too.
   const std::uint64_t files = memory_file_bytes() + budget_.stored();

@@ -24,9 +24,10 @@ class MemoryWatch {
   ///        stopped.
   void look(std::uint64_t used, std::uint64_t soon);
   void look(std::uint64_t used) { look(used, used); }
-  /// Output: the memory that will be in use soon if it grows as it did lately. It is `used` unless nearly all of the
-  ///         budget is in use.
-  std::uint64_t soon(std::uint64_t used, Clock::time_point now);
+  /// Notes a measurement.
+  /// Output: the growth until work that is ended now has stopped, if memory goes on to grow as it did lately, beyond
+  ///         what was ever in use lately. It is 0 unless nearly all of the budget is in use.
+  std::uint64_t expected_growth(std::uint64_t used, Clock::time_point now);
 
  private:
   void measure_and_look();
@@ -46,6 +47,7 @@ class MemoryWatch {
   std::uint64_t resident_after_trim_ = 0;
   Clock::time_point next_trim_{};
   Clock::time_point next_small_trim_{};  ///< see kBetweenSmallTrims
+  Clock::time_point asked_{};            ///< when the threads were asked for what they have free
   Clock::time_point patience_until_{};
   Periodic looks_;
 };

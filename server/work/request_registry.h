@@ -29,7 +29,8 @@ struct RunningRequest {
   /// Ends the request because of its memory.
   /// Input: `was_alone` - no other request can have taken the memory.
   void evict(bool was_alone) {
-    eviction = was_alone ? Eviction::kAlone : Eviction::kAmongOthers;
+    Eviction none = Eviction::kNone;  // what was said first holds: others may have ended since
+    eviction.compare_exchange_strong(none, was_alone ? Eviction::kAlone : Eviction::kAmongOthers);
     stop_work();
   }
   void stop_work() {

@@ -6,6 +6,8 @@
 #include <tbb/task_scheduler_observer.h>
 
 #include <algorithm>
+#include <exception>
+#include <utility>
 
 #include "server/observe/heap_tops.h"
 #include "server/observe/niceness.h"
@@ -23,11 +25,14 @@ constexpr std::chrono::seconds kBetweenLooks{1};
 constexpr std::chrono::milliseconds kStay{5};
 
 /// Lets threads of TBB enter an arena and leave it, which is when they return free memory.
-void call_all(tbb::task_arena& arena, int workers) {
-  arena.execute([workers] {
-    tbb::parallel_for(
-        0, workers, [](int) { std::this_thread::sleep_for(kStay); }, tbb::simple_partitioner());
-  });
+void call_all(tbb::task_arena& arena, int workers) noexcept {
+  try {
+    arena.execute([workers] {
+      tbb::parallel_for(
+          0, workers, [](int) { std::this_thread::sleep_for(kStay); }, tbb::simple_partitioner());
+    });
+  } catch (const std::exception&) {  // no memory for the tasks
+  }
 }
 
 }  // namespace
@@ -197,9 +202,13 @@ void WorkerPool::work(std::size_t place, int workers) {
         changed_.wait_until(lock, until);
         if (watched_until_ == until) watched_until_ = Clock::time_point::max();
       } else if (HeapTops::is_asked()) {
+        // TBB's threads are not taken from work that runs. Of several threads without work, one calls them.
+        const bool may_call = running_count_ == 0 && !std::exchange(is_calling_, true);
         lock.unlock();
-        call_all(arena, workers);
+        if (may_call) call_all(arena, workers);
+        HeapTops::return_if_asked();
         lock.lock();
+        if (may_call) is_calling_ = false;
       } else {
         changed_.wait_for(lock, kBetweenLooks);
       }

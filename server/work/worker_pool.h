@@ -111,6 +111,7 @@ class WorkerPool {
   Clock::time_point watched_until_ = Clock::time_point::max();
   Ticket next_ticket_ = 1;
   bool stopping_ = false;
+  bool is_calling_ = false;  ///< one thread lets TBB's threads return free memory
   std::atomic<std::size_t> busy_threads_{0};
   std::latch ready_;  ///< released once all threads have their arenas
   std::vector<std::thread> threads_;

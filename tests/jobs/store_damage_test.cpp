@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "server/jobs/job_upkeep.h"
@@ -16,11 +17,12 @@ namespace {
 
 using std::chrono::milliseconds;
 
+const std::string kMax = "9223372036854775807";
+
 class store_damage : public StoreTest {};
 
 TEST_F(store_damage, a_damaged_row_is_the_end_of_its_job_alone) {
   const auto store = open();
-  const std::string kMax = "9223372036854775807";
   std::vector<std::string> damages{"memory = -1",          "memory = " + kMax,      "token = " + kMax,
                                    "token = -1",           "attempts = 2147483647", "attempts = -5",
                                    "commits = 2147483647", "version = " + kMax,     "turn = " + kMax,
@@ -91,11 +93,44 @@ TEST_F(store_damage, a_clock_that_is_no_number_is_begun_anew) {
     submit(*store);
     run("UPDATE remeshd_clock SET base_ms = " + std::string(value));
     run("UPDATE remeshd_schema SET touched_ms = " + std::string(value));
+    store->upkeep();
     EXPECT_FALSE(work(*store).empty()) << value;
+    const std::int64_t before = store->find(submit(*store))->created_ms;
+    run("UPDATE remeshd_clock SET base_ms = " + std::string(value));
     store = open();
-    submit(*store);
-    EXPECT_FALSE(work(*store).empty()) << value;
+    store->upkeep();
+    const std::string job = submit(*store);
+    EXPECT_NEAR(static_cast<double>(store->find(job)->created_ms - before), 0, 60'000) << value;
+    while (!work(*store).empty()) continue;
+    EXPECT_EQ(state(*store, job), JobState::kSucceeded) << value;
   }
+}
+
+TEST_F(store_damage, counters_that_cannot_be_counted_up_keep_no_job_from_being_ended) {
+  StoreRules rules;
+  rules.result_ttl = std::chrono::milliseconds(0);
+  const auto store = open(rules);
+  const auto damage = [&](const std::string& id) {
+    run("UPDATE remeshd_job SET token = " + kMax + ", version = " + kMax + ", commits = 2147483647 WHERE id = '" + id +
+        "'");
+  };
+  const std::string queued = submit(*store);
+  damage(queued);
+  EXPECT_TRUE(store->cancel(queued));
+  EXPECT_EQ(state(*store, queued), JobState::kCancelled);
+  const std::string done = submit(*store);
+  EXPECT_EQ(work(*store), done);
+  damage(done);
+  EXPECT_TRUE(store->discard(done));
+  EXPECT_EQ(state(*store, done), JobState::kExpired);
+  const std::string expiring = submit(*store);
+  EXPECT_EQ(work(*store), expiring);
+  damage(expiring);
+  for (int i = 0; i < 100 && state(*store, expiring) != JobState::kExpired; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    store->upkeep();
+  }
+  EXPECT_EQ(state(*store, expiring), JobState::kExpired);
 }
 
 TEST_F(store_damage, damaged_times_and_sizes_do_not_count_for_other_jobs) {

@@ -531,17 +531,35 @@ TEST(memory_watch, a_request_that_grows_fast_is_ended_before_it_is_over_the_budg
   RequestRegistry registry;
   MemoryWatch watch(budget, registry, std::chrono::hours(1));
   const Clock::time_point start = Clock::now();
-  EXPECT_EQ(watch.soon(100, start), 100u);
-  EXPECT_EQ(watch.soon(800, start + milliseconds(50)), 800u) << "much is left";
-  EXPECT_EQ(watch.soon(900, start + milliseconds(100)), 1700u);
-  EXPECT_EQ(watch.soon(910, start + milliseconds(150)), 1020u) << "growth ends";
-  EXPECT_EQ(watch.soon(905, start + milliseconds(260)), 905u);
+  const auto growth = [&](std::uint64_t used, int ms) { return watch.expected_growth(used, start + milliseconds(ms)); };
+  EXPECT_EQ(growth(100, 0), 0u) << "nothing is known before";
+  EXPECT_EQ(growth(800, 50), 0u) << "much is left";
+  EXPECT_EQ(growth(900, 100), 800u);
+  EXPECT_EQ(growth(910, 150), 110u);
+  EXPECT_EQ(growth(905, 260), 0u);
+  EXPECT_EQ(growth(880, 700), 0u);
+  EXPECT_EQ(growth(909, 900), 0u) << "as much was in use before";
+  EXPECT_EQ(growth(920, 1000), 10u);
+  EXPECT_EQ(growth(960, 1400), 10u) << "a late look: 40 more in 400 ms";
+  EXPECT_EQ(growth(980, 9000), 0u) << "nothing is known of the last second";
   const auto request = registry.add("");
   request->is_computing = true;
   watch.look(900, 1000);
   EXPECT_EQ(request->eviction, RunningRequest::Eviction::kNone);
+  request->growth = 100;
+  watch.look(900, 1001);
+  EXPECT_EQ(request->eviction, RunningRequest::Eviction::kNone) << "what grows is something else";
+  request->growth = 101;
   watch.look(900, 1001);
   EXPECT_EQ(request->eviction, RunningRequest::Eviction::kAlone);
+}
+
+TEST(memory_watch, a_request_that_was_ended_among_others_was_never_alone) {
+  log::set_up(log::Format::kText, log::Level::kError);
+  RunningRequest request("");
+  request.evict(/*was_alone=*/false);
+  request.evict(/*was_alone=*/true);
+  EXPECT_EQ(request.eviction, RunningRequest::Eviction::kAmongOthers);
 }
 
 TEST(memory_watch, files_in_memory_count_as_used) {
