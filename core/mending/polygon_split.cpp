@@ -21,9 +21,38 @@ bool is_convex(std::span<const Vec2> uv) {
   return true;
 }
 
+/// Returns twice the area that the fan of triangles from a corner covers.
+double covered_by_fan(std::span<const Vec3> points, std::size_t apex) {
+  const std::size_t n = points.size();
+  double twice = 0;
+  for (std::size_t i = 1; i + 1 < n; ++i)
+    twice += norm(cross(points[(apex + i) % n] - points[apex], points[(apex + i + 1) % n] - points[apex]));
+  return twice;
+}
+
+/// Returns the corner from which a fan stands for a polygon that crosses itself: the lexicographically smallest one. If
+/// a fan from another corner covers less than half as much, triangles of this one lie upon each other and cover what
+/// the polygon does not enclose, as they do if it is hardly more than two spikes.
+std::uint32_t apex_of_fan(std::span<const Vec3> points) {
+  constexpr std::size_t kMaxCorners = 64;  // looking at all fans takes the square of this
+  const auto smallest = static_cast<std::size_t>(std::min_element(points.begin(), points.end()) - points.begin());
+  if (points.size() > kMaxCorners) return static_cast<std::uint32_t>(smallest);
+  std::size_t best = smallest;
+  const double usual = covered_by_fan(points, smallest);
+  double least = usual;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double covered = covered_by_fan(points, i);
+    if (covered < least || (covered == least && points[i] < points[best])) {
+      least = covered;
+      best = i;
+    }
+  }
+  return static_cast<std::uint32_t>(2 * least < usual ? best : smallest);
+}
+
 void fan(std::span<const Vec3> points, PolygonSplit& result) {
   const auto n = static_cast<std::uint32_t>(points.size());
-  const auto apex = static_cast<std::uint32_t>(std::min_element(points.begin(), points.end()) - points.begin());
+  const std::uint32_t apex = apex_of_fan(points);
   for (std::uint32_t i = 1; i + 1 < n; ++i) result.triangles.push_back({apex, (apex + i) % n, (apex + i + 1) % n});
 }
 

@@ -42,7 +42,8 @@ struct PolygonTolerances {
 
 /// Classifies a polygon and triangulates it. The triangulation is constrained Delaunay in the plane of the polygon's
 /// Newell normal. If the polygon crosses itself there, it is a fan from the lexicographically smallest corner, because
-/// no triangulation would be right.
+/// no triangulation would be right. If that covers over twice as much as another fan, it is the fan that covers the
+/// least.
 /// Spikes are cut off before:
 /// - Spikes that come back part of the way, or within the tolerance, are always cut off.
 /// - Exact reversals are cut off if they leave the polygon's plane (see cut_spikes_out_of_plane), or if the polygon

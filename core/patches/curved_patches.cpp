@@ -151,7 +151,7 @@ class Joining {
       result.at.push_back(at == kNone ? kNone : static_cast<std::uint32_t>(result.curved.size()));
       if (at != kNone) result.curved.push_back(curved[at]);
     }
-    result.surfaces.surfaces = recognised_.surfaces;
+    result.surfaces.surfaces = recognised_.copy(control_).surfaces;
     for (RecognisedSurface& s : result.surfaces.surfaces) s.patches = 0;
     for (const SurfaceId s : result.surfaces.of_patch) ++result.surfaces.surfaces[s].patches;
     set.of_face.resize(surface_.face_count());

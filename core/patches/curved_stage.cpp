@@ -85,7 +85,7 @@ void CurvedStage::run(Partition& partition, const PatchSet& facets_before, Prepa
     if (!options.refine) squeeze_maps(surface, partition.patches, curved_, control);
   }
   tell_failures(partition);
-  surfaces_ = curved_.has_any() ? curved_.surfaces : recognised_;
+  surfaces_ = (curved_.has_any() ? curved_.surfaces : recognised_).copy(control);
   for (std::size_t i = 0; i < limits.size(); ++i) surfaces_.surfaces[SurfaceId(i)].allowed = limits[i].tolerance;
 }
 

@@ -3,7 +3,21 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/base/stoppable.h"
+
 namespace remesh {
+
+RecognisedSurfaces RecognisedSurfaces::copy(RunControl& control) const {
+  RecognisedSurfaces copied;
+  copied.of_patch = of_patch;
+  copied.surfaces.reserve(surfaces.size());
+  StopCheck check(control);
+  for (const RecognisedSurface& s : surfaces) {
+    check();
+    copied.surfaces.push_back(s);
+  }
+  return copied;
+}
 
 void RecognisedSurfaces::follow(const PatchSet& before, const PatchSet& now) {
   IdVector<PatchId, SurfaceId> followed;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/ids.h"
+#include "core/base/run_control.h"
 #include "core/base/vec.h"
 #include "core/geometry/analytic_surface.h"
 #include "core/geometry/patch_set.h"
@@ -71,6 +72,10 @@ struct RecognisedSurface {
 struct RecognisedSurfaces {
   IdVector<SurfaceId, RecognisedSurface> surfaces;
   IdVector<PatchId, SurfaceId> of_patch;  ///< every patch belongs to one; to a band rather than to its whole
+
+  /// Returns a copy. A mesh may have a surface for each of its faces, and a record is large, so this takes time.
+  /// Errors: kCancelled, kTimeout - asked to stop through `control`.
+  RecognisedSurfaces copy(RunControl& control) const;
 
   /// Gives the same surfaces to other patches of the same faces. Each belongs to the surface of its first face.
   void follow(const PatchSet& before, const PatchSet& now);

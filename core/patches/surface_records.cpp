@@ -313,6 +313,7 @@ class Records {
 
   /// Adds a plane for each facet that is left.
   void add_planes() {
+    result_.surfaces.reserve(result_.surfaces.size() + graph_.size());
     for (std::size_t i = 0; i < graph_.size(); ++i) {
       check_();
       const PatchId p(i);
@@ -346,13 +347,21 @@ class Records {
       return i < j;
     });
     std::vector<SurfaceId> now(order.size());
-    IdVector<SurfaceId, RecognisedSurface> sorted;
-    sorted.reserve(order.size());
+    for (std::uint32_t i = 0; i < order.size(); ++i) now[order[i]] = SurfaceId(i);
+    // A record is large, so there is only one list of them. Each cycle of the permutation is gone through once.
     for (std::uint32_t i = 0; i < order.size(); ++i) {
-      now[order[i]] = SurfaceId(i);
-      sorted.push_back(std::move(result_.surfaces[SurfaceId(order[i])]));
+      check_();
+      RecognisedSurface first = std::move(result_.surfaces[SurfaceId(i)]);
+      std::uint32_t at = i;
+      while (order[at] != i) {
+        check_();
+        const std::uint32_t from = std::exchange(order[at], at);
+        result_.surfaces[SurfaceId(at)] = std::move(result_.surfaces[SurfaceId(from)]);
+        at = from;
+      }
+      order[at] = at;
+      result_.surfaces[SurfaceId(at)] = std::move(first);
     }
-    result_.surfaces = std::move(sorted);
     for (SurfaceId& s : result_.of_patch) s = now[s.value];
     for (RecognisedSurface& s : result_.surfaces)
       if (s.whole.is_valid()) s.whole = now[s.whole.value];

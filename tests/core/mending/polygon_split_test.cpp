@@ -144,6 +144,21 @@ TEST(polygon_split, a_polygon_that_crosses_itself_is_a_fan_from_its_smallest_cor
   for (const auto& t : result.triangles) EXPECT_EQ(t[0], 3u);
 }
 
+TEST(polygon_split, a_polygon_of_two_crossing_spikes_is_no_pair_of_large_triangles) {
+  // The first and the third corner are nearly one. From the smallest corner, the triangles would cover 400.
+  const std::vector<Vec3> points{
+      {2.00000003, 1.3e-6, 2.00000003}, {0, 3e-6, 1.99999997}, {1.99999997, 8.4e-7, 1.99999997}, {2.00000003, 200, 2}};
+  for (std::size_t shift = 0; shift < points.size(); ++shift)
+    for (const bool is_reversed : {false, true}) {
+      std::vector<Vec3> turned = points;
+      std::rotate(turned.begin(), turned.begin() + static_cast<std::ptrdiff_t>(shift), turned.end());
+      if (is_reversed) std::reverse(turned.begin(), turned.end());
+      const PolygonSplit result = split(turned, 2e-7);
+      EXPECT_EQ(result.kind, PolygonKind::kSelfCrossing);
+      EXPECT_LT(area_of(turned, result), 1e-4);
+    }
+}
+
 TEST(polygon_split, a_polygon_that_runs_clockwise_in_no_plane_is_told_from_one_without_area) {
   const auto there_and_back = lifted({{0, 0}, {1, 0}, {1, 1}, {1, 0}});
   EXPECT_EQ(split(there_and_back).kind, PolygonKind::kSelfCrossing);
