@@ -1,6 +1,7 @@
 /// The free memory at the ends of the threads' heaps. malloc_trim returns this memory for the main heap alone. Every
-/// other heap retains as much as the allocator's threshold for trimming, until one of its own threads frees a block. So
-/// the threads are asked to do this, when they have no work or have just ended some.
+/// other heap retains as much as the allocator's threshold for trimming. It returns the rest only if one of its own
+/// threads frees a block while the threshold is low. So the threads are asked to do this, when they have no work or
+/// have just ended some.
 #pragma once
 
 namespace remesh::server {

@@ -21,7 +21,7 @@ namespace {
 constexpr double kAveraged = 32;
 /// A thread without work looks so often whether it is asked for free memory.
 constexpr std::chrono::seconds kBetweenLooks{1};
-/// So long a thread of TBB stays in an arena that has no other work, so that the others come, too.
+/// A thread of TBB stays so long in an arena that has no other work. Meanwhile the other threads come, too.
 constexpr std::chrono::milliseconds kStay{5};
 
 /// Lets threads of TBB enter an arena and leave it, which is when they return free memory.
