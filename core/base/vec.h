@@ -57,6 +57,12 @@ inline Vec3 normalized(const Vec3& a) {
   const double n = norm(a);
   return n > 0 ? Vec3{a.x / n, a.y / n, a.z / n} : Vec3{};
 }
+/// Returns a unit vector across an axis. It depends on the direction of the axis alone.
+inline Vec3 unit_across(const Vec3& axis) {
+  const double x = std::fabs(axis.x), y = std::fabs(axis.y), z = std::fabs(axis.z);
+  const Vec3 farthest = x <= y && x <= z ? Vec3{1, 0, 0} : y <= z ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
+  return normalized(cross(axis, farthest));
+}
 inline bool is_finite(const Vec3& a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
 
 /// An axis-aligned box. It is empty until something is added.

@@ -14,8 +14,6 @@
 namespace remesh {
 namespace {
 
-constexpr std::uint32_t kNoHalfEdge = Triangulation2d::kNoHalfEdge;
-
 /// Half-edges 2i and 2i+1 are the two directions of edge i. `next` is the next half-edge counter-clockwise around the
 /// origin.
 struct HalfEdge {

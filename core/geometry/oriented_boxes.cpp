@@ -13,7 +13,7 @@ namespace {
 
 /// The slack of all tests, relative to the largest coordinate. It is far more than the rounding error of products with
 /// unit vectors, and of the axes themselves.
-constexpr double kRounding = 0x1p-40;
+constexpr double kTurnRounding = 0x1p-40;
 
 /// If there are more triangles, the axes are computed from this many of them.
 constexpr std::size_t kSamples = 16;
@@ -75,7 +75,7 @@ void turn_about(std::size_t axis, std::span<const Vec3> points, std::vector<Vec2
 OrientedBoxes::OrientedBoxes(const TriangleTree& tree, std::span<const Vec3> positions, std::span<const Triangle> faces,
                              double margin, RunControl& control)
     : positions_(positions),
-      margin_(margin + kRounding * largest_coordinate(positions, control)),
+      margin_(margin + kTurnRounding * largest_coordinate(positions, control)),
       boxes_(tree.node_count()) {
   // The nodes of one level are computed in parallel. Many small nodes share a task, and each large node has one of its
   // own.

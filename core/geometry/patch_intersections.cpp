@@ -20,7 +20,7 @@
 namespace remesh {
 namespace {
 
-constexpr std::size_t kBlock = 4096;
+constexpr std::size_t kPatchBlock = 4096;
 
 /// The number of tests between two checks for cancellation.
 constexpr std::uint32_t kTestsBetweenChecks = 4096;
@@ -114,32 +114,33 @@ class Cull {
     };
     // Blocks begin where they do in find_places, because runs do.
     LoopProgress progress(control_, surface_.face_count());
-    auto found = map_blocks<Near>(surface_.face_count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
-      Near near;
-      const std::size_t first = begin;
-      if (are_too_many(parts.load(std::memory_order_relaxed), looks.load(std::memory_order_relaxed))) return near;
-      std::vector<PatchId> near_run;
-      StopCheck check_looks(control_);
-      while (begin < end && !are_too_many(near.parts.size(), near.looks)) {
-        const std::size_t run_end = end_of_run(begin, std::min(end, begin + kRun));
-        const bool is_few = has_few(surface_.patch[begin]);
-        const std::vector<PatchId>& patches = is_few ? large : all;
-        const TriangleTree& tree = is_few ? tree_of_large : tree_of_all;
-        const bool is_inside = is_looked_at_inside(begin);
-        near.looks += find_near(begin, run_end, patches, tree, near_run, check_looks);
-        for (; begin < run_end && !are_too_many(near.parts.size(), near.looks); ++begin) {
-          if (is_inside) near.faces.push_back(static_cast<std::uint32_t>(begin));
-          if (near_run.size() > kFewPatches)
-            look_at(begin, patches, tree, near, check_looks);
-          else if (!near_run.empty())
-            look_at(begin, near_run, near, check_looks);
-        }
-      }
-      parts.fetch_add(near.parts.size(), std::memory_order_relaxed);
-      looks.fetch_add(near.looks, std::memory_order_relaxed);
-      progress.add(end - first);
-      return near;
-    });
+    auto found =
+        map_blocks<Near>(surface_.face_count(), kPatchBlock, control_, [&](std::size_t begin, std::size_t end) {
+          Near near;
+          const std::size_t first = begin;
+          if (are_too_many(parts.load(std::memory_order_relaxed), looks.load(std::memory_order_relaxed))) return near;
+          std::vector<PatchId> near_run;
+          StopCheck check_looks(control_);
+          while (begin < end && !are_too_many(near.parts.size(), near.looks)) {
+            const std::size_t run_end = end_of_run(begin, std::min(end, begin + kRun));
+            const bool is_few = has_few(surface_.patch[begin]);
+            const std::vector<PatchId>& patches = is_few ? large : all;
+            const TriangleTree& tree = is_few ? tree_of_large : tree_of_all;
+            const bool is_inside = is_looked_at_inside(begin);
+            near.looks += find_near(begin, run_end, patches, tree, near_run, check_looks);
+            for (; begin < run_end && !are_too_many(near.parts.size(), near.looks); ++begin) {
+              if (is_inside) near.faces.push_back(static_cast<std::uint32_t>(begin));
+              if (near_run.size() > kFewPatches)
+                look_at(begin, patches, tree, near, check_looks);
+              else if (!near_run.empty())
+                look_at(begin, near_run, near, check_looks);
+            }
+          }
+          parts.fetch_add(near.parts.size(), std::memory_order_relaxed);
+          looks.fetch_add(near.looks, std::memory_order_relaxed);
+          progress.add(end - first);
+          return near;
+        });
     // The counts exceed the limits, or do not, whatever the order in which blocks are counted.
     if (are_too_many(parts.load(std::memory_order_relaxed), looks.load(std::memory_order_relaxed))) {
       faces_.resize(surface_.face_count());
@@ -246,7 +247,7 @@ class Cull {
   /// Finds the places of all patches, and counts the faces of each.
   void find_places() {
     boxes_of_runs_.resize(surface_.face_count() / kRun + 1);
-    for_blocks(surface_.face_count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+    for_blocks(surface_.face_count(), kPatchBlock, control_, [&](std::size_t begin, std::size_t end) {
       while (begin < end) {
         const PatchId p = surface_.patch[begin];
         const std::size_t first = begin, run_end = end_of_run(begin, std::min(end, begin + kRun));
@@ -363,7 +364,7 @@ class Excerpt {
     const auto mark = [&](std::size_t f) {
       for (const VertexId v : surface.face(f)) std::atomic_ref(is_left[v.value]).store(1, std::memory_order_relaxed);
     };
-    for_blocks(cull.faces().size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+    for_blocks(cull.faces().size(), kPatchBlock, control, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) mark(cull.faces()[i]);
     });
     StopCheck check(control);
@@ -372,10 +373,10 @@ class Excerpt {
       mark(part.face);
     }
     const auto left =
-        select_ids<VertexId>(is_left.size(), kBlock, control, [&](std::size_t v) { return is_left[v] != 0; });
+        select_ids<VertexId>(is_left.size(), kPatchBlock, control, [&](std::size_t v) { return is_left[v] != 0; });
     number_.resize(is_left.size());
     positions_.resize(left.size());
-    for_blocks(left.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+    for_blocks(left.size(), kPatchBlock, control, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         number_[left[i].value] = static_cast<std::uint32_t>(i);
         positions_[i] = surface.positions[left[i].value];
@@ -412,7 +413,7 @@ class Meetings {
       return std::tuple(patches_of(a), parts_[a].of, parts_[a].face) <
              std::tuple(patches_of(b), parts_[b].of, parts_[b].face);
     });
-    begin_ = select_ids<std::uint32_t>(order_.size(), kBlock, control, [&](std::size_t i) {
+    begin_ = select_ids<std::uint32_t>(order_.size(), kPatchBlock, control, [&](std::size_t i) {
       return i == 0 || patches_of(order_[i]) != patches_of(order_[i - 1]);
     });
     begin_.push_back(static_cast<std::uint32_t>(order_.size()));
@@ -592,7 +593,7 @@ SelfIntersections patch_intersections(const PatchedFaces& surface, const SearchL
   // Between small patches, and inside patches, whole faces are compared.
   std::vector<Triangle> faces(cull.faces().size());
   std::vector<std::uint32_t> pieces(cull.faces().size());
-  for_blocks(faces.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+  for_blocks(faces.size(), kPatchBlock, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       const std::uint32_t f = cull.faces()[i];
       faces[i] = excerpt.face(f);

@@ -9,7 +9,7 @@
 namespace remesh {
 namespace {
 
-constexpr std::size_t kBlock = 1 << 14;
+constexpr std::size_t kPredicateBlock = 1 << 14;
 
 /// An axis along which coordinates are smaller by more than this power of two is stretched until they are not.
 constexpr int kMaxNarrower = 10;
@@ -49,7 +49,7 @@ std::vector<Vec3> scaled_for_predicates(std::span<const Vec3> positions, RunCont
     first[axis] = std::ldexp(1, shift / 2);
     second[axis] = std::ldexp(1, shift - shift / 2);
   }
-  for_blocks(scaled.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+  for_blocks(scaled.size(), kPredicateBlock, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v)
       for (int axis = 0; axis < 3; ++axis) scaled[v][axis] = second[axis] * (first[axis] * scaled[v][axis]);
   });

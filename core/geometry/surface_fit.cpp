@@ -19,13 +19,6 @@ Vec3 mean_of(std::span<const Vec3> points) {
   return (1 / static_cast<double>(points.size())) * sum;
 }
 
-/// Returns a unit vector across `axis`. It depends on the direction alone.
-Vec3 across(const Vec3& axis) {
-  const double x = std::fabs(axis.x), y = std::fabs(axis.y), z = std::fabs(axis.z);
-  const Vec3 least = x <= y && x <= z ? Vec3{1, 0, 0} : y <= z ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
-  return normalized(cross(axis, least));
-}
-
 struct Circle {
   Vec2 centre;
   double radius;
@@ -208,7 +201,7 @@ Parameters parameters_of(const AnalyticSurface& s, const Vec3& middle, double sc
     at.profile[0] = scale * s.radius;
     return at;
   }
-  at.x = across(s.axis);
+  at.x = unit_across(s.axis);
   at.y = cross(s.axis, at.x);
   // The origin moves along the axis to the middle of the points, so that shifts and turns are independent.
   const double along = dot(scale * (middle - s.origin), s.axis);
@@ -230,7 +223,7 @@ Parameters rounded(Parameters at, const Vec3& middle) {
   for (double& p : at.profile) p = round(p);
   if (at.kind != SurfaceKind::kSphere) {
     at.axis = normalized(round_all(at.axis));
-    at.x = across(at.axis);
+    at.x = unit_across(at.axis);
     at.y = cross(at.axis, at.x);
   }
   at.set_angle();
@@ -314,7 +307,7 @@ std::optional<AnalyticSurface> guess_sphere(std::span<const Vec3> points) {
 }
 
 std::optional<AnalyticSurface> guess_cylinder(std::span<const Vec3> points, const Vec3& axis) {
-  const Vec3 x = across(axis), y = cross(axis, x), mean = mean_of(points);
+  const Vec3 x = unit_across(axis), y = cross(axis, x), mean = mean_of(points);
   const std::optional<Circle> circle = guess_circle(points, [&](const Vec3& p) {
     return Vec2{dot(p - mean, x), dot(p - mean, y)};
   });

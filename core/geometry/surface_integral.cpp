@@ -47,13 +47,6 @@ const Rules& rules() {
   return kRules;
 }
 
-/// Returns a unit vector across an axis.
-Vec3 across(const Vec3& axis) {
-  const double x = std::fabs(axis.x), y = std::fabs(axis.y), z = std::fabs(axis.z);
-  const Vec3 other = x <= y && x <= z ? Vec3{1, 0, 0} : y <= z ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
-  return normalized(cross(axis, other));
-}
-
 }  // namespace
 
 const std::array<double, kPoints>& SurfaceIntegral::places() { return rules().places; }
@@ -62,7 +55,7 @@ SurfaceIntegral::SurfaceIntegral(const AnalyticSurface& shape, const Vec3& middl
     : shape_(shape), unit_(unit), centre_(shape.origin) {
   const Vec3 towards = middle - shape.origin;
   z_ = shape.kind == SurfaceKind::kSphere ? normalized(towards) : shape.axis;
-  x_ = across(z_);
+  x_ = unit_across(z_);
   y_ = cross(z_, x_);
   // Any point of a cylinder's axis serves. One beside the piece loses no digits.
   if (shape.kind == SurfaceKind::kCylinder) centre_ = shape.origin + dot(towards, shape.axis) * shape.axis;

@@ -20,9 +20,7 @@ Vec3 across(const Vec3& axis, const Vec3& towards) {
     const Vec3 unit = normalized(part);
     return normalized(unit - dot(unit, axis) * axis);
   }
-  const double x = std::fabs(axis.x), y = std::fabs(axis.y), z = std::fabs(axis.z);
-  const Vec3 other = x <= y && x <= z ? Vec3{1, 0, 0} : y <= z ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
-  return normalized(cross(axis, other));
+  return unit_across(axis);
 }
 
 }  // namespace

@@ -92,4 +92,6 @@ class Triangulation2d {
   std::vector<std::uint32_t> edge_at_;
 };
 
+inline constexpr std::uint32_t kNoHalfEdge = Triangulation2d::kNoHalfEdge;
+
 }  // namespace remesh

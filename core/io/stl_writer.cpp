@@ -16,7 +16,7 @@
 namespace remesh {
 namespace {
 
-constexpr std::size_t kHeader = 80;
+constexpr std::size_t kHeaderBytes = 80;
 
 using Floats = std::array<float, 3>;
 
@@ -68,7 +68,7 @@ std::string header_of(const std::vector<std::string>& comments) {
     const std::size_t found = rest.rfind(kSeparator);
     const std::size_t begin = found == std::string_view::npos ? 0 : found + kSeparator.size();
     const std::string_view part = rest.substr(begin);
-    if (header.size() + kSeparator.size() + part.size() <= kHeader) header.append(kSeparator).append(part);
+    if (header.size() + kSeparator.size() + part.size() <= kHeaderBytes) header.append(kSeparator).append(part);
     rest = rest.substr(0, found == std::string_view::npos ? 0 : found);
   }
   return header;
@@ -83,8 +83,8 @@ std::string write_stl(const TriangleMesh& mesh, const std::vector<std::string>& 
     throw Error(Code::kOutputTooLarge, Stage::kWrite, "more triangles than binary STL can count").with_limit(kMaxCount);
   }
   std::string out = header_of(comments);
-  out.resize(kHeader, ' ');
-  out.reserve(kHeader + 4 + 50 * mesh.faces.size());
+  out.resize(kHeaderBytes, ' ');
+  out.reserve(kHeaderBytes + 4 + 50 * mesh.faces.size());
   append_little_endian(out, static_cast<std::uint32_t>(mesh.faces.size()));
 
   WriteProgress progress(mesh.faces.size(), control);

@@ -18,7 +18,7 @@ constexpr double kWitness = 8;
 /// If more faces than this meet at an edge, the edge is ignored.
 constexpr std::size_t kMaxAround = 8;
 
-constexpr std::size_t kBlock = 4096;
+constexpr std::size_t kNoiseBlock = 4096;
 
 /// Collects the amounts by which faces bend, as distances. Amounts that differ by less than about one part in a
 /// thousand may count as one. No more than kBendsOfNoise different amounts are collected, because so many are enough to
@@ -83,7 +83,7 @@ bool is_noise_present(const Surface& surface, const Adjacency& adjacency, const 
   const auto look_at_all = [&](std::size_t count, const auto& look_at) {
     // The other blocks do not matter as soon as one block has enough bends.
     std::atomic<bool> is_over = all.count() >= amounts;
-    const auto blocks = map_blocks<DifferentBends>(count, kBlock, control, [&](std::size_t i, std::size_t end) {
+    const auto blocks = map_blocks<DifferentBends>(count, kNoiseBlock, control, [&](std::size_t i, std::size_t end) {
       DifferentBends bends;
       for (; i < end && !is_over; ++i) {
         control.check();  // large polygons take a while

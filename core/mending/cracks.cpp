@@ -18,7 +18,7 @@
 namespace remesh {
 namespace {
 
-constexpr std::size_t kBlock = 256;
+constexpr std::size_t kCrackBlock = 256;
 
 /// The largest width of a crack, relative to the length of its edges and to how far its faces reach from them.
 constexpr double kCrackShare = 0.1;
@@ -38,20 +38,21 @@ std::vector<Nearest> find_all(std::size_t edges, RunControl& control, const Find
   constexpr std::size_t kManyLooks = 1 << 12;
   LooksAtEdges looks(edges);
   LoopProgress progress(control, edges);
-  const auto blocks = map_blocks<std::vector<Nearest>>(edges, kBlock, control, [&](std::size_t begin, std::size_t end) {
-    std::vector<Nearest> nearest(end - begin);
-    std::size_t told = begin;
-    for (std::size_t i = begin; i < end && !looks.are_too_many(); ++i) {
-      const std::size_t seen = find(i, nearest[i - begin]);
-      looks.add(seen);
-      // If very many edges have one middle, a block of them may take seconds.
-      if (seen < kManyLooks) continue;
-      progress.add(i + 1 - told);
-      told = i + 1;
-    }
-    progress.add(end - told);
-    return nearest;
-  });
+  const auto blocks =
+      map_blocks<std::vector<Nearest>>(edges, kCrackBlock, control, [&](std::size_t begin, std::size_t end) {
+        std::vector<Nearest> nearest(end - begin);
+        std::size_t told = begin;
+        for (std::size_t i = begin; i < end && !looks.are_too_many(); ++i) {
+          const std::size_t seen = find(i, nearest[i - begin]);
+          looks.add(seen);
+          // If very many edges have one middle, a block of them may take seconds.
+          if (seen < kManyLooks) continue;
+          progress.add(i + 1 - told);
+          told = i + 1;
+        }
+        progress.add(end - told);
+        return nearest;
+      });
   std::vector<Nearest> all;
   if (looks.are_too_many()) return all;
   for (const auto& nearest : blocks) all.insert(all.end(), nearest.begin(), nearest.end());

@@ -20,7 +20,7 @@
 namespace remesh {
 namespace {
 
-constexpr std::size_t kBlock = 256;
+constexpr std::size_t kPartnerBlock = 256;
 
 /// All pairs of edges that could be partners. Each pair is listed once.
 struct Candidates {
@@ -36,7 +36,7 @@ Candidates find_candidates(const OpenEdges& open, const SeamRules& rules, RunCon
   LooksAtEdges looks(open.size());
   LoopProgress progress(control, open.size());
   const auto blocks =
-      map_blocks<std::vector<SeamPair>>(open.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+      map_blocks<std::vector<SeamPair>>(open.size(), kPartnerBlock, control, [&](std::size_t begin, std::size_t end) {
         std::vector<SeamPair> pairs;
         // The radius is a little larger, so that edges at exactly the tolerance are found despite the rounding of the
         // middles.

@@ -13,9 +13,9 @@
 namespace remesh {
 namespace {
 
-class Search {
+class PinchSearch {
  public:
-  Search(const Surface& surface, const Adjacency& edges, RunControl& control)
+  PinchSearch(const Surface& surface, const Adjacency& edges, RunControl& control)
       : surface_(surface), edges_(edges), control_(control) {}
 
   std::vector<VertexId> run() {
@@ -116,7 +116,7 @@ class Search {
 }  // namespace
 
 std::vector<VertexId> pinched_vertices(const Surface& surface, const Adjacency& edges, RunControl& control) {
-  return Search(surface, edges, control).run();
+  return PinchSearch(surface, edges, control).run();
 }
 
 }  // namespace remesh

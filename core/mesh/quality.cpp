@@ -21,7 +21,7 @@
 namespace remesh {
 namespace {
 
-constexpr std::size_t kBlock = 4096;
+constexpr std::size_t kQualityBlock = 4096;
 constexpr double kDegrees = 180 / 3.14159265358979323846;
 
 /// Limits of the bins of the radius-edge ratio, which is at least 1/sqrt(3), the ratio of the equilateral triangle.
@@ -80,7 +80,7 @@ Range undo(const Scale& scale, const Range& range, int dimension) {
   return {scale.undo(range.min, dimension), scale.undo(range.mean, dimension), scale.undo(range.max, dimension)};
 }
 
-struct TriangleMeasures {
+struct FaceMeasures {
   /// The lengths below are multiplied by 2^grown, and products of two lengths by its square. The area is not.
   int grown = 0;
   double twice_area = 0;
@@ -100,9 +100,9 @@ struct TriangleMeasures {
 
 /// Measures a triangle, given the side opposite each corner. The function has no branches, spells out all three sides,
 /// and is always inlined. Therefore the compiler can measure several triangles at once (`Lanes`).
-[[gnu::always_inline]] inline TriangleMeasures measure_sides(const Vec3& opposite_a, const Vec3& opposite_b,
-                                                             const Vec3& opposite_c) {
-  TriangleMeasures out;
+[[gnu::always_inline]] inline FaceMeasures measure_sides(const Vec3& opposite_a, const Vec3& opposite_b,
+                                                         const Vec3& opposite_c) {
+  FaceMeasures out;
   const double a = std::sqrt(norm_squared(opposite_a)), b = std::sqrt(norm_squared(opposite_b)),
                c = std::sqrt(norm_squared(opposite_c));
   // The cross product of the two shorter sides suffers least from cancellation.
@@ -136,14 +136,14 @@ struct TriangleMeasures {
 
 /// Measures a triangle that is tiny beside the whole mesh. It is scaled to a size of about 1, because its squares would
 /// underflow otherwise.
-[[gnu::noinline]] TriangleMeasures measure_tiny(const Vec3& a, const Vec3& b, const Vec3& c) {
+[[gnu::noinline]] FaceMeasures measure_tiny(const Vec3& a, const Vec3& b, const Vec3& c) {
   double largest = 0;
   for (const Vec3& s : {c - b, a - c, b - a})
     largest = std::max({largest, std::fabs(s.x), std::fabs(s.y), std::fabs(s.z)});
   if (largest == 0) return {};
   const int grow = std::clamp(-std::ilogb(largest), 0, 1000);
   const double factor = std::ldexp(1.0, grow);
-  TriangleMeasures out = measure_sides(factor * (c - b), factor * (a - c), factor * (b - a));
+  FaceMeasures out = measure_sides(factor * (c - b), factor * (a - c), factor * (b - a));
   out.grown = grow;
   out.area = std::ldexp(out.area, -2 * grow);
   return out;
@@ -153,8 +153,8 @@ struct TriangleMeasures {
 /// lengths of two of its sides.
 bool are_tiny(double a, double b) { return !(std::max(a, b) > 0x1p-248); }
 
-TriangleMeasures measure(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const TriangleMeasures m = measure_sides(c - b, a - c, b - a);
+FaceMeasures measure(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const FaceMeasures m = measure_sides(c - b, a - c, b - a);
   return are_tiny(m.length[0], m.length[1]) ? measure_tiny(a, b, c) : m;
 }
 
@@ -175,7 +175,7 @@ class Lanes {
     for (std::size_t i = 0; i < count; ++i) {
       grown_[i] = 0;
       if (!are_tiny(length_[0][i], length_[1][i])) continue;
-      const TriangleMeasures m = measure_tiny(a_[i], b_[i], c_[i]);
+      const FaceMeasures m = measure_tiny(a_[i], b_[i], c_[i]);
       set(i, m);
       grown_[i] = m.grown;
       volume_[i] = std::ldexp(dot(a_[i] - centre, m.normal) / 6, -2 * m.grown);
@@ -183,8 +183,8 @@ class Lanes {
   }
 
   /// The measures of a triangle, without its normal.
-  [[gnu::always_inline]] TriangleMeasures operator[](std::size_t i) const {
-    TriangleMeasures m;
+  [[gnu::always_inline]] FaceMeasures operator[](std::size_t i) const {
+    FaceMeasures m;
     m.grown = grown_[i];
     m.twice_area = twice_area_[i];
     m.along = {along_[0][i], along_[1][i], along_[2][i]};
@@ -215,12 +215,12 @@ class Lanes {
   [[gnu::noinline]] void measure_all(const Vec3& centre) {
     for (std::size_t i = 0; i < kCount; ++i) {
       const Vec3 a = a_[i], b = b_[i], c = c_[i];
-      const TriangleMeasures m = measure_sides(c - b, a - c, b - a);
+      const FaceMeasures m = measure_sides(c - b, a - c, b - a);
       set(i, m);
       volume_[i] = dot(a - centre, m.normal) / 6;
     }
   }
-  [[gnu::always_inline]] void set(std::size_t i, const TriangleMeasures& m) {
+  [[gnu::always_inline]] void set(std::size_t i, const FaceMeasures& m) {
     for (std::size_t k = 0; k < 3; ++k) {
       // cppcheck-suppress arrayIndexOutOfBounds ; takes three rows of many for many rows of three
       along_[k][i] = m.along[k];
@@ -277,7 +277,7 @@ class BinsByCosine {
 /// Collects the smallest and the largest of many angles, and the number of angles in each bin.
 class Angles {
  public:
-  void add(const TriangleMeasures& m, const BinsByCosine& bin_of) {
+  void add(const FaceMeasures& m, const BinsByCosine& bin_of) {
     // If squares of lengths have lost digits, so have the cosines. If there is no area, the angles are 0 or 180
     // degrees.
     if (!(m.twice_area > 0x1p-400) || m.shortest < 0x1p-300) {
@@ -320,7 +320,7 @@ class Angles {
     double degrees() const { return std::atan2(sine, cosine) * kDegrees; }
   };
 
-  [[gnu::always_inline]] void count(const TriangleMeasures& m, std::size_t corner, const BinsByCosine& bin_of) {
+  [[gnu::always_inline]] void count(const FaceMeasures& m, std::size_t corner, const BinsByCosine& bin_of) {
     const double cosine = m.cosine[corner];
     // Right angles are frequent, and each would need the arc tangent otherwise.
     if (std::fabs(cosine) < 1e-12) {
@@ -387,7 +387,7 @@ QualityBlock measure_block(const Scale& scale, std::span<const Vec3> positions, 
     lanes.measure(count, centre);
     for (std::size_t i = 0; i < count; ++i) {
       const auto h = static_cast<std::uint32_t>(3 * (begin + i));
-      const TriangleMeasures m = lanes[i];
+      const FaceMeasures m = lanes[i];
       block.angles.add(m, bin_of);
       block.area.add(m.area);
       block.volume += lanes.volume(i);
@@ -423,12 +423,12 @@ Block combined(const std::vector<Block>& blocks) {
 QualityBlock measure_triangles(const Scale& scale, std::span<const Vec3> positions, const Adjacency& adjacency,
                                std::size_t count, const Vec3& centre, RunControl& control) {
   QualityBlock total =
-      combined(map_blocks<QualityBlock>(count, kBlock, control, [&](std::size_t begin, std::size_t end) {
+      combined(map_blocks<QualityBlock>(count, kQualityBlock, control, [&](std::size_t begin, std::size_t end) {
         return measure_block(scale, positions, adjacency, centre, begin, end);
       }));
   const auto odd = adjacency.odd_edges();
   total.edge_length.add(
-      combined(map_blocks<Summary>(odd.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+      combined(map_blocks<Summary>(odd.size(), kQualityBlock, control, [&](std::size_t begin, std::size_t end) {
         Summary block;
         for (const EdgeId e : odd.subspan(begin, end - begin)) {
           const std::uint32_t h = adjacency.half_edges(e)[0];
@@ -471,23 +471,24 @@ VertexBlock measure_vertices(std::span<const Vec3> positions, std::span<const st
                              std::span<const VertexId> corners, RunControl& control) {
   std::vector<std::atomic<std::uint8_t>> is_used(positions.size());
   UnionFind components(positions.size());
-  for_blocks(face_begin.size() - 1, kBlock, control, [&](std::size_t begin, std::size_t end) {
+  for_blocks(face_begin.size() - 1, kQualityBlock, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f)
       for (std::uint32_t h = face_begin[f]; h < face_begin[f + 1]; ++h) {
         is_used[corners[h].value].store(1, std::memory_order_relaxed);
         if (h > face_begin[f]) components.join(corners[h - 1].value, corners[h].value);
       }
   });
-  return combined(map_blocks<VertexBlock>(positions.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
-    VertexBlock block;
-    for (std::size_t v = begin; v < end; ++v) {
-      if (is_used[v].load(std::memory_order_relaxed) == 0) continue;
-      ++block.vertices;
-      block.components += components.find(static_cast<std::uint32_t>(v)) == v;
-      block.box.add(positions[v]);
-    }
-    return block;
-  }));
+  return combined(
+      map_blocks<VertexBlock>(positions.size(), kQualityBlock, control, [&](std::size_t begin, std::size_t end) {
+        VertexBlock block;
+        for (std::size_t v = begin; v < end; ++v) {
+          if (is_used[v].load(std::memory_order_relaxed) == 0) continue;
+          ++block.vertices;
+          block.components += components.find(static_cast<std::uint32_t>(v)) == v;
+          block.box.add(positions[v]);
+        }
+        return block;
+      }));
 }
 
 /// The counts of the edges.
@@ -519,10 +520,10 @@ EdgeCounts count_edges(const Adjacency& adjacency, RunControl& control) {
 IdVector<FaceId, FaceQuality> face_quality(const TriangleMesh& mesh, RunControl& control) {
   const Scale scale(mesh.positions.items(), control);
   IdVector<FaceId, FaceQuality> quality(mesh.faces.size());
-  for_blocks(mesh.faces.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+  for_blocks(mesh.faces.size(), kQualityBlock, control, [&](std::size_t begin, std::size_t end) {
     for (FaceId f(begin); f.value < end; ++f.value) {
       const auto [a, b, c] = mesh.faces[f];
-      const TriangleMeasures m = measure(scale(mesh.positions[a]), scale(mesh.positions[b]), scale(mesh.positions[c]));
+      const FaceMeasures m = measure(scale(mesh.positions[a]), scale(mesh.positions[b]), scale(mesh.positions[c]));
       const auto finite = [](double ratio) { return std::isfinite(ratio) ? ratio : 0; };
       const auto smallest =
           static_cast<std::size_t>(std::max_element(m.along.begin(), m.along.end()) - m.along.begin());

@@ -14,10 +14,10 @@ namespace {
 constexpr double kFullTurn = 2 * std::numbers::pi;
 
 /// Angles and distances are compared with a relative slack, because they are computed with rounding.
-constexpr double kSlack = 1e-9;
+constexpr double kSectionSlack = 1e-9;
 
 /// A piece of the input may turn by this much, and no more, if the direction of the turn is to be clear.
-constexpr double kMaxInputTurn = kFullTurn / 3 * (1 + kSlack);
+constexpr double kMaxInputTurn = kFullTurn / 3 * (1 + kSectionSlack);
 
 /// The parts of a piece at which its height over the chord is measured. For circles and ellipses the middle is the
 /// highest place; for other sections it is near there.
@@ -32,7 +32,9 @@ double ratio(double distance, double limit) { return distance > 0 ? distance / l
 
 }  // namespace
 
-double turn_limit(double max_turn) { return max_turn <= kFullTurn / 3 * (1 + kSlack) ? max_turn : kFullTurn / 6; }
+double turn_limit(double max_turn) {
+  return max_turn <= kFullTurn / 3 * (1 + kSectionSlack) ? max_turn : kFullTurn / 6;
+}
 
 std::optional<SectionChain> SectionChain::along(const SectionCurve& curve, std::span<const Vec3> points) {
   SectionChain chain(curve, points);
@@ -109,7 +111,8 @@ SectionChain::Misfit SectionChain::misfit(std::span<const Vec3> division, const 
     check();
     while (i + 1 < piece_count() && angles_[i + 1] < total_ * (static_cast<double>(j) / count)) ++i;
     const double limit = room != nullptr ? room->in_middle[i] : limits.tolerance;
-    if (ratio(distance_to(division[j], points_[i], points_[i + 1]), limit) > 1 + kSlack) result.is_off_input = true;
+    if (ratio(distance_to(division[j], points_[i], points_[i + 1]), limit) > 1 + kSectionSlack)
+      result.is_off_input = true;
   }
   return result;
 }
@@ -144,13 +147,13 @@ SectionChain::Division SectionChain::divide(const ChainLimits& limits, double fi
                                             const std::function<ChainRoom(double)>& room,
                                             const RunControl& control) const {
   Division result;
-  const double turn = turn_limit(limits.max_turn), wanted = std::ceil(total_ / turn * (1 - kSlack));
+  const double turn = turn_limit(limits.max_turn), wanted = std::ceil(total_ / turn * (1 - kSectionSlack));
   if (!(wanted <= kMaxPieces)) return result;
   const std::size_t of_input = piece_count();
   const std::size_t by_turn = std::max(static_cast<std::size_t>(is_closed() ? 3 : 1), static_cast<std::size_t>(wanted));
   const std::size_t first =
       std::max(by_turn, static_cast<std::size_t>(std::min(limits.min_pieces, static_cast<double>(of_input))));
-  const bool may_stay = turn >= largest_turn() * (1 - kSlack);
+  const bool may_stay = turn >= largest_turn() * (1 - kSectionSlack);
   const std::size_t max = may_stay ? of_input - 1 : std::max(first, of_input);
   std::optional<ChainRoom> known;
   std::size_t without_room = 0;  // the number of pieces that are enough if nothing is near
@@ -161,7 +164,7 @@ SectionChain::Division SectionChain::divide(const ChainLimits& limits, double fi
     if (n == of_input && are_pieces_even(division, fit_tolerance)) break;
     const Misfit found = misfit(division, limits, known ? &*known : nullptr, control);
     if (found.is_off_input || !(found.by_length < kMaxPieces)) break;
-    if (found.by_length > 1 + kSlack) {
+    if (found.by_length > 1 + kSectionSlack) {
       // Heights shrink with the square of the length. The estimate is never above the fewest pieces of a circle. After
       // some tries the steps grow, so that the work stays in proportion.
       const double estimate = static_cast<double>(n) * std::sqrt(found.by_length) * (tries++ < 8 ? 0.999 : 1.1);
@@ -170,7 +173,7 @@ SectionChain::Division SectionChain::divide(const ChainLimits& limits, double fi
     } else if (!known) {
       without_room = n;
       // Nothing is farther from the input, neither now nor with more pieces.
-      known = room(std::min(limits.tolerance, std::max(found.largest, largest_height()) * (1 + kSlack)));
+      known = room(std::min(limits.tolerance, std::max(found.largest, largest_height()) * (1 + kSectionSlack)));
       if (!known->is_limited) take(division, fit_tolerance, result);
     } else {
       take(division, fit_tolerance, result);

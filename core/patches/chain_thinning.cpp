@@ -8,7 +8,7 @@ namespace remesh {
 namespace {
 
 /// Angles and distances are compared with a relative slack, because they are computed with rounding.
-constexpr double kSlack = 1e-9;
+constexpr double kThinningSlack = 1e-9;
 
 /// Chooses the nodes of one chain. Node 0 and the last one always stay.
 class ChainThinner {
@@ -16,7 +16,7 @@ class ChainThinner {
   ChainThinner(std::span<const Vec3> points, std::span<const AnalyticSurface* const> surfaces,
                const ChainLimits& limits, const ChainRoom& room, const RunControl& control)
       : points_(points), room_(room), control_(control) {
-    const double turn = std::min(std::numbers::pi, turn_limit(limits.max_turn) * (1 + kSlack));
+    const double turn = std::min(std::numbers::pi, turn_limit(limits.max_turn) * (1 + kThinningSlack));
     max_difference_ = 2 * std::sin(turn / 2);
     for (const AnalyticSurface* surface : surfaces)
       for (const Vec3& p : points) normals_.push_back(surface->normal(p));
@@ -55,7 +55,7 @@ class ChainThinner {
       const Vec3 ap = points_[k] - a;
       const double along = dot(ap, ab) / length_squared;
       if (!(along > reached) || !(along < 1)) return false;
-      if (!(norm(ap - along * ab) <= room_.at_node[k] * (1 + kSlack))) return false;
+      if (!(norm(ap - along * ab) <= room_.at_node[k] * (1 + kThinningSlack))) return false;
       reached = along;
     }
     for (std::size_t begin = 0; begin < normals_.size(); begin += points_.size())

@@ -24,7 +24,7 @@ constexpr std::size_t kMuchLarger = 4;
 /// better, they show it soon.
 constexpr std::size_t kMaxWitnesses = 8;
 
-constexpr std::size_t kBlock = 4096;
+constexpr std::size_t kMergeBlock = 4096;
 
 class Merging {
  public:
@@ -43,7 +43,7 @@ class Merging {
     if (first_region_ == regions_.planes.size()) return;
     pieces_.resize(regions_.planes.size() - first_region_);
     // All faces of a region are on one rung of the ladder.
-    for_blocks(pieces_.size(), kBlock, control_, [&](std::size_t r, std::size_t end) {
+    for_blocks(pieces_.size(), kMergeBlock, control_, [&](std::size_t r, std::size_t end) {
       for (; r < end; ++r) pieces_[r] = {rule_.tolerance(seeds_[r]), heights_[r], kNone, !rule_.is_single(seeds_[r])};
     });
     Pairs pairs = bordering_pieces();
@@ -109,7 +109,7 @@ class Merging {
       return found;
     };
     Pairs pairs;
-    for (const Pairs& found : map_blocks<Pairs>(surface_.corners.size(), kBlock, control_, find))
+    for (const Pairs& found : map_blocks<Pairs>(surface_.corners.size(), kMergeBlock, control_, find))
       pairs.insert(pairs.end(), found.begin(), found.end());
     sort_stoppable(pairs.begin(), pairs.end(), control_);
     pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
@@ -137,7 +137,7 @@ class Merging {
     }
     if (contents_.size() == first) return;
     for (FaceId f(0); f.value < surface_.face_count(); ++f.value) {
-      if (f.value % kBlock == 0) control_.check();
+      if (f.value % kMergeBlock == 0) control_.check();
       const RegionId r = regions_.of_face[f];
       if (r.value < first_region_) continue;
       const Piece& piece = pieces_[r.value - first_region_];
@@ -238,7 +238,7 @@ class Merging {
 
   bool add_all(const std::vector<FaceId>& faces, const Plane& plane, double band, Lie& lie) const {
     for (std::size_t i = 0; i < faces.size(); ++i) {
-      if (i % kBlock == kBlock - 1) control_.check();
+      if (i % kMergeBlock == kMergeBlock - 1) control_.check();
       if (!add(faces[i], plane, band, lie)) return false;
     }
     return true;
@@ -250,7 +250,7 @@ class Merging {
     std::array<std::pair<double, FaceId>, 3> farthest;
     farthest.fill({-HUGE_VAL, FaceId()});
     for (std::size_t i = 0; i < content.faces.size(); ++i) {
-      if (i % kBlock == kBlock - 1) control_.check();
+      if (i % kMergeBlock == kMergeBlock - 1) control_.check();
       const FaceId f = content.faces[i];
       double low = HUGE_VAL, high = -HUGE_VAL;
       for (const VertexId v : surface_.face(f)) {
@@ -299,7 +299,7 @@ class Merging {
     }
     double deviation = 0;
     for (std::size_t i = 0; i < content.faces.size(); ++i) {
-      if (i % kBlock == kBlock - 1) control_.check();
+      if (i % kMergeBlock == kMergeBlock - 1) control_.check();
       regions_.of_face[content.faces[i]] = RegionId(first_region_ + r);
       deviation = std::max(deviation, rule_.distance(content.faces[i], plane_of(r)));
     }

@@ -13,7 +13,7 @@ namespace {
 /// For fewer faces than this, growing and merging costs less than fitting a plane to their corners.
 constexpr std::size_t kFewFaces = 32;
 
-constexpr std::size_t kBlock = 4096;
+constexpr std::size_t kSumBlock = 4096;
 
 }  // namespace
 
@@ -25,9 +25,9 @@ Sum RegionPlanes::sum_over(std::span<const std::uint32_t> faces, const Add& add)
     for (std::size_t i = begin; i < end; ++i) add(FaceId(faces[i]), sum);
     return sum;
   };
-  if (faces.size() <= kBlock) return sum_block(0, faces.size());
+  if (faces.size() <= kSumBlock) return sum_block(0, faces.size());
   Sum all;
-  for (const Sum& sum : map_blocks<Sum>(faces.size(), kBlock, control_, sum_block)) all.add(sum);
+  for (const Sum& sum : map_blocks<Sum>(faces.size(), kSumBlock, control_, sum_block)) all.add(sum);
   return all;
 }
 

@@ -49,7 +49,7 @@ constexpr int kMinRings = 5;
 
 /// Rounding alone moves corners by this many tolerances. A surface is believed without doubt if so large a part of its
 /// corners is as close to it. The smaller part is enough for many facets.
-constexpr double kCloseFit = 0.1;
+constexpr double kCloseClaim = 0.1;
 constexpr double kCloseOfFew = 0.9, kCloseOfMany = 0.5;
 constexpr std::size_t kManyFacets = 40;
 
@@ -439,7 +439,7 @@ std::optional<Claim> ClaimGrower::conclude(AnalyticSurface shape, int side, std:
       for (const Vec3& p : points_) {
         const double d = std::fabs(gauge.distance(p));
         claim.deviation = std::max(claim.deviation, d);
-        if (d <= kCloseFit * tolerance_) ++close;
+        if (d <= kCloseClaim * tolerance_) ++close;
       }
       const double part = static_cast<double>(close) / static_cast<double>(points_.size());
       const bool is_clear = part >= (claim.facets.size() < kManyFacets ? kCloseOfFew : kCloseOfMany);

@@ -237,7 +237,7 @@ bool VolumeOffsets::move_outside(const CutPatches& cut, CurvedPatches& curved, S
     // Vertices that could not be moved are so far from the moved surface.
     patch.limits.max_height += std::fabs(offset) * levers[patch.surface];
   }
-  return std::any_of(goals_.begin(), goals_.end(), [](const FitGoal& goal) { return goal.is_wanted; });
+  return std::any_of(goals_.begin(), goals_.end(), [](const OffsetGoal& goal) { return goal.is_wanted; });
 }
 
 void VolumeOffsets::set_goals(const CutPatches& cut, const CurvedPatches& curved, RunControl& control) {
@@ -249,7 +249,7 @@ void VolumeOffsets::set_goals(const CutPatches& cut, const CurvedPatches& curved
     const PatchId p(i);
     const CurvedPatch* const patch = curved.of(p);
     if (patch == nullptr || is_left_[patch->surface.value] != 0) continue;
-    FitGoal& goal = goals_[patch->surface];
+    OffsetGoal& goal = goals_[patch->surface];
     const AnalyticSurface& shape = curved.surfaces.surfaces[patch->surface].shape;
     // All patches of a cylinder are measured from the same point of its axis.
     const bool has_centre = goal.is_wanted && shape.kind == SurfaceKind::kCylinder;
@@ -295,7 +295,7 @@ void VolumeOffsets::find_anchored(const CutPatches& cut, const CurvedPatches& cu
 void VolumeOffsets::set_scales(const CurvedPatches& curved) {
   scales_.assign(goals_.size(), 0);
   for (const CurvedPatch& patch : curved.curved) {
-    const FitGoal& goal = goals_[patch.surface];
+    const OffsetGoal& goal = goals_[patch.surface];
     if (!goal.is_wanted) continue;
     const AnalyticSurface& shape = curved.surfaces.surfaces[patch.surface].shape;
     const double radius = shape.kind == SurfaceKind::kTorus ? shape.minor_radius : shape.radius;

@@ -21,7 +21,7 @@
 namespace remesh {
 
 /// The volume or area that the triangles of one surface have to enclose.
-struct FitGoal {
+struct OffsetGoal {
   bool is_wanted = false;
   /// The surface has an open border, so that it bounds no solid. Then its area counts.
   bool is_area = false;
@@ -56,7 +56,7 @@ class VolumeOffsets {
   bool move_outside(const CutPatches& cut, CurvedPatches& curved, Surface& with_cuts, RunControl& control);
 
   /// Returns what each surface has to enclose. It is empty if no surface is moved.
-  const IdVector<SurfaceId, FitGoal>& goals() const { return goals_; }
+  const IdVector<SurfaceId, OffsetGoal>& goals() const { return goals_; }
   const IdVector<SurfaceId, double>& offsets() const { return offsets_; }
   /// Returns the moves of all vertices on boundaries of curved patches, from their places on the true surfaces.
   const OffsetMoves& moves() const { return moves_; }
@@ -98,7 +98,7 @@ class VolumeOffsets {
   void find_anchored(const CutPatches& cut, const CurvedPatches& curved, RunControl& control);
 
   std::vector<std::uint8_t> is_left_;  ///< one per surface: it stays where it is. Empty if none does
-  IdVector<SurfaceId, FitGoal> goals_;
+  IdVector<SurfaceId, OffsetGoal> goals_;
   std::vector<std::uint8_t> is_known_;  ///< one per surface: its offset is not only estimated
   IdVector<SurfaceId, double> offsets_;
   IdVector<SurfaceId, double> scales_;

@@ -19,7 +19,7 @@ constexpr double kStepOfColumns = 0.97;
 /// Pieces of the boundary run around the axis if their ends differ by less than this part of a column along it.
 constexpr double kAcross = 1e-3;
 /// Rounding must not decide whether a column is on the border of the patch.
-constexpr double kRounding = 1e-9;
+constexpr double kColumnRounding = 1e-9;
 
 /// Finds the columns and rows of a patch.
 class ColumnLayout {
@@ -58,8 +58,8 @@ class ColumnLayout {
     const double step = longest_step();
     result.start = start_;
     result.width = width_;
-    result.first = std::ceil((low_.angle - start_) / width_ - kRounding);
-    result.last = std::floor((high_.angle - start_) / width_ + kRounding);
+    result.first = std::ceil((low_.angle - start_) / width_ - kColumnRounding);
+    result.last = std::floor((high_.angle - start_) / width_ + kColumnRounding);
     // Rows fit between the lowest and the highest place. A column has every second row.
     result.rows = std::max(1.0, std::ceil((high_.way - low_.way) / (step / 2) * (1 - 1e-9)));
     result.row = (high_.way - low_.way) / result.rows;
@@ -119,7 +119,7 @@ class ColumnLayout {
     // The columns at both borders of a closed tube's half are numbered alike if their number is even. So the two halves
     // agree on the rows of the points there.
     start_ = chart_.map().around(at).angle;
-    start_ += std::ceil((low_.angle - start_) / width_ - kRounding) * width_;
+    start_ += std::ceil((low_.angle - start_) / width_ - kColumnRounding) * width_;
   }
 
   const CurvedChart& chart_;

@@ -25,7 +25,7 @@ constexpr double kFacesForAngle = 1.7;
 /// Most cylinders and cones are divided into strips, with triangles that are twice as long.
 constexpr double kFacesInStrips = 1.15;
 /// A ball has this many times the faces of equilateral triangles with the longest edges.
-constexpr double kFacesPerIdeal = 1.9, kFacesPerIdealByAngle = 1.6;
+constexpr double kCurvedFacesPerIdeal = 1.9, kCurvedFacesPerIdealByAngle = 1.6;
 /// Edges of a ball are this part of what its turn allows, because triangles are deeper than their edges.
 constexpr double kEdgeOfBall = 0.866;
 /// A bound on angles makes this many times as many faces of a planar patch beside curved ones.
@@ -125,7 +125,7 @@ class CirclePrediction {
   double faces_at_one(const AnalyticSurface& shape, const Vec3& at, double area) const {
     const bool by_angle = goals_.min_angle_deg > 0;
     if (shape.kind == SurfaceKind::kSphere) {
-      const double factor = by_angle ? kFacesPerIdealByAngle : kFacesPerIdeal;
+      const double factor = by_angle ? kCurvedFacesPerIdealByAngle : kCurvedFacesPerIdeal;
       return factor * area / equilateral_area(kEdgeOfBall * shape.radius);
     }
     // Without a bound on angles, edges run along a ruling from one end of the patch to the other.

@@ -30,7 +30,7 @@ constexpr double kDetour = 3;
 /// Boxes are enlarged by this much, in local units. It is more than the rounding error of any distance between two
 /// points. So nothing that is nearer than the best so far is ever passed over, and the answer does not depend on the
 /// order of the search.
-constexpr double kRounding = 0x1p-48;
+constexpr double kGapRounding = 0x1p-48;
 
 /// This is a relative slack for rounding when it is decided whether a patch is hidden.
 constexpr double kHidden = 1 + 1e-6;
@@ -224,7 +224,7 @@ class GapSearch::Index {
         RunControl& control, const TriangulatedPatches* triangulated, double min_gap)
       : surface_(surface),
         contacts_(surface, adjacency, patches, control),
-        touching_squared_(std::pow(plane_tolerance / surface.unit, 2)),
+        touching_squared_(std::pow(std::max(plane_tolerance / surface.unit, kGapRounding), 2)),
         min_height_(min_gap / surface.unit) {
     find_triangles(patches, triangulated, control);
     slabs_ = PatchSlabs(surface, patches, triangulated != nullptr ? &triangulated->charts : nullptr, triangles_,
@@ -301,7 +301,7 @@ class GapSearch::Index {
     const PatchId p = tree_[slot].tag.patch;
     if (!slabs_.is_curved(p)) return slabs_[p];
     const auto& [a, b, c] = corners(slot);
-    return {{a, normalized(cross(b - a, c - a))}, kRounding};
+    return {{a, normalized(cross(b - a, c - a))}, kGapRounding};
   }
 
   /// Returns whether the way to everything in the box, over the vertex that its patches and this one share, is at most
@@ -413,7 +413,7 @@ void GapSearch::Index::find_boxes(RunControl& control) {
       for (std::uint32_t t = triangle_begin_[p]; t < triangle_begin_[p + 1]; ++t) {
         entries[t].tag = common;
         for (const VertexId v : triangles_[t])
-          for (const double e : {-kRounding, kRounding}) entries[t].box.add(surface_.local[v] + Vec3{e, e, e});
+          for (const double e : {-kGapRounding, kGapRounding}) entries[t].box.add(surface_.local[v] + Vec3{e, e, e});
       }
     }
   });

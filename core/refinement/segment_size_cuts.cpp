@@ -13,7 +13,7 @@ namespace remesh {
 namespace {
 
 /// This is a relative slack for rounding, so that a length of ten sizes makes ten parts whatever its last digits are.
-constexpr double kRelativeSlack = 1e-12;
+constexpr double kCutSlack = 1e-12;
 
 double last_of(std::span<const double> shells) { return shells.empty() ? 0 : shells.back(); }
 
@@ -108,7 +108,7 @@ void SegmentTable::cut_between_parts(SegmentId id, const SizeField& sizes, std::
   std::vector<std::array<double, 2>> pieces{{0, 1}};
   for (std::size_t i = 0; i < pieces.size() && cuts.size() < max_cuts; ++i) {
     const auto [t0, t1] = pieces[i];
-    if ((t1 - t0) * s.length * (1 - kRelativeSlack) <= sizes.at(position(id, t0 + (t1 - t0) / 2))) continue;
+    if ((t1 - t0) * s.length * (1 - kCutSlack) <= sizes.at(position(id, t0 + (t1 - t0) / 2))) continue;
     const double t = s.parts.cut(t0, t1);
     if (min_edge_length_ > 0 && std::min(t - t0, t1 - t) * s.length < s.floor) continue;
     cuts.push_back(t);
@@ -144,14 +144,14 @@ void SegmentTable::cut_evenly(SegmentId id, double first, double last, const Siz
     double from = first;
     for (std::size_t i = before; i <= cuts.size(); ++i) {
       const double to = i < cuts.size() ? cuts[i] : last;
-      if ((to - from) * s.length < shortest * (1 - kRelativeSlack)) return true;
+      if ((to - from) * s.length < shortest * (1 - kCutSlack)) return true;
       from = to;
     }
     return false;
   };
-  cut_into(std::min(std::ceil(all * (1 - kRelativeSlack)), max_parts));
+  cut_into(std::min(std::ceil(all * (1 - kCutSlack)), max_parts));
   // With one part less, every part is at least as long as the size, so none is too short.
-  if (shortest > 0 && is_any_short()) cut_into(std::min(std::floor(all * (1 + kRelativeSlack)), max_parts));
+  if (shortest > 0 && is_any_short()) cut_into(std::min(std::floor(all * (1 + kCutSlack)), max_parts));
 }
 
 }  // namespace remesh

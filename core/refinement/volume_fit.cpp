@@ -169,7 +169,7 @@ class Fitter {
   }
 
  private:
-  const FitGoal& goal(const FitSurface& of) const { return input_.fit.goals()[of.surface]; }
+  const OffsetGoal& goal(const FitSurface& of) const { return input_.fit.goals()[of.surface]; }
   Vec3 local(const Vec3& p) const { return (1 / input_.surface.unit) * (p - input_.surface.centre); }
   const AnalyticSurface& shape(SurfaceId s) const { return input_.curved.surfaces.surfaces[s].shape; }
 

@@ -9,7 +9,6 @@
 namespace remesh {
 namespace {
 
-constexpr std::uint32_t kNoHalfEdge = Triangulation2d::kNoHalfEdge;
 enum Mark : std::uint8_t { kUnknown = 2, kInside = 1, kOutside = 0 };
 
 }  // namespace

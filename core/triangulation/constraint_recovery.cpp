@@ -11,8 +11,6 @@
 namespace remesh {
 namespace {
 
-constexpr std::uint32_t kNoHalfEdge = Triangulation2d::kNoHalfEdge;
-
 /// Inserts segments one by one. The triangles that a segment crosses are removed and leave a cavity. The part to the
 /// left of the segment and the part to its right are each filled by a scan. Flips then make the new triangles Delaunay.
 class Recovery {

@@ -8,8 +8,6 @@
 namespace remesh {
 namespace {
 
-constexpr std::uint32_t kNoHalfEdge = Triangulation2d::kNoHalfEdge;
-
 /// The hull of the sweep is a counter-clockwise ring of points. `edge[p]` is the half-edge from p to next[p].
 class Sweep {
  public:

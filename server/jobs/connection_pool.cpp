@@ -11,7 +11,7 @@ namespace {
 /// The pause between attempts to open one more connection while others are open.
 constexpr std::chrono::milliseconds kPause{200};
 /// The interval in which a waiting thread looks whether the daemon stops.
-constexpr std::chrono::milliseconds kLook{50};
+constexpr std::chrono::milliseconds kLookForConnection{50};
 
 }  // namespace
 
@@ -54,7 +54,7 @@ std::unique_ptr<Database> ConnectionPool::take(const StoreDeadline& deadline) {
       continue;
     }
     if (deadline.is_over()) throw StoreError("all connections to the store are in use");
-    returned_.wait_for(lock, deadline.left(kLook));
+    returned_.wait_for(lock, deadline.left(kLookForConnection));
   }
 }
 

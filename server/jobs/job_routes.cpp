@@ -26,7 +26,7 @@ constexpr int kMaxListed = 100;
 constexpr std::uint64_t kPerMeshByte = 7;
 constexpr std::uint64_t kPerMeshByteOfVtu = 9;
 constexpr std::uint64_t kPerReportByte = 2;
-constexpr std::chrono::milliseconds kLook{300};
+constexpr std::chrono::milliseconds kLookForEvents{300};
 /// The interval of messages in a silent stream. Some proxies cut silent streams, and without sending we would not
 /// notice that the client is gone.
 constexpr std::chrono::seconds kSilence{15};
@@ -154,7 +154,7 @@ class EventStream {
         silent_until_ = Clock::now() + kSilence;
         return ": still here\n\n";
       }
-      if (connection_.wait(nullptr, Clock::now() + kLook) == Connection::Wake::kClientGone) return {};
+      if (connection_.wait(nullptr, Clock::now() + kLookForEvents) == Connection::Wake::kClientGone) return {};
       try {
         std::optional<JobRecord> now = store_.find(job_.id);
         if (!now) return {};

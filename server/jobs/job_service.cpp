@@ -14,7 +14,7 @@
 namespace remesh::server::jobs {
 namespace {
 
-constexpr std::chrono::milliseconds kLook{1000};
+constexpr std::chrono::milliseconds kLookAtJobs{1000};
 constexpr std::chrono::milliseconds kMaxBetweenUpkeeps{5000};
 /// How often the store is written to even if nothing else happens. The write lets the store remember the time.
 constexpr std::chrono::seconds kTouch{60};
@@ -76,7 +76,7 @@ void JobService::start() {
   } catch (const StoreError&) {
     // It may come later, and until then the daemon is not ready.
   }
-  looks_.emplace(kLook, [this] { look_after(); });
+  looks_.emplace(kLookAtJobs, [this] { look_after(); });
   if (settings_.role != Role::kServe) runner_.start();
 }
 

@@ -17,7 +17,7 @@ namespace remesh::server::jobs {
 namespace {
 
 /// The interval in which a waiting call looks whether the daemon stops.
-constexpr std::chrono::milliseconds kLook{50};
+constexpr std::chrono::milliseconds kLookAtSocket{50};
 /// The store's clock goes on by at most this much without a daemon that keeps it.
 constexpr std::chrono::milliseconds kMaxStep{15'000};
 /// If the clock was not kept for so long, no daemon was running.
@@ -138,7 +138,8 @@ Connected begin_connection(const Login& login, const Host& host, const StoreDead
     if (deadline.is_over()) throw StoreError("the server does not answer");
     const short events = step == PGRES_POLLING_READING ? POLLIN : POLLOUT;
     pollfd entry{::PQsocket(connection.get()), events, 0};
-    if (::poll(&entry, 1, static_cast<int>(deadline.left(kLook).count())) > 0) step = ::PQconnectPoll(connection.get());
+    if (::poll(&entry, 1, static_cast<int>(deadline.left(kLookAtSocket).count())) > 0)
+      step = ::PQconnectPoll(connection.get());
   }
   return connection;
 }
@@ -255,7 +256,7 @@ class PostgresDatabase final : public Database {
         is_stuck_ = true;
         throw StoreError("the server does not answer");
       }
-      ::poll(&entry, 1, static_cast<int>(deadline().left(kLook).count()));
+      ::poll(&entry, 1, static_cast<int>(deadline().left(kLookAtSocket).count()));
       if (entry.revents != 0 && ::PQconsumeInput(connection_.get()) != 1) break;
     }
     Answered answer(::PQgetResult(connection_.get()), ::PQclear);

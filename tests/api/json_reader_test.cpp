@@ -38,7 +38,7 @@ Error error_of(std::string_view text, const ReadLimits& limits = {}) {
   return {Code::kInternal, Stage::kRead, ""};
 }
 
-constexpr std::string_view kSquare = R"({"vertices": [[0,0,0],[1,0,0],[1,1,0],[0,1,0]], "faces": [[0,1,2,3]]})";
+constexpr std::string_view kSquareAsJson = R"({"vertices": [[0,0,0],[1,0,0],[1,1,0],[0,1,0]], "faces": [[0,1,2,3]]})";
 
 // A mesh with one thing in it replaced.
 std::string mesh(std::string_view vertices, std::string_view faces, std::string_view more = "") {
@@ -48,7 +48,7 @@ constexpr std::string_view kVertices = "[[0,0,0],[1,0,0],[0,1,0]]";
 constexpr std::string_view kFaces = "[[0,1,2]]";
 
 TEST(json_reader, a_bare_mesh_is_read) {
-  const PolygonMesh mesh = read(kSquare).result.mesh;
+  const PolygonMesh mesh = read(kSquareAsJson).result.mesh;
   EXPECT_EQ(mesh.vertex_count(), 4u);
   EXPECT_EQ(mesh.positions[VertexId(2)], (Vec3{1, 1, 0}));
   EXPECT_THAT(mesh.face_begin, ElementsAre(0u, 4u));
@@ -146,8 +146,8 @@ TEST(json_reader, what_is_not_json_is_located) {
 }
 
 TEST(json_reader, every_truncation_is_an_error) {
-  for (std::size_t length = 0; length < kSquare.size(); ++length) {
-    EXPECT_EQ(error_of(kSquare.substr(0, length)).code, RequestCode::kMalformedJson) << length;
+  for (std::size_t length = 0; length < kSquareAsJson.size(); ++length) {
+    EXPECT_EQ(error_of(kSquareAsJson.substr(0, length)).code, RequestCode::kMalformedJson) << length;
   }
 }
 
@@ -238,11 +238,11 @@ TEST(json_reader, a_mesh_without_faces_is_empty) {
 }
 
 TEST(json_reader, limits_hold_exactly) {
-  EXPECT_NO_THROW(read(kSquare, {4, 1}));
-  const Error vertices = error_of(kSquare, {3, 1});
+  EXPECT_NO_THROW(read(kSquareAsJson, {4, 1}));
+  const Error vertices = error_of(kSquareAsJson, {3, 1});
   EXPECT_EQ(vertices.code, Code::kMeshTooLarge);
   EXPECT_EQ(vertices.limit, 3u);
-  const Error faces = error_of(kSquare, {4, 0});
+  const Error faces = error_of(kSquareAsJson, {4, 0});
   EXPECT_EQ(faces.code, Code::kMeshTooLarge);
   EXPECT_EQ(faces.limit, 0u);
 }

@@ -23,6 +23,7 @@
 #include "tests/support/hausdorff.h"
 #include "tests/support/primitives.h"
 #include "tests/support/refined_checks.h"
+#include "tests/support/remeshed.h"
 #include "tests/support/shapes.h"
 #include "tests/support/shared_meshes.h"
 
@@ -30,8 +31,6 @@ namespace remesh {
 namespace {
 
 using primitives::Model;
-
-constexpr double kPi = std::numbers::pi;
 
 Options with_circle(double elements) {
   Options options;
@@ -44,13 +43,8 @@ Options with_tolerance(double tolerance) {
   return options;
 }
 
-Result remeshed(const PolygonMesh& mesh, const Options& options, int workers = 1) {
-  RunControl control;
-  return remesh_surface(mesh, options, {workers, true}, control);
-}
-
 std::size_t faces_of(const PolygonMesh& mesh, const Options& options) {
-  return remeshed(mesh, options).mesh.faces.size();
+  return remeshed(mesh, options, {1, true}).mesh.faces.size();
 }
 
 bool is_curved(SurfaceKind kind) {
@@ -99,7 +93,7 @@ std::vector<Model> models() {
 }
 
 /// Returns everything, as text, that must not depend on the number of workers.
-std::string bytes(const Result& result) {
+std::string curved_bytes(const Result& result) {
   RunControl control;
   std::ostringstream out;
   out.precision(17);
@@ -222,7 +216,7 @@ TEST(curved_remesh, every_model_is_sound_and_follows_its_surfaces) {
     for (const double elements : kElements) {
       SCOPED_TRACE(model.name + " with " + std::to_string(static_cast<int>(elements)) + " elements per circle");
       const Options options = with_circle(elements);
-      const Result result = remeshed(model.mesh, options);
+      const Result result = remeshed(model.mesh, options, {1, true});
       expect_sound(options, result);
       EXPECT_FALSE(joined_patches(model, result).empty());
       EXPECT_LE(steps_off(model, result), 4);
@@ -242,7 +236,7 @@ TEST(curved_remesh, every_model_is_sound_with_a_tolerance) {
     for (const double tolerance : {0.3, 0.02}) {
       SCOPED_TRACE(model.name + " within " + std::to_string(tolerance));
       const Options options = with_tolerance(tolerance);
-      const Result result = remeshed(model.mesh, options);
+      const Result result = remeshed(model.mesh, options, {1, true});
       expect_sound(options, result);
       EXPECT_LE(largest_allowed(result.report), tolerance);
       EXPECT_LE(steps_off(model, result), 4);
@@ -275,13 +269,14 @@ std::vector<double> edges_between(const Result& result, SurfaceKind one, Surface
 TEST(curved_remesh, a_cylinder_with_twelve_elements_has_at_most_150_faces_and_rims_of_twelve_equal_edges) {
   const Model model = primitives::cylinder(72, 10, 30);
   for (const double elements : kElements) {
-    const Result result = remeshed(model.mesh, with_circle(elements));
+    const Result result = remeshed(model.mesh, with_circle(elements), {1, true});
     if (elements == 12) {
       EXPECT_LE(result.mesh.faces.size(), 150u);
     }
     const std::vector<double> rims = edges_between(result, SurfaceKind::kPlane, SurfaceKind::kCylinder);
     EXPECT_EQ(rims.size(), 2 * static_cast<std::size_t>(elements));
-    for (const double length : rims) EXPECT_NEAR(length, 2 * 10 * std::sin(kPi / elements), 1e-12) << elements;
+    for (const double length : rims)
+      EXPECT_NEAR(length, 2 * 10 * std::sin(std::numbers::pi / elements), 1e-12) << elements;
   }
 }
 
@@ -292,16 +287,16 @@ TEST(curved_remesh, cones_are_as_coarse_as_asked_at_once_and_their_rims_have_equ
     for (const double elements : kElements) {
       SCOPED_TRACE(model.name + " up to " + std::to_string(upper) + ", height " + std::to_string(height) + " with " +
                    std::to_string(static_cast<int>(elements)) + " elements per circle");
-      const Result result = remeshed(model.mesh, with_circle(elements));
+      const Result result = remeshed(model.mesh, with_circle(elements), {1, true});
       for (const PatchSummary& patch : result.report.patches) EXPECT_EQ(patch.status, PatchStatus::kRemeshed);
       for (const RecognisedSurface& s : result.report.surfaces.surfaces) {
         if (s.shape.kind != SurfaceKind::kCone) continue;
-        EXPECT_LE(s.allowed, s.input_chord_height + lower * (1 - std::cos(kPi / elements)) * (1 + 1e-6));
+        EXPECT_LE(s.allowed, s.input_chord_height + lower * (1 - std::cos(std::numbers::pi / elements)) * (1 + 1e-6));
         EXPECT_LE(s.bound, s.allowed + result.report.plane_tolerance);
       }
       // Where the side is narrow, edges of a rim are shorter than was asked for.
       const double slant = std::hypot(lower - upper, height);
-      if (2 * kPi * lower / elements > slant) continue;
+      if (2 * std::numbers::pi * lower / elements > slant) continue;
       const std::vector<double> rims = edges_between(result, SurfaceKind::kPlane, SurfaceKind::kCone);
       EXPECT_EQ(rims.size(), (upper > 0 ? 2 : 1) * static_cast<std::size_t>(elements));
     }
@@ -315,7 +310,7 @@ TEST(curved_remesh, balls_and_cones_of_fine_facets_are_remeshed_at_once) {
     for (const double elements : {8.0, 16.0}) {
       SCOPED_TRACE(model.name + " " + std::to_string(elements));
       const Options options = with_circle(elements);
-      const Result result = remeshed(model.mesh, options);
+      const Result result = remeshed(model.mesh, options, {1, true});
       expect_sound(options, result);
       for (const PatchSummary& patch : result.report.patches) EXPECT_EQ(patch.status, PatchStatus::kRemeshed);
     }
@@ -327,7 +322,7 @@ PolygonMesh oblique_cylinder(std::uint32_t n, double slope) {
   std::vector<std::vector<std::uint32_t>> faces(2);
   for (const double height : {0.0, 6.0})
     for (std::uint32_t i = 0; i < n; ++i) {
-      const double angle = 2 * kPi * i / n;
+      const double angle = 2 * std::numbers::pi * i / n;
       positions.push_back({std::cos(angle), std::sin(angle), height + slope * std::cos(angle)});
     }
   for (std::uint32_t i = 0; i < n; ++i) {
@@ -343,7 +338,7 @@ TEST(curved_remesh, oblique_cuts_leave_room_for_their_way_along_the_surface) {
     for (const double elements : kElements) {
       SCOPED_TRACE(std::to_string(slope) + " " + std::to_string(elements));
       const Options options = with_circle(elements);
-      const Result result = remeshed(oblique_cylinder(144, slope), options);
+      const Result result = remeshed(oblique_cylinder(144, slope), options, {1, true});
       expect_sound(options, result);
       EXPECT_EQ(result.report.patches.size(), 4U);
       for (const PatchSummary& patch : result.report.patches) EXPECT_EQ(patch.status, PatchStatus::kRemeshed);
@@ -354,13 +349,14 @@ TEST(curved_remesh, the_side_of_a_cylinder_has_hardly_more_faces_than_columns_ma
   // The half of a step at each end of a column, and a row of triangles at each rim, come on top.
   const Model model = primitives::cylinder(72, 10, 30);
   for (const double elements : {16.0, 24.0, 36.0}) {
-    const Result result = remeshed(model.mesh, with_circle(elements));
+    const Result result = remeshed(model.mesh, with_circle(elements), {1, true});
     std::size_t faces = 0;
     for (const PatchId p : result.face_patch) {
       const SurfaceId s = result.report.surfaces.of_patch[p];
       faces += result.report.surfaces.surfaces[s].shape.kind == SurfaceKind::kCylinder ? 1 : 0;
     }
-    const double width = 2 * 10 * std::sin(kPi / elements), ideal = 2 * kPi * 10 * 30 / (0.97 * width * width);
+    const double width = 2 * 10 * std::sin(std::numbers::pi / elements),
+                 ideal = 2 * std::numbers::pi * 10 * 30 / (0.97 * width * width);
     EXPECT_LE(static_cast<double>(faces), 1.05 * ideal + elements) << elements;
   }
 }
@@ -371,7 +367,7 @@ TEST(curved_remesh, the_seams_of_a_tube_are_divided_into_equal_parts) {
   const double radius = 10, height = 30;
   const Model model = primitives::cylinder(72, radius, height);
   for (const double elements : {12.0, 16.0, 24.0}) {
-    const Result result = remeshed(model.mesh, with_circle(elements));
+    const Result result = remeshed(model.mesh, with_circle(elements), {1, true});
     std::map<std::pair<VertexId, VertexId>, PatchId> patch_at;
     for (std::size_t f = 0; f < result.mesh.faces.size(); ++f)
       for (int i = 0; i < 3; ++i) {
@@ -404,7 +400,7 @@ TEST(curved_remesh, a_cone_with_its_apex_has_few_faces) {
   const Model model = primitives::cone(48, 4, 7);
   const double sine = 4 / std::hypot(4.0, 7.0);
   for (const double elements : {12.0, 16.0, 24.0, 36.0}) {
-    const double turn = 2 * kPi / elements;
+    const double turn = 2 * std::numbers::pi / elements;
     const double per_factor = 2 * elements * std::log(10) / (1.94 * turn * sine);
     EXPECT_LE(static_cast<double>(faces_of(model.mesh, with_circle(elements))), 2.5 * per_factor + 40) << elements;
   }
@@ -414,10 +410,10 @@ TEST(curved_remesh, a_flat_disc_has_rims_of_as_many_edges_as_its_height_asks_for
   const Model model = primitives::cylinder(126, 180, 40);
   std::size_t fewer = 0;
   for (const double elements : kElements) {
-    const Result result = remeshed(model.mesh, with_circle(elements));
+    const Result result = remeshed(model.mesh, with_circle(elements), {1, true});
     // The side is two halves. A triangle with a right angle has the angle bound if its legs are 40 and this.
-    const double longest = 40 / std::tan(25 * kPi / 180);
-    const double of_half = std::max(elements / 2, std::ceil(kPi * 180 / longest));
+    const double longest = 40 / std::tan(25 * std::numbers::pi / 180);
+    const double of_half = std::max(elements / 2, std::ceil(std::numbers::pi * 180 / longest));
     EXPECT_EQ(edges_between(result, SurfaceKind::kPlane, SurfaceKind::kCylinder).size(),
               static_cast<std::size_t>(4 * of_half))
         << elements;
@@ -428,7 +424,7 @@ TEST(curved_remesh, a_flat_disc_has_rims_of_as_many_edges_as_its_height_asks_for
 
 TEST(curved_remesh, the_planes_beside_a_curved_surface_stay_exactly_plane) {
   const Model model = primitives::cylinder(72, 10, 30);
-  const Result result = remeshed(model.mesh, with_circle(12));
+  const Result result = remeshed(model.mesh, with_circle(12), {1, true});
   std::size_t high = 0, low = 0;
   for (std::size_t f = 0; f < result.mesh.faces.size(); ++f) {
     const PatchId p = result.face_patch[FaceId(f)];
@@ -445,9 +441,9 @@ TEST(curved_remesh, the_planes_beside_a_curved_surface_stay_exactly_plane) {
 TEST(curved_remesh, a_cylinder_becomes_a_prism_of_even_strips) {
   const Model model = primitives::cylinder(72, 10, 30);
   for (const double elements : kElements) {
-    const Result result = remeshed(model.mesh, with_circle(elements));
+    const Result result = remeshed(model.mesh, with_circle(elements), {1, true});
     // All vertices lie on rulings through the corners of the caps, so the volume is exactly that of a prism.
-    const double prism = 30 * elements * 50 * std::sin(2 * kPi / elements);
+    const double prism = 30 * elements * 50 * std::sin(2 * std::numbers::pi / elements);
     EXPECT_NEAR(*result.report.output.volume, prism, 1e-12 * prism) << elements;
     if (elements == 12) {
       EXPECT_LE(result.mesh.faces.size(), 100u);
@@ -473,19 +469,20 @@ TEST(curved_remesh, any_number_of_workers_gives_the_same_bytes) {
   for (const Model& model : {primitives::cylinder(72, 10, 30), primitives::torus(48, 48, 24, 5, 2), primitives::tee(48),
                              primitives::rounded_box({4, 3, 2}, 1, 6), primitives::countersunk_plate(48)})
     for (const double elements : {12.0, 24.0}) {
-      const std::string one = bytes(remeshed(model.mesh, with_circle(elements)));
+      const std::string one = curved_bytes(remeshed(model.mesh, with_circle(elements), {1, true}));
       for (const int workers : {2, 8})
-        EXPECT_TRUE(one == bytes(remeshed(model.mesh, with_circle(elements), workers))) << model.name << " " << workers;
+        EXPECT_TRUE(one == curved_bytes(remeshed(model.mesh, with_circle(elements), {workers, true})))
+            << model.name << " " << workers;
     }
 }
 
 TEST(curved_remesh, a_scaling_by_a_power_of_two_scales_the_result) {
   for (const Model& model : {primitives::cylinder(72, 10, 30), primitives::globe(36, 18, 3), primitives::tee(48),
                              primitives::torus(48, 48, 24, 5, 2), primitives::countersunk_plate(48)}) {
-    const Result result = remeshed(model.mesh, with_circle(12));
+    const Result result = remeshed(model.mesh, with_circle(12), {1, true});
     for (const double factor : {0x1p-300, 0x1p7, 0x1p300}) {
       SCOPED_TRACE(testing::Message() << model.name << " times " << factor);
-      const Result other = remeshed(shapes::scaled(model.mesh, factor), with_circle(12));
+      const Result other = remeshed(shapes::scaled(model.mesh, factor), with_circle(12), {1, true});
       EXPECT_EQ(other.mesh.faces, result.mesh.faces);
       ASSERT_EQ(other.mesh.positions.size(), result.mesh.positions.size());
       bool is_same = true;
@@ -499,7 +496,7 @@ TEST(curved_remesh, a_scaling_by_a_power_of_two_scales_the_result) {
 
 TEST(curved_remesh, binary_stl_holds_curved_patches_and_tells_what_rounding_adds) {
   for (const Model& model : models()) {
-    const Result exact = remeshed(model.mesh, with_circle(16));
+    const Result exact = remeshed(model.mesh, with_circle(16), {1, true});
     RunControl control;
     const Result rounded = remesh_surface(model.mesh, with_circle(16), {.storage = Storage::kFloat}, control);
     EXPECT_EQ(rounded.mesh.faces.size(), exact.mesh.faces.size()) << model.name;
@@ -535,7 +532,8 @@ TEST(curved_remesh, a_tolerance_of_0_keeps_the_facets) {
     for (const bool refine : {false, true}) {
       SCOPED_TRACE(model.name + (refine ? ", refined" : ""));
       flat.refine = sharp.refine = refine;
-      const Result as_facets = remeshed(model.mesh, flat), as_features = remeshed(model.mesh, sharp);
+      const Result as_facets = remeshed(model.mesh, flat, {1, true}),
+                   as_features = remeshed(model.mesh, sharp, {1, true});
       EXPECT_EQ(as_facets.mesh.faces, as_features.mesh.faces);
       EXPECT_EQ(as_facets.mesh.positions, as_features.mesh.positions);
       EXPECT_TRUE(joined_patches(model, as_facets).empty());
@@ -552,7 +550,7 @@ TEST(curved_remesh, without_refinement_the_result_is_the_coarsest) {
       Options options;
       if (elements > 0) options.elements_per_circle = elements;
       options.refine = false;
-      const Result result = remeshed(model.mesh, options);
+      const Result result = remeshed(model.mesh, options, {1, true});
       EXPECT_TRUE(result.report.verified.all_true());
       EXPECT_EQ(result.report.output.closed, result.report.input.closed);
       EXPECT_EQ(result.report.output.euler, result.report.input.euler);
@@ -579,7 +577,7 @@ PolygonMesh wavy_tube(int n, double radius, double height, double wave) {
   std::vector<Vec3> places;
   std::vector<std::vector<std::uint32_t>> faces;
   for (int i = 0; i < n; ++i) {
-    const double angle = 2 * kPi * i / n, up = wave * std::cos(3 * angle);
+    const double angle = 2 * std::numbers::pi * i / n, up = wave * std::cos(3 * angle);
     places.push_back({radius * std::cos(angle), radius * std::sin(angle), -up});
     places.push_back({radius * std::cos(angle), radius * std::sin(angle), height + up});
     const auto at = [&](int k, int level) { return static_cast<std::uint32_t>(2 * (k % n) + level); };
@@ -595,7 +593,7 @@ TEST(curved_remesh, without_refinement_a_cylinder_has_vertices_on_its_boundary_o
     Options options = with_tolerance(0.1);
     options.refine = false;
     const PolygonMesh tube = wavy_tube(180, 5, 20, wave);
-    const Result result = remeshed(tube, options);
+    const Result result = remeshed(tube, options, {1, true});
     EXPECT_TRUE(result.report.verified.all_true());
     ASSERT_EQ(result.report.patches.size(), 2u);
     // Each half has one loop. A polygon with b corners has b - 2 triangles if no vertex is inside.
@@ -623,7 +621,7 @@ TEST(curved_remesh, without_refinement_no_triangle_of_a_ball_or_a_ring_is_too_de
     SCOPED_TRACE(model.name);
     Options options = with_tolerance(0.1);
     options.refine = false;
-    const Result result = remeshed(model.mesh, options);
+    const Result result = remeshed(model.mesh, options, {1, true});
     EXPECT_TRUE(result.report.verified.all_true());
     for (const PatchSummary& patch : result.report.patches) EXPECT_EQ(patch.status, PatchStatus::kRemeshed);
     EXPECT_LT(4 * result.mesh.faces.size(), model.mesh.face_count());
@@ -642,7 +640,7 @@ TEST(curved_remesh, a_surface_of_revolution_is_remeshed_band_by_band) {
     SCOPED_TRACE(elements);
     Options options = with_circle(elements);
     options.min_angle_deg = 20;
-    const Result result = remeshed(input, options);
+    const Result result = remeshed(input, options, {1, true});
     expect_sound(options, result);
     const auto& surfaces = result.report.surfaces.surfaces;
     ASSERT_EQ(std::count_if(surfaces.begin(), surfaces.end(),
@@ -689,7 +687,7 @@ TEST(curved_remesh, surfaces_that_cannot_be_joined_come_through) {
     for (const double elements : {8.0, 16.0, 36.0}) {
       SCOPED_TRACE(model.name + " " + std::to_string(elements));
       const Options options = with_circle(elements);
-      expect_sound(options, remeshed(model.mesh, options));
+      expect_sound(options, remeshed(model.mesh, options, {1, true}));
     }
 }
 
@@ -701,7 +699,7 @@ TEST(curved_remesh, coarse_facets_have_hardly_room_for_other_ones) {
     for (const double elements : {8.0, 12.0, 13.0, 30.0}) {
       SCOPED_TRACE(model.name + " " + std::to_string(elements));
       const Options options = with_circle(elements);
-      expect_sound(options, remeshed(model.mesh, options));
+      expect_sound(options, remeshed(model.mesh, options, {1, true}));
     }
 }
 
@@ -711,7 +709,7 @@ TEST(curved_remesh, labels_stay_with_their_facets) {
     model.mesh.labels.group.of_face.push_back(f < 20 ? 0 : f < 72 ? 1 : 2);
   model.mesh.labels.group.names = {"a", "b", "c"};
   const Options options = with_circle(12);
-  const Result result = remeshed(model.mesh, options);
+  const Result result = remeshed(model.mesh, options, {1, true});
   expect_sound(options, result);
   // The parts of the side have the areas of 20 and 52 facets, or a little less.
   std::map<std::uint32_t, double> area;
@@ -720,7 +718,7 @@ TEST(curved_remesh, labels_stay_with_their_facets) {
     const Vec3 &a = result.mesh.positions[t[0]], &b = result.mesh.positions[t[1]], &c = result.mesh.positions[t[2]];
     area[result.mesh.labels.group.of_face[FaceId(f)]] += norm(cross(b - a, c - a)) / 2;
   }
-  const double facet = 2 * 10 * std::sin(kPi / 72) * 30;
+  const double facet = 2 * 10 * std::sin(std::numbers::pi / 72) * 30;
   EXPECT_NEAR(area[0], 20 * facet, 0.03 * 20 * facet);
   EXPECT_NEAR(area[1], 52 * facet, 0.03 * 52 * facet);
 }
@@ -746,13 +744,13 @@ TEST_F(curved_remesh_shared, real_parts_are_coarse_with_twelve_elements) {
         "curved-cad/hx_tube.stl.gz", "curved-cad/singleOrifice.stl", "curved-cad/sh2.stl", "curved-cad/object.stl"}) {
     if (!test::has_shared_mesh(name)) return;
     SCOPED_TRACE(name);
-    const Result result = remeshed(read(name), with_circle(12), 2);
+    const Result result = remeshed(read(name), with_circle(12), {2, true});
     EXPECT_TRUE(result.report.verified.all_true());
     // Mending may close what was open. It does the same to facets.
     Options flat;
     flat.surface_tolerance = 0;
     flat.refine = false;
-    const Report facets = remeshed(read(name), flat, 2).report;
+    const Report facets = remeshed(read(name), flat, {2, true}).report;
     EXPECT_EQ(result.report.output.closed, facets.output.closed);
     EXPECT_EQ(result.report.output.euler, facets.output.euler);
     EXPECT_LE(result.mesh.faces.size(), 4 * result.report.input.faces);

@@ -28,14 +28,14 @@ Options without_details(double size, bool refine = true) {
   return options;
 }
 
-std::vector<Corners3> corners_of(const TriangleMesh& mesh) {
+std::vector<Corners3> triangles_in_space(const TriangleMesh& mesh) {
   std::vector<Corners3> corners;
   for (const Triangle& t : mesh.faces)
     corners.push_back({mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]});
   return corners;
 }
-std::vector<Corners3> corners_of(const PolygonMesh& mesh) {
-  return corners_of(shapes::triangles(shapes::fan_triangulated(mesh)));
+std::vector<Corners3> triangles_in_space(const PolygonMesh& mesh) {
+  return triangles_in_space(shapes::triangles(shapes::fan_triangulated(mesh)));
 }
 
 std::uint64_t removed_count(const Report& report) {
@@ -51,7 +51,7 @@ std::size_t intersection_count(const TriangleMesh& mesh) {
 
 /// Tests what holds for every answer. The distance is measured by brute force.
 /// Input: a mesh whose faces are convex.
-void expect_sound(const PolygonMesh& mesh, double size, const Result& result, const std::string& what) {
+void expect_sound_without_details(const PolygonMesh& mesh, double size, const Result& result, const std::string& what) {
   const Report& report = result.report;
   EXPECT_TRUE(report.verified.all_true()) << what;
   EXPECT_EQ(report.output.closed, report.input.closed) << what;
@@ -60,7 +60,8 @@ void expect_sound(const PolygonMesh& mesh, double size, const Result& result, co
   EXPECT_LE(bound, std::max(size, 2 * report.plane_tolerance) * (1 + 1e-9)) << what;
   // For shorter distances, the search takes minutes.
   if (size >= 1e-3) {
-    EXPECT_LE(test::hausdorff(corners_of(mesh), corners_of(result.mesh), size / 20), bound * (1 + 1e-9) + 1e-14)
+    EXPECT_LE(test::hausdorff(triangles_in_space(mesh), triangles_in_space(result.mesh), size / 20),
+              bound * (1 + 1e-9) + 1e-14)
         << what;
   }
   EXPECT_EQ(intersection_count(result.mesh), 0u) << what;
@@ -77,7 +78,7 @@ TEST(defeature, low_steps_go) {
     const Result kept = refined(mesh, without_details(0)), gone = refined(mesh, without_details(size));
     EXPECT_EQ(removed_count(kept.report), 0u);
     EXPECT_GT(removed_count(gone.report), 0u) << step;
-    expect_sound(mesh, size, gone, "step of " + std::to_string(step));
+    expect_sound_without_details(mesh, size, gone, "step of " + std::to_string(step));
     EXPECT_GT(shortest_edge(gone.mesh), size / 3) << step;
     EXPECT_LT(gone.mesh.faces.size(), 200u) << step;
     EXPECT_LT(gone.mesh.faces.size(), kept.mesh.faces.size()) << step;
@@ -103,7 +104,7 @@ TEST(defeature, narrow_facets_go) {
         shapes::fan_triangulated(extruded({{0, 0}, {1, 0}, {1, 1 - width}, {1 - width, 1}, {0, 1}}));
     const double size = 2 * width;
     const Result gone = refined(mesh, without_details(size));
-    expect_sound(mesh, size, gone, "chamfer");
+    expect_sound_without_details(mesh, size, gone, "chamfer");
     EXPECT_EQ(gone.report.patches.size(), 6u) << width;
     EXPECT_GT(smallest_angle_deg(gone.mesh), 24.9) << width;
     EXPECT_GT(shortest_edge(gone.mesh), size / 3) << width;
@@ -119,7 +120,7 @@ TEST(defeature, needles_at_creases_go) {
     if (height > 1e-5) {
       EXPECT_GT(removed_count(gone.report), 0u) << height;
     }
-    expect_sound(mesh, size, gone, "needle");
+    expect_sound_without_details(mesh, size, gone, "needle");
     EXPECT_LT(gone.mesh.faces.size(), 300u) << height;
     EXPECT_GT(shortest_edge(gone.mesh), 0.05) << height;
   }
@@ -136,7 +137,7 @@ TEST(defeature, flaps_go) {
       EXPECT_GT(removed_count(gone.report), 0u) << height << is_closed;
       EXPECT_EQ(gone.report.output.non_manifold_edges, 0u) << height << is_closed;
       if (height >= 1e-3) {
-        EXPECT_LE(test::hausdorff(corners_of(mesh), corners_of(gone.mesh), height / 10), 2 * height);
+        EXPECT_LE(test::hausdorff(triangles_in_space(mesh), triangles_in_space(gone.mesh), height / 10), 2 * height);
       }
       EXPECT_LT(gone.mesh.faces.size(), 20u) << height << is_closed;
     }
@@ -161,7 +162,7 @@ TEST(defeature, deep_slots_and_thin_walls_stay_sound) {
     EXPECT_EQ(intersection_count(gone.mesh), 0u);
     const PolygonMesh plate = shapes::box({1, 1, width}, 4);
     const Result thin = refined(plate, without_details(2 * width));
-    expect_sound(plate, 2 * width, thin, "plate");
+    expect_sound_without_details(plate, 2 * width, thin, "plate");
   }
 }
 
@@ -259,7 +260,7 @@ TEST(defeature, rough_boxes_stay_sound) {
     for (Vec3& p : mesh.positions)
       for (int axis = 0; axis < 3; ++axis) p[axis] += size * (random.unit() - 0.5);
     const Result result = refined(mesh, without_details(size));
-    expect_sound(mesh, size, result, "rough box " + std::to_string(i));
+    expect_sound_without_details(mesh, size, result, "rough box " + std::to_string(i));
   }
 }
 
@@ -286,7 +287,7 @@ TEST(defeature, specks_near_the_rest_go) {
       EXPECT_LE(result.report.distance_bound->input_to_output, size) << far;
       // The cube has no point nearer to the part's farthest ones than below them.
       EXPECT_GE(result.report.distance_bound->input_to_output, far) << far;
-      EXPECT_LE(test::hausdorff(corners_of(mesh), corners_of(result.mesh), size / 20),
+      EXPECT_LE(test::hausdorff(triangles_in_space(mesh), triangles_in_space(result.mesh), size / 20),
                 result.report.distance_bound->input_to_output + 1e-12);
       EXPECT_EQ(result.mesh.faces.size(), refined(shapes::box({1, 1, 1}), without_details(size)).mesh.faces.size());
     }

@@ -9,6 +9,7 @@
 
 #include "core/remesh.h"
 #include "tests/support/hostile_families.h"
+#include "tests/support/remeshed.h"
 #include "tests/support/sanitizer.h"
 
 namespace remesh {
@@ -20,19 +21,14 @@ const Diagnostic* told(const Report& report, DiagnosticCode code) {
   return found == report.diagnostics.end() ? nullptr : &*found;
 }
 
-Result remeshed(const PolygonMesh& mesh, int workers) {
-  RunControl control;
-  return remesh_surface(mesh, Options{}, {.workers = workers}, control);
-}
-
 TEST(hostile_families, results_are_verified_and_the_same_for_any_number_of_workers) {
   const tbb::global_control eight(tbb::global_control::max_allowed_parallelism, 8);
   for (const hostile::Family& family : hostile::families()) {
     const PolygonMesh mesh = family.make(unless_sanitized(500, 100));
-    const Result one = remeshed(mesh, 1);
+    const Result one = remeshed(mesh, Options{}, {1});
     EXPECT_TRUE(one.report.verified.all_true()) << family.name;
     for (const int workers : {2, 8}) {
-      const Result other = remeshed(mesh, workers);
+      const Result other = remeshed(mesh, Options{}, {workers});
       EXPECT_EQ(other.mesh.positions.items(), one.mesh.positions.items()) << family.name;
       EXPECT_EQ(other.mesh.faces.items(), one.mesh.faces.items()) << family.name;
       ASSERT_EQ(other.report.diagnostics.size(), one.report.diagnostics.size()) << family.name;
@@ -46,7 +42,7 @@ TEST(hostile_families, results_are_verified_and_the_same_for_any_number_of_worke
 
 TEST(hostile_families, what_was_not_looked_at_is_told) {
   // More than 16 pairs for each of these triangles, and 2^14 more, intersect.
-  const Report many = remeshed(hostile::family("soup_in_a_cube").make(3000), 1).report;
+  const Report many = remeshed(hostile::family("soup_in_a_cube").make(3000), Options{}, {1}).report;
   const Diagnostic* const cut = told(many, DiagnosticCode::kIncompleteCheck);
   ASSERT_NE(cut, nullptr);
   EXPECT_GT(cut->count, 0u);
@@ -62,7 +58,7 @@ TEST(hostile_families, what_was_not_looked_at_is_told) {
   EXPECT_TRUE(std::any_of(obstacles.begin(), obstacles.end(),
                           [](const VolumeObstacle& o) { return o.code == DiagnosticCode::kIncompleteCheck; }));
 
-  const Report few = remeshed(hostile::family("parallel_needles").make(3000), 1).report;
+  const Report few = remeshed(hostile::family("parallel_needles").make(3000), Options{}, {1}).report;
   EXPECT_EQ(told(few, DiagnosticCode::kIncompleteCheck), nullptr);
   EXPECT_EQ(told(few, DiagnosticCode::kSelfIntersection), nullptr);
 }

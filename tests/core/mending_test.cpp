@@ -11,17 +11,13 @@
 #include "core/base/tolerance.h"
 #include "core/remesh.h"
 #include "tests/support/random.h"
+#include "tests/support/remeshed.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"
 #include "tests/support/unrefined_options.h"
 
 namespace remesh {
 namespace {
-
-Result remeshed(const PolygonMesh& mesh, const Options& options = unrefined(), const RunSettings& settings = {}) {
-  RunControl control;
-  return remesh_surface(mesh, options, settings, control);
-}
 
 const Diagnostic* find(const Report& report, DiagnosticCode code) {
   const auto found = std::find_if(report.diagnostics.begin(), report.diagnostics.end(),

@@ -19,6 +19,7 @@
 #include "core/remesh.h"
 #include "tests/support/own_meshes.h"
 #include "tests/support/refined_checks.h"
+#include "tests/support/remeshed.h"
 #include "tests/support/unrefined_options.h"
 
 namespace remesh {
@@ -31,11 +32,6 @@ PolygonMesh read(const std::string& name) {
   const std::string content{std::istreambuf_iterator<char>(file), {}};
   RunControl control;
   return read_mesh(sniff_format(content), content, ReadLimits{}, control).mesh;
-}
-
-Result remeshed(const PolygonMesh& mesh, const Options& options) {
-  RunControl control;
-  return remesh_surface(mesh, options, RunSettings{2, false}, control);
 }
 
 struct Measures {
@@ -121,7 +117,7 @@ TEST_P(own_meshes, they_become_what_geometry_says) {
   for (const OwnMesh& own : test::own_meshes()) {
     SCOPED_TRACE(own.file);
     const PolygonMesh mesh = read(own.file);
-    const Result result = remeshed(mesh, options);
+    const Result result = remeshed(mesh, options, {2});
     EXPECT_TRUE(result.report.verified.all_true());
     expect_shape(own, result);
     for (const std::string& name : own.told) EXPECT_TRUE(is_told(result.report, name)) << name;
@@ -161,7 +157,7 @@ TEST(own_labels, both_halves_of_a_box_keep_their_groups_and_materials) {
   for (const bool is_refined : {false, true}) {
     Options options;
     options.refine = is_refined;
-    const TriangleMesh mesh = remeshed(read("labels.obj"), options).mesh;
+    const TriangleMesh mesh = remeshed(read("labels.obj"), options, {2}).mesh;
     ASSERT_TRUE(mesh.labels.group.is_used() && mesh.labels.material.is_used());
     std::map<std::pair<std::string, std::string>, double> areas;
     for (std::uint32_t f = 0; f < mesh.faces.size(); ++f) {
@@ -180,7 +176,7 @@ TEST(own_labels, both_halves_of_a_box_keep_their_groups_and_materials) {
 TEST(own_inside_out, a_box_that_looks_inwards_is_turned_over_if_that_is_asked_for) {
   Options options = unrefined();
   options.repair.inside_out = true;
-  EXPECT_NEAR(measure(remeshed(read("inside_out.stl"), options).mesh).volume, 6, 1e-12);
+  EXPECT_NEAR(measure(remeshed(read("inside_out.stl"), options, {2}).mesh).volume, 6, 1e-12);
 }
 
 }  // namespace

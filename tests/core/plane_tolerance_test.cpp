@@ -9,16 +9,12 @@
 #include "core/remesh.h"
 #include "tests/support/cgal_space.h"
 #include "tests/support/random.h"
+#include "tests/support/remeshed.h"
 #include "tests/support/shapes.h"
 #include "tests/support/unrefined_options.h"
 
 namespace remesh {
 namespace {
-
-Result remeshed(const PolygonMesh& mesh, const Options& options = unrefined()) {
-  RunControl control;
-  return remesh_surface(mesh, options, RunSettings{}, control);
-}
 
 TEST(plane_tolerance, near_the_largest_doubles_the_tolerance_comes_from_the_digits_as_anywhere) {
   const PolygonMesh mesh = shapes::rounded(shapes::rotated(shapes::box({1, 2, 3}, 5), {1, 2, 3}, 40), 1e-6);

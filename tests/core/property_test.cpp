@@ -17,6 +17,7 @@
 #include "tests/support/cgal_plane.h"
 #include "tests/support/polygons.h"
 #include "tests/support/random.h"
+#include "tests/support/remeshed.h"
 #include "tests/support/shapes.h"
 #include "tests/support/triangulation_checks.h"
 #include "tests/support/unrefined_options.h"
@@ -152,11 +153,6 @@ Loop bridged(const Polygon& polygon) {
 }
 
 Segment undirected(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
-
-Result remeshed(const PolygonMesh& mesh, const Options& options = unrefined()) {
-  RunControl control;
-  return remesh_surface(mesh, options, RunSettings{}, control);
-}
 
 /// Expects the properties that every result for this polygon has, whatever triangulation of it was the input.
 void expect_right(const Polygon& polygon, const polygons::Placement& place, const Result& result) {

@@ -16,7 +16,7 @@
 namespace remesh {
 namespace {
 
-constexpr double kRelativeSlack = 1 + 1e-9;
+constexpr double kSizeSlack = 1 + 1e-9;
 
 double distance_to_outer_walls(const Vec3& p, double width) { return std::min({p.x, p.y, width - p.x, width - p.y}); }
 
@@ -28,7 +28,7 @@ TEST(refinement_proximity, between_two_plates_no_edge_is_longer_than_the_gap) {
     options.proximity = 1;
     const Result result = refined(mesh, options);
     expect_promises(mesh, options, result);
-    EXPECT_LE(longest_edge(result.mesh), gap * kRelativeSlack);
+    EXPECT_LE(longest_edge(result.mesh), gap * kSizeSlack);
     ASSERT_TRUE(result.report.smallest_gap.has_value());
     EXPECT_NEAR(*result.report.smallest_gap, gap, 1e-9);
     // This number of equilateral triangles would cover both plates. Near the rims there are more.
@@ -36,7 +36,7 @@ TEST(refinement_proximity, between_two_plates_no_edge_is_longer_than_the_gap) {
     EXPECT_LT(static_cast<double>(result.mesh.faces.size()), 3 * triangles);
     // A proximity of 2 makes edges half as long.
     options.proximity = 2;
-    EXPECT_LE(longest_edge(refined(mesh, options).mesh), gap / 2 * kRelativeSlack);
+    EXPECT_LE(longest_edge(refined(mesh, options).mesh), gap / 2 * kSizeSlack);
   }
 }
 
@@ -57,7 +57,7 @@ TEST(refinement_proximity, across_the_walls_of_a_tube_no_edge_is_longer_than_the
       ++on_walls;
       // Every place of an outer wall has the inner one a wall's thickness away, but near the upright edges, where the
       // inner wall ends: the distance is the diagonal's there.
-      EXPECT_LE(norm(b - a), thick * std::sqrt(2) * kRelativeSlack);
+      EXPECT_LE(norm(b - a), thick * std::sqrt(2) * kSizeSlack);
     }
   EXPECT_GT(on_walls, 1000u);
 }
@@ -80,7 +80,7 @@ TEST(refinement_proximity, edges_across_the_rim_of_a_wall_may_be_longer_by_the_g
       for (std::size_t k = 0; k < 3; ++k) {
         const Vec3 &a = back.positions[t[k]], &b = back.positions[t[(k + 1) % 3]];
         const double height = 0.5 * (a.z + b.z), way = std::min(height, thick - height);
-        EXPECT_LE(norm(b - a), (thick + 0.5 * way) * kRelativeSlack);
+        EXPECT_LE(norm(b - a), (thick + 0.5 * way) * kSizeSlack);
         longest_across = std::max(longest_across, norm(b - a));
       }
     EXPECT_GT(longest_across, 1.05 * thick) << degrees;
@@ -152,8 +152,8 @@ TEST(refinement_proximity, where_gaps_close_the_shortest_edge_goes_before_them) 
     const Result result = refined(mesh, options);
     expect_promises(mesh, options, result);
     EXPECT_EQ(listed(result.report), listed(result.report, UnrefinedReason::kMinEdgeLength));
-    EXPECT_GE(shortest_edge(result.mesh), shortest / kRelativeSlack);
-    EXPECT_LE(longest_edge(result.mesh), 0.3 * kRelativeSlack);
+    EXPECT_GE(shortest_edge(result.mesh), shortest / kSizeSlack);
+    EXPECT_LE(longest_edge(result.mesh), 0.3 * kSizeSlack);
     // The notch is not ignored: edges become as short as they may.
     EXPECT_LE(shortest_edge(result.mesh), 1.2 * shortest);
   }

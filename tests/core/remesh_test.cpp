@@ -12,6 +12,7 @@
 #include "core/io/obj.h"
 #include "tests/support/errors.h"
 #include "tests/support/random.h"
+#include "tests/support/remeshed.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"
 #include "tests/support/time_limit.h"
@@ -23,13 +24,8 @@ namespace {
 
 using test::error_of;
 
-Result remeshed(const PolygonMesh& mesh, const Options& options = unrefined(), const RunSettings& settings = {}) {
-  RunControl control;
-  return remesh_surface(mesh, options, settings, control);
-}
-
 /// Returns everything, as text, that a caller sees and that must not depend on the number of workers or on luck.
-std::string bytes(const Result& result) {
+std::string all_bytes(const Result& result) {
   RunControl control;
   std::ostringstream out;
   out.precision(17);
@@ -287,9 +283,9 @@ TEST(remesh_surface, bytes_are_the_same_for_any_number_of_workers_and_on_every_r
        {shapes::ring(8), bracket(), shapes::sphere(4), shapes::rotated(shapes::cylinder(64, 1, 2), {1, 2, 3}, 20),
         shapes::rounded(shapes::rotated(shapes::box({1, 2, 3}, 12), {1, 2, 3}, 40), 1e-6), shapes::sphere(6),
         shapes::rounded(shapes::rotated(shapes::box({1, 2, 3}, 60), {1, 2, 3}, 40), 1e-6)}) {
-    const std::string expected = bytes(remeshed(mesh, unrefined(), {1, true}));
+    const std::string expected = all_bytes(remeshed(mesh, unrefined(), {1, true}));
     for (const int workers : {1, 2, 8, 2})
-      EXPECT_EQ(bytes(remeshed(mesh, unrefined(), {workers, true})), expected) << workers;
+      EXPECT_EQ(all_bytes(remeshed(mesh, unrefined(), {workers, true})), expected) << workers;
   }
 }
 

@@ -23,7 +23,7 @@
 namespace remesh {
 namespace {
 
-Report remeshed(const PolygonMesh& mesh, const Options& options = unrefined()) {
+Report report_of(const PolygonMesh& mesh, const Options& options = unrefined()) {
   RunControl control;
   return remesh_surface(mesh, options, {}, control).report;
 }
@@ -62,7 +62,7 @@ PolygonMesh cylinder_with_a_seam(std::uint32_t sides, std::uint32_t before, std:
 }
 
 TEST(seams, a_cylinder_whose_full_turn_misses_its_beginning_by_rounding_is_closed) {
-  const Report report = remeshed(cylinder_with_a_seam(12, 1, 1));
+  const Report report = report_of(cylinder_with_a_seam(12, 1, 1));
   EXPECT_FALSE(report.input.closed);
   EXPECT_TRUE(report.output.closed);
   EXPECT_TRUE(report.verified.all_true());
@@ -74,7 +74,7 @@ TEST(seams, a_cylinder_whose_full_turn_misses_its_beginning_by_rounding_is_close
 
 TEST(seams, sides_that_are_subdivided_differently_close) {
   for (const auto& [before, after] : {std::pair{1u, 4u}, {3u, 1u}, {3u, 4u}, {4u, 4u}}) {
-    const Report report = remeshed(cylinder_with_a_seam(12, before, after));
+    const Report report = report_of(cylinder_with_a_seam(12, before, after));
     EXPECT_TRUE(report.output.closed) << before << " " << after;
     EXPECT_TRUE(report.verified.all_true()) << before << " " << after;
   }
@@ -83,7 +83,7 @@ TEST(seams, sides_that_are_subdivided_differently_close) {
 TEST(seams, they_are_left_open_if_they_are_not_to_be_mended) {
   Options options = unrefined();
   options.repair.seams = false;
-  const Report report = remeshed(cylinder_with_a_seam(12, 1, 1), options);
+  const Report report = report_of(cylinder_with_a_seam(12, 1, 1), options);
   EXPECT_FALSE(report.output.closed);
   EXPECT_EQ(seams_of(report), 3u);
 }
@@ -92,7 +92,7 @@ TEST(seams, groups_do_not_keep_a_seam_open) {
   PolygonMesh mesh = cylinder_with_a_seam(12, 1, 1);
   mesh.labels.group.names = {"first", "last"};
   for (std::uint32_t f = 0; f < mesh.face_count(); ++f) mesh.labels.group.of_face.push_back(f < 18 ? 0 : 1);
-  const Report report = remeshed(mesh);
+  const Report report = report_of(mesh);
   EXPECT_TRUE(report.output.closed);
   EXPECT_TRUE(report.verified.all_true());
 }
@@ -100,13 +100,13 @@ TEST(seams, groups_do_not_keep_a_seam_open) {
 TEST(seams, a_tolerance_below_what_rounding_explains_holds_for_seams_as_well) {
   Options options = unrefined();
   options.plane_tolerance = 1e-15;
-  EXPECT_FALSE(remeshed(cylinder_with_a_seam(12, 1, 1), options).output.closed);
+  EXPECT_FALSE(report_of(cylinder_with_a_seam(12, 1, 1), options).output.closed);
 }
 
 TEST(seams, refined_results_are_closed_and_verified) {
   Options options;
   options.max_edge_length = 20;
-  const Report report = remeshed(cylinder_with_a_seam(12, 3, 4), options);
+  const Report report = report_of(cylinder_with_a_seam(12, 3, 4), options);
   EXPECT_TRUE(report.output.closed);
   EXPECT_TRUE(report.verified.all_true());
 }
@@ -114,7 +114,7 @@ TEST(seams, refined_results_are_closed_and_verified) {
 TEST(seams, a_solid_of_facets_that_were_all_moved_by_rounding_is_closed) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     const PolygonMesh mesh = torn::into_facets(shapes::box({1, 2, 3}, 3), torn::noise(seed, 1e-15));
-    const Report report = remeshed(mesh);
+    const Report report = report_of(mesh);
     EXPECT_TRUE(report.output.closed);
     EXPECT_TRUE(report.verified.all_true());
     EXPECT_EQ(report.output.faces, 12u);
@@ -194,7 +194,7 @@ TEST(seams, a_body_on_a_larger_one_whose_seam_it_crosses_leaves_that_closed) {
     const PolygonMesh above = narrowed(shapes::moved(cylinder_with_a_seam(sides, 1, 1), {0, 0, 120}), 0.5);
     const double area_above = sides * 12.5 * 12.5 * std::sin(2 * std::numbers::pi / sides) / 2;
     for (const PolygonMesh& mesh : in_many_ways(shapes::joined(below, above))) {
-      const Report report = remeshed(mesh);
+      const Report report = report_of(mesh);
       EXPECT_TRUE(report.output.closed);
       EXPECT_EQ(report.output.non_manifold_edges, 0u);
       EXPECT_NEAR(report.output.volume.value_or(0), 120 * (area + area_above), 1e-9 * 120 * area);
@@ -210,7 +210,7 @@ TEST(seams, bricks_whose_facets_were_all_moved_by_rounding_stay_bricks) {
   for (const PolygonMesh& bricks : {two, four, eight})
     for (unsigned seed = 1; seed <= 3; ++seed) {
       const PolygonMesh turned = shapes::rotated(bricks, {1, 0.2 * seed, 0.4}, 21.0 * seed);
-      const Report report = remeshed(shapes::renumbered(torn::into_facets(turned, torn::noise(seed, 1e-12)), seed));
+      const Report report = report_of(shapes::renumbered(torn::into_facets(turned, torn::noise(seed, 1e-12)), seed));
       EXPECT_TRUE(report.output.closed);
       EXPECT_EQ(report.output.components, bricks.face_count() / 12);
       EXPECT_NEAR(report.output.volume.value_or(0), 64.0 * static_cast<double>(bricks.face_count()) / 12, 1e-7);
@@ -222,7 +222,7 @@ TEST(seams, a_second_copy_of_a_solid_moved_by_rounding_is_dropped) {
     const PolygonMesh box = shapes::box({4, 5, 6}, 2);
     const PolygonMesh twice = shapes::joined(torn::into_facets(box, torn::noise(seed, 1e-12)),
                                              torn::into_facets(box, torn::noise(seed + 100, 1e-12)));
-    const Report report = remeshed(shapes::renumbered(twice, seed));
+    const Report report = report_of(shapes::renumbered(twice, seed));
     EXPECT_TRUE(report.output.closed);
     EXPECT_EQ(report.output.components, 1u);
     EXPECT_NEAR(report.output.volume.value_or(0), 120, 1e-7);
@@ -236,7 +236,7 @@ TEST(seams, a_second_copy_of_a_solid_moved_by_rounding_is_dropped) {
 TEST(seams, faces_that_look_the_other_way_are_joined_and_turned) {
   for (unsigned seed = 1; seed <= 5; ++seed)
     for (const PolygonMesh& whole : {shapes::box({4, 5, 6}, 2), shapes::quad_box({4, 5, 6}, 2), shapes::sphere(2)}) {
-      const double volume = std::fabs(remeshed(whole).output.volume.value());
+      const double volume = std::fabs(report_of(whole).output.volume.value());
       const PolygonMesh mesh = with_turned_faces(torn::into_facets(whole, torn::noise(seed, 1e-12)), seed, 5);
       const Body body = remeshed_body(shapes::renumbered(mesh, seed));
       EXPECT_TRUE(body.is_closed);
@@ -250,7 +250,7 @@ TEST(seams, faces_that_look_the_other_way_are_joined_and_turned) {
 TEST(seams, a_part_that_looks_the_other_way_is_joined_over_its_seams) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     const PolygonMesh whole = shapes::l_bracket(3);
-    const double volume = remeshed(whole).output.volume.value();
+    const double volume = report_of(whole).output.volume.value();
     const torn::IsSecond is_second = torn::above_a_plane(seed);
     PolygonMesh mesh = torn::in_two(whole, is_second, torn::noise(seed, 1e-12));
     for (std::uint32_t f = 0; f < whole.face_count(); ++f) {
@@ -281,7 +281,7 @@ TEST(seams, a_strip_that_its_seam_would_make_one_sided_stays_open_and_is_told) {
       faces.push_back({2 * i - 2, 2 * i + 1, 2 * i - 1});
     }
   }
-  const Report report = remeshed(shapes::from_lists(points, faces));
+  const Report report = report_of(shapes::from_lists(points, faces));
   EXPECT_EQ(report.output.boundary_edges, 2 * kSteps + 2);
   EXPECT_EQ(seams_of(report), 2u);
 }
@@ -294,7 +294,7 @@ TEST(seams, three_sheets_that_meet_alike_stay_open_and_are_told) {
     points.insert(points.end(), {{off, 0, 0}, {off, 0, 1}, {x, y, 1}, {x, y, 0}});
     faces.push_back({4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3});
   }
-  const Report report = remeshed(shapes::from_lists(points, faces));
+  const Report report = report_of(shapes::from_lists(points, faces));
   EXPECT_EQ(report.output.boundary_edges, report.output.faces + 2 * 3);
   EXPECT_EQ(seams_of(report), 3u);
 }
@@ -309,7 +309,7 @@ TEST(seams, two_sheets_that_go_straight_on_are_joined_past_a_third_one) {
   }
   const PolygonMesh mesh = shapes::from_lists(points, faces);
   for (const PolygonMesh& sheets : in_many_ways(mesh)) {
-    const Report report = remeshed(sheets);
+    const Report report = report_of(sheets);
     // The straight one is a rectangle with six vertices at most, the other one has four.
     EXPECT_EQ(report.output.components, 2u);
     EXPECT_EQ(seams_of(report), 2u);
@@ -322,7 +322,7 @@ TEST(seams, the_cylinder_of_the_shared_collection_is_closed) {
   std::ifstream file(test::shared_meshes_folder() / name, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   RunControl control;
-  const Report report = remeshed(read_mesh(Format::kStl, text, {}, control).mesh);
+  const Report report = report_of(read_mesh(Format::kStl, text, {}, control).mesh);
   EXPECT_FALSE(report.input.closed);
   EXPECT_TRUE(report.output.closed);
   EXPECT_TRUE(report.verified.all_true());

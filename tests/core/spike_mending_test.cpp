@@ -13,17 +13,12 @@
 #include "core/io/mesh_files.h"
 #include "core/remesh.h"
 #include "tests/support/polygons.h"
+#include "tests/support/remeshed.h"
 #include "tests/support/shapes.h"
 #include "tests/support/shared_meshes.h"
-#include "tests/support/unrefined_options.h"
 
 namespace remesh {
 namespace {
-
-Result remeshed(const PolygonMesh& mesh, const Options& options = unrefined()) {
-  RunControl control;
-  return remesh_surface(mesh, options, {}, control);
-}
 
 std::uint64_t count_of(const Report& report, DiagnosticCode code) {
   std::uint64_t count = 0;

@@ -14,12 +14,12 @@
 #include "core/refinement/unrefined_reason.h"
 #include "core/remesh.h"
 #include "tests/support/primitives.h"
+#include "tests/support/remeshed.h"
 #include "tests/support/shapes.h"
 
 namespace remesh {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr std::array<double, 4> kElements{8, 12, 16, 36};
 
 Options fitted(double elements, bool is_refined) {
@@ -28,11 +28,6 @@ Options fitted(double elements, bool is_refined) {
   options.refine = is_refined;
   options.circle_fit = CircleFit::kVolume;
   return options;
-}
-
-Result remeshed(const PolygonMesh& mesh, const Options& options, int workers = 1) {
-  RunControl control;
-  return remesh_surface(mesh, options, {workers, true}, control);
 }
 
 struct Solid {
@@ -49,16 +44,16 @@ PolygonMesh elbow(int n, int k, double radius, double bend, double rod) {
   const auto add_ring = [&](const Vec3& centre, double angle) {
     const Vec3 outwards{-std::cos(angle), 0, std::sin(angle)};
     for (int i = 0; i < n; ++i) {
-      const double a = 2 * kPi * i / n;
+      const double a = 2 * std::numbers::pi * i / n;
       points.push_back(centre + radius * (std::cos(a) * outwards + std::sin(a) * Vec3{0, -1, 0}));
     }
   };
   add_ring({0, 0, -rod}, 0);
   for (int j = 0; j <= k; ++j) {
-    const double angle = kPi / 2 * j / k;
+    const double angle = std::numbers::pi / 2 * j / k;
     add_ring({bend - bend * std::cos(angle), 0, bend * std::sin(angle)}, angle);
   }
-  add_ring({bend + rod, 0, bend}, kPi / 2);
+  add_ring({bend + rod, 0, bend}, std::numbers::pi / 2);
   const auto at = [n](int ring, int i) { return static_cast<std::uint32_t>(ring * n + (i + n) % n); };
   for (int ring = 0; ring + 1 < k + 3; ++ring)
     for (int i = 0; i < n; ++i) faces.push_back({at(ring, i), at(ring, i + 1), at(ring + 1, i + 1), at(ring + 1, i)});
@@ -72,27 +67,30 @@ PolygonMesh elbow(int n, int k, double radius, double bend, double rod) {
   return shapes::from_lists(points, faces);
 }
 
-double frustum_volume(double a, double b, double height) { return kPi * height / 3 * (a * a + a * b + b * b); }
+double frustum_volume(double a, double b, double height) {
+  return std::numbers::pi * height / 3 * (a * a + a * b + b * b);
+}
 
 std::vector<Solid> solids() {
   std::vector<Solid> all;
   const auto add = [&](const primitives::Model& model, double volume) {
     all.push_back({model.mesh, model.name, volume});
   };
-  add(primitives::cylinder(72, 10, 30), kPi * 100 * 30);
-  add(primitives::cylinder(24, 5, 40, 3), kPi * 25 * 40);
+  add(primitives::cylinder(72, 10, 30), std::numbers::pi * 100 * 30);
+  add(primitives::cylinder(24, 5, 40, 3), std::numbers::pi * 25 * 40);
   add(primitives::cone(48, 4, 7), frustum_volume(4, 0, 7));
   add(primitives::frustum(48, 4, 1, 7), frustum_volume(4, 1, 7));
-  add(primitives::globe(36, 18, 3), 4 * kPi / 3 * 27);
-  add(primitives::icosphere(3, 3), 4 * kPi / 3 * 27);
-  add(primitives::torus(48, 48, 24, 5, 2), 2 * kPi * 5 * kPi * 4);
-  add(primitives::countersunk_plate(48), 288 - kPi * 1.25 * 1.25 * 0.75 - frustum_volume(1.25, 2.5, 1.25));
-  add(primitives::tube(48, 5, 1, 8), kPi * (25 - 16) * 8);
-  add(primitives::nut(6, 36), (1.5 * std::sqrt(3.0) * 25 - kPi * 9) * 3);
-  const double missing = kPi * 80 / 180;
-  add(primitives::d_shaft(36, 8), (kPi * 16 - 8 * (missing - std::sin(missing))) * 7);
-  add(primitives::rounded_box({4, 3, 2}, 1, 6), 8 * 24 + 2 * (8 * 6 + 8 * 4 + 6 * 4) + kPi * (8 + 6 + 4) + 4 * kPi / 3);
-  all.push_back({elbow(48, 18, 2, 5, 6), "elbow", kPi * 4 * (2 * 6 + 5 * kPi / 2)});
+  add(primitives::globe(36, 18, 3), 4 * std::numbers::pi / 3 * 27);
+  add(primitives::icosphere(3, 3), 4 * std::numbers::pi / 3 * 27);
+  add(primitives::torus(48, 48, 24, 5, 2), 2 * std::numbers::pi * 5 * std::numbers::pi * 4);
+  add(primitives::countersunk_plate(48), 288 - std::numbers::pi * 1.25 * 1.25 * 0.75 - frustum_volume(1.25, 2.5, 1.25));
+  add(primitives::tube(48, 5, 1, 8), std::numbers::pi * (25 - 16) * 8);
+  add(primitives::nut(6, 36), (1.5 * std::sqrt(3.0) * 25 - std::numbers::pi * 9) * 3);
+  const double missing = std::numbers::pi * 80 / 180;
+  add(primitives::d_shaft(36, 8), (std::numbers::pi * 16 - 8 * (missing - std::sin(missing))) * 7);
+  add(primitives::rounded_box({4, 3, 2}, 1, 6),
+      8 * 24 + 2 * (8 * 6 + 8 * 4 + 6 * 4) + std::numbers::pi * (8 + 6 + 4) + 4 * std::numbers::pi / 3);
+  all.push_back({elbow(48, 18, 2, 5, 6), "elbow", std::numbers::pi * 4 * (2 * 6 + 5 * std::numbers::pi / 2)});
   return all;
 }
 
@@ -102,7 +100,7 @@ TEST(volume_fit, solids_have_the_volume_of_the_surfaces_that_bound_them) {
       for (const bool is_refined : {false, true}) {
         SCOPED_TRACE(solid.name + " with " + std::to_string(static_cast<int>(elements)) +
                      (is_refined ? " refined" : " coarse"));
-        const Result result = remeshed(solid.mesh, fitted(elements, is_refined));
+        const Result result = remeshed(solid.mesh, fitted(elements, is_refined), {1, true});
         EXPECT_TRUE(result.report.verified.all_true());
         ASSERT_TRUE(result.report.output.volume.has_value());
         EXPECT_NEAR(*result.report.output.volume, solid.volume, 1e-6 * solid.volume);
@@ -122,7 +120,7 @@ TEST(volume_fit, inscribed_vertices_leave_volume_out) {
     SCOPED_TRACE(solid.name);
     Options options = fitted(12, true);
     options.circle_fit = CircleFit::kInscribed;
-    const Result result = remeshed(solid.mesh, options);
+    const Result result = remeshed(solid.mesh, options, {1, true});
     EXPECT_GT(std::fabs(*result.report.output.volume / solid.volume - 1), 1e-3);
   }
 }
@@ -138,22 +136,22 @@ std::string bytes(const TriangleMesh& mesh, double scale = 1) {
 
 TEST(volume_fit, an_open_surface_keeps_its_area) {
   const primitives::Model pipe = primitives::arc(48, 20, 3, 2);
-  const double area = 3 * 2 * 2 * kPi * 20 / 48;
+  const double area = 3 * 2 * 2 * std::numbers::pi * 20 / 48;
   for (const double elements : kElements)
     for (const bool is_refined : {false, true}) {
-      const Result result = remeshed(pipe.mesh, fitted(elements, is_refined));
+      const Result result = remeshed(pipe.mesh, fitted(elements, is_refined), {1, true});
       EXPECT_TRUE(result.report.verified.all_true());
       EXPECT_NEAR(result.report.output.area, area, 1e-9 * area) << elements;
       Options inscribed = fitted(elements, is_refined);
       inscribed.circle_fit = CircleFit::kInscribed;
-      EXPECT_LT(remeshed(pipe.mesh, inscribed).report.output.area, area * (1 - 5e-4)) << elements;
+      EXPECT_LT(remeshed(pipe.mesh, inscribed, {1, true}).report.output.area, area * (1 - 5e-4)) << elements;
     }
 }
 
 TEST(volume_fit, a_cylinder_gets_the_radius_of_a_polygon_with_the_same_area) {
   for (const double elements : kElements) {
-    const Result result = remeshed(primitives::cylinder(72, 10, 30).mesh, fitted(elements, false));
-    const double turn = 2 * kPi / elements, radius = 10 * std::sqrt(turn / std::sin(turn));
+    const Result result = remeshed(primitives::cylinder(72, 10, 30).mesh, fitted(elements, false), {1, true});
+    const double turn = 2 * std::numbers::pi / elements, radius = 10 * std::sqrt(turn / std::sin(turn));
     // The rims have as many vertices as the circle has pieces, at equal distances.
     EXPECT_EQ(result.mesh.positions.size(), 2 * static_cast<std::size_t>(elements));
     for (const Vec3& p : result.mesh.positions) {
@@ -170,7 +168,7 @@ TEST(volume_fit, a_cylinder_gets_the_radius_of_a_polygon_with_the_same_area) {
 TEST(volume_fit, what_is_proven_stays_within_the_tolerance) {
   for (const Solid& solid : solids()) {
     SCOPED_TRACE(solid.name);
-    const Result result = remeshed(solid.mesh, fitted(12, true));
+    const Result result = remeshed(solid.mesh, fitted(12, true), {1, true});
     double allowed = 0;
     for (const RecognisedSurface& s : result.report.surfaces.surfaces) allowed = std::max(allowed, s.allowed);
     ASSERT_TRUE(result.report.distance_bound.has_value());
@@ -188,10 +186,10 @@ TEST(volume_fit, what_is_proven_stays_within_the_tolerance) {
 TEST(volume_fit, vertices_that_must_stay_leave_the_surfaces_inscribed) {
   const PolygonMesh mesh = primitives::cylinder(72, 10, 30).mesh;
   const auto expect_inscribed = [&](Options options) {
-    const Result outside = remeshed(mesh, options);
+    const Result outside = remeshed(mesh, options, {1, true});
     for (const RecognisedSurface& s : outside.report.surfaces.surfaces) EXPECT_FALSE(s.outside.has_value());
     options.circle_fit = CircleFit::kInscribed;
-    EXPECT_TRUE(bytes(outside.mesh) == bytes(remeshed(mesh, options).mesh));
+    EXPECT_TRUE(bytes(outside.mesh) == bytes(remeshed(mesh, options, {1, true}).mesh));
   };
   Options options = fitted(12, true);
   options.split_boundaries = false;
@@ -208,13 +206,13 @@ TEST(volume_fit, vertices_that_must_stay_leave_the_surfaces_inscribed) {
 TEST(volume_fit, workers_change_nothing_and_powers_of_two_scale_everything) {
   for (const primitives::Model& model : {primitives::countersunk_plate(48), primitives::globe(36, 18, 3)}) {
     const Options options = fitted(16, true);
-    const Result result = remeshed(model.mesh, options);
+    const Result result = remeshed(model.mesh, options, {1, true});
     for (const int workers : {2, 8})
-      EXPECT_TRUE(bytes(remeshed(model.mesh, options, workers).mesh) == bytes(result.mesh));
+      EXPECT_TRUE(bytes(remeshed(model.mesh, options, {workers, true}).mesh) == bytes(result.mesh));
     PolygonMesh scaled = model.mesh;
     const double scale = 0x1p40;
     for (Vec3& p : scaled.positions) p = scale * p;
-    EXPECT_TRUE(bytes(remeshed(scaled, options).mesh, scale) == bytes(result.mesh));
+    EXPECT_TRUE(bytes(remeshed(scaled, options, {1, true}).mesh, scale) == bytes(result.mesh));
   }
 }
 

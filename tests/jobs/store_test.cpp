@@ -25,7 +25,7 @@ namespace remesh::server::jobs {
 namespace {
 
 using std::chrono::milliseconds;
-constexpr std::uint64_t kAnyMemory = 1ull << 60;
+constexpr std::uint64_t kAllMemory = 1ull << 60;
 
 enum class Blobs { kInStore, kInFolder };
 
@@ -83,7 +83,7 @@ class store : public ::testing::TestWithParam<Blobs> {
     return store.submit(job);
   }
   static Claim claim(JobStore& store) {
-    const std::optional<Claim> claim = store.claim("worker", kAnyMemory);
+    const std::optional<Claim> claim = store.claim("worker", kAllMemory);
     EXPECT_TRUE(claim.has_value());
     return claim.value_or(Claim{});
   }
@@ -157,7 +157,7 @@ TEST_P(store, a_job_that_was_submitted_is_claimed_with_all_that_came_with_it) {
   EXPECT_EQ(held.request, "{\"query\":[]}");
   EXPECT_EQ(store->read_blob(id, BlobKind::kInput), "v 0 0 0");
   EXPECT_EQ(state(*store, id), JobState::kRunning);
-  EXPECT_FALSE(store->claim("other", kAnyMemory));
+  EXPECT_FALSE(store->claim("other", kAllMemory));
 }
 
 TEST_P(store, bytes_of_every_value_and_every_length_come_back_as_they_were) {
@@ -213,7 +213,7 @@ TEST_P(store, every_job_is_claimed_once_whoever_asks_at_the_same_time) {
   for (int t = 0; t < 6; ++t) {
     threads.emplace_back([&, store = t % 2 == 0 ? first.get() : second.get()] {
       for (;;) {
-        const std::optional<Claim> got = store->claim("worker", kAnyMemory);
+        const std::optional<Claim> got = store->claim("worker", kAllMemory);
         const std::lock_guard lock(mutex);
         if (got) claimed.insert(got->id);
         if (!got && claimed.size() >= kJobs) return;
@@ -320,7 +320,7 @@ TEST_P(store, a_job_that_every_worker_dies_of_fails_and_its_input_is_kept) {
   EXPECT_NE(job.problem.find("worker_crashed"), std::string::npos);
   EXPECT_TRUE(is_named_in_problem(job));
   EXPECT_EQ(store->read_blob(id, BlobKind::kInput), "poison");
-  EXPECT_FALSE(store->claim("worker", kAnyMemory));
+  EXPECT_FALSE(store->claim("worker", kAllMemory));
 }
 
 TEST_P(store, a_job_given_back_is_the_next_one_and_has_its_attempt_back) {
@@ -369,7 +369,7 @@ TEST_P(store, cancelling_ends_a_job_that_waits_or_runs_and_is_the_same_twice) {
   }
   EXPECT_FALSE(store->holds(held));
   EXPECT_FALSE(store->commit(held, success()));
-  EXPECT_FALSE(store->claim("worker", kAnyMemory));
+  EXPECT_FALSE(store->claim("worker", kAllMemory));
   EXPECT_FALSE(store->cancel(new_request_id()));
   EXPECT_EQ(files(), 0u);
 }
@@ -563,7 +563,7 @@ TEST_P(store, who_waits_for_work_is_woken_by_another_process) {
     wait(milliseconds(200));
     submit(*submitting);
   });
-  while (!waiting->claim("worker", kAnyMemory) && Clock::now() < start + milliseconds(5000)) {
+  while (!waiting->claim("worker", kAllMemory) && Clock::now() < start + milliseconds(5000)) {
     waiting->wait_for_work(wake, start + milliseconds(10'000));
   }
   later.join();
@@ -629,7 +629,7 @@ TEST_P(store, fifty_thousand_jobs_that_wait_do_not_slow_a_claim) {
     std::vector<double> times;
     for (int i = 0; i < kClaims; ++i) {
       const Clock::time_point start = Clock::now();
-      EXPECT_TRUE(store->claim("worker", kAnyMemory).has_value());
+      EXPECT_TRUE(store->claim("worker", kAllMemory).has_value());
       times.push_back(milliseconds_between(start, Clock::now()));
     }
     std::nth_element(times.begin(), times.begin() + kClaims / 2, times.end());

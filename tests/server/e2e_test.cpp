@@ -23,7 +23,7 @@ int run(const std::string& command) {
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
 }
 
-std::string code_of(const Answer& answer) {
+std::string problem_code(const Answer& answer) {
   const auto problem = nlohmann::json::parse(answer.body, nullptr, false);
   return problem.is_object() ? problem.value("code", "") : "";
 }
@@ -70,7 +70,7 @@ TEST(end_to_end, what_must_get_too_large_is_refused_at_once) {
   };
   test::expect_best_within(test::Seconds(1), refuse);
   EXPECT_EQ(answer.status, 422);
-  EXPECT_EQ(code_of(answer), "output_too_large");
+  EXPECT_EQ(problem_code(answer), "output_too_large");
   const auto problem = nlohmann::json::parse(answer.body);
   EXPECT_EQ(problem["option"], "max_output_faces");
   EXPECT_EQ(problem["limit"], 1000);
@@ -123,7 +123,7 @@ TEST(end_to_end, after_each_bad_input_the_next_request_is_served) {
       EXPECT_EQ(answer.status, bad.status) << bad.name << answer.body;
     }
     if (!bad.code.empty()) {
-      EXPECT_EQ(code_of(answer), bad.code) << bad.name;
+      EXPECT_EQ(problem_code(answer), bad.code) << bad.name;
     }
     EXPECT_TRUE(answer.status >= 400 && answer.status < 500) << bad.name << answer.status;
     EXPECT_EQ(answer.header("Content-Type"), "application/problem+json") << bad.name;
@@ -146,7 +146,7 @@ TEST(end_to_end, a_running_request_ends_soon_after_its_delete) {
       EXPECT_TRUE(eventually([&] { return get(daemon.port(), path).status == 200; }));
       EXPECT_EQ(ask(daemon.port(), "DELETE " + path + " HTTP/1.1\r\nHost: localhost\r\n\r\n").status, 204);
       const auto start = std::chrono::steady_clock::now();
-      EXPECT_EQ(code_of(client.answer()), "cancelled");
+      EXPECT_EQ(problem_code(client.answer()), "cancelled");
       const auto took = std::chrono::steady_clock::now() - start;
       EXPECT_EQ(get(daemon.port(), path).status, 404);
       return took;

@@ -26,7 +26,7 @@ class web_page : public ::testing::Test {
   web_page() {
     log::set_up(log::Format::kText, log::Level::kError);
     RunControl control;
-    packed_ = gzip(kScript, control);
+    packed_ = remesh::gzip(kScript, control);
     serve({{"/", "text/html; charset=utf-8", "<!doctype html>"},
            {"/assets/app-0123.js", "text/javascript", packed_, /*is_packed=*/true, /*is_fixed=*/true}});
   }

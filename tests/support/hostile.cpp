@@ -11,7 +11,7 @@
 namespace remesh::hostile {
 namespace {
 
-class Builder {
+class ShapeBuilder {
  public:
   std::uint32_t vertex(const Vec3& p) {
     mesh_.positions.push_back(p);
@@ -37,7 +37,7 @@ Vec2 on_circle(std::size_t i, std::size_t count) {
 }
 
 PolygonMesh fan(std::size_t count, double height) {
-  Builder out;
+  ShapeBuilder out;
   const std::uint32_t tip = out.vertex({0, 0, height});
   for (std::size_t i = 0; i < count; ++i) {
     const Vec2 p = on_circle(i, count);
@@ -50,7 +50,7 @@ PolygonMesh fan(std::size_t count, double height) {
 /// Makes a grid of (n + 1)^2 vertices with those heights.
 /// Input: `take` - called with the corners of each triangle.
 template <class Height, class Take>
-void grid(std::size_t n, Builder& out, const Height& height, const Take& take) {
+void grid(std::size_t n, ShapeBuilder& out, const Height& height, const Take& take) {
   for (std::size_t j = 0; j <= n; ++j)
     for (std::size_t i = 0; i <= n; ++i) out.vertex({static_cast<double>(i), static_cast<double>(j), height()});
   const auto at = [&](std::size_t i, std::size_t j) { return static_cast<std::uint32_t>(j * (n + 1) + i); };
@@ -64,7 +64,7 @@ void grid(std::size_t n, Builder& out, const Height& height, const Take& take) {
 }  // namespace
 
 PolygonMesh components(std::size_t count) {
-  Builder out;
+  ShapeBuilder out;
   const auto side = static_cast<std::size_t>(std::ceil(std::cbrt(static_cast<double>(count))));
   for (std::size_t k = 0; k < count; ++k) {
     const Vec3 corner{static_cast<double>(2 * (k % side)), static_cast<double>(2 * (k / side % side)),
@@ -89,7 +89,7 @@ PolygonMesh polygon(std::size_t count) {
 }
 
 PolygonMesh soup(std::size_t count, unsigned seed) {
-  Builder out;
+  ShapeBuilder out;
   Random random(seed);
   for (std::size_t i = 0; i < count; ++i) {
     std::uint32_t corner[3];
@@ -100,7 +100,7 @@ PolygonMesh soup(std::size_t count, unsigned seed) {
 }
 
 PolygonMesh book(std::size_t count) {
-  Builder out;
+  ShapeBuilder out;
   const std::uint32_t low = out.vertex({0, 0, 0}), high = out.vertex({0, 0, 1});
   for (std::size_t i = 0; i < count; ++i) {
     const Vec2 p = on_circle(i, count);
@@ -110,7 +110,7 @@ PolygonMesh book(std::size_t count) {
 }
 
 PolygonMesh double_book(std::size_t count) {
-  Builder out;
+  ShapeBuilder out;
   const std::uint32_t low = out.vertex({0, 0, 0}), high = out.vertex({0, 0, 1});
   for (std::size_t i = 0; i < count; ++i) {
     const Vec2 p = on_circle(i, count);
@@ -122,14 +122,14 @@ PolygonMesh double_book(std::size_t count) {
 }
 
 PolygonMesh repeated(std::size_t count) {
-  Builder out;
+  ShapeBuilder out;
   for (const Vec3& p : {Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}}) out.vertex(p);
   for (std::size_t i = 0; i < count; ++i) out.triangle(0, 1, 2);
   return out.take();
 }
 
 PolygonMesh torn_edge(std::size_t count) {
-  Builder out;
+  ShapeBuilder out;
   const auto n = static_cast<double>(count);
   const std::uint32_t from = out.vertex({0, 0, 0}), to = out.vertex({n, 0, 0}), above = out.vertex({n / 2, n, 0}),
                       below = out.vertex({n / 2, -n, 0});
@@ -144,7 +144,7 @@ PolygonMesh torn_edge(std::size_t count) {
 }
 
 PolygonMesh flat_fan(std::size_t count) {
-  Builder out;
+  ShapeBuilder out;
   const auto n = static_cast<double>(count + 1);
   const std::uint32_t from = out.vertex({0, 0, 0}), to = out.vertex({n, 0, 0}), above = out.vertex({n / 2, n, 0}),
                       below = out.vertex({n / 2, -n, 0});
@@ -161,7 +161,7 @@ PolygonMesh flat_fan(std::size_t count) {
 }
 
 PolygonMesh crumpled(std::size_t n, unsigned seed) {
-  Builder out;
+  ShapeBuilder out;
   Random random(seed);
   grid(
       n, out, [&] { return random.unit(); }, [&](auto a, auto b, auto c) { out.triangle(a, b, c); });
@@ -169,7 +169,7 @@ PolygonMesh crumpled(std::size_t n, unsigned seed) {
 }
 
 PolygonMesh strip(std::size_t count) {
-  Builder out;
+  ShapeBuilder out;
   for (std::size_t i = 0; i < count + 2; ++i)
     out.vertex({static_cast<double>(i / 2 * 1024), i % 2 == 0 ? 0.0 : 1.0, 0});
   for (std::uint32_t i = 0; i < count; ++i) i % 2 == 0 ? out.triangle(i, i + 2, i + 1) : out.triangle(i, i + 1, i + 2);
@@ -177,7 +177,7 @@ PolygonMesh strip(std::size_t count) {
 }
 
 PolygonMesh shuffled_winding(std::size_t n, unsigned seed) {
-  Builder out;
+  ShapeBuilder out;
   Random random(seed);
   grid(
       n, out, [] { return 0.0; },

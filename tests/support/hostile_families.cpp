@@ -16,7 +16,7 @@
 namespace remesh::hostile {
 namespace {
 
-class Builder {
+class FamilyBuilder {
  public:
   std::uint32_t vertex(const Vec3& p) {
     mesh_.positions.push_back(p);
@@ -42,7 +42,7 @@ class Builder {
 /// Makes triangles with vertices of their own.
 template <class Corner>
 PolygonMesh triangles(std::size_t count, const Corner& corner) {
-  Builder out;
+  FamilyBuilder out;
   for (std::size_t i = 0; i < count; ++i) {
     const std::uint32_t a = out.vertex(corner()), b = out.vertex(corner()), c = out.vertex(corner());
     out.face({a, b, c});
@@ -52,7 +52,7 @@ PolygonMesh triangles(std::size_t count, const Corner& corner) {
 
 template <class Corner>
 PolygonMesh polygon(std::size_t corners, const Corner& corner) {
-  Builder out;
+  FamilyBuilder out;
   for (std::size_t i = 0; i < corners; ++i) out.vertex(corner());
   out.face_from(0);
   return out.take();
@@ -97,7 +97,7 @@ PolygonMesh polygon_in_space(std::size_t size) {
 }
 
 /// Adds a rectangle with this middle, from -u - v to u + v around it.
-void add_rectangle(Builder& out, const Vec3& middle, const Vec3& u, const Vec3& v) {
+void add_rectangle(FamilyBuilder& out, const Vec3& middle, const Vec3& u, const Vec3& v) {
   const std::uint32_t a = out.vertex(middle - u - v), b = out.vertex(middle + u - v), c = out.vertex(middle + u + v),
                       d = out.vertex(middle - u + v);
   out.face({a, b, c, d});
@@ -106,7 +106,7 @@ void add_rectangle(Builder& out, const Vec3& middle, const Vec3& u, const Vec3& 
 double share(std::size_t i, std::size_t n) { return static_cast<double>(i) / static_cast<double>(n); }
 
 PolygonMesh planks(std::size_t size) {
-  Builder out;
+  FamilyBuilder out;
   Random random(6);
   for (std::size_t i = 0; i < size; ++i) {
     const double angle = std::numbers::pi * share(i, size), reach = random.uniform(1, 2);
@@ -120,7 +120,7 @@ constexpr std::array kAskew{Vec3{2, 1, 2}, Vec3{1, 2, -2}, Vec3{-2, 2, 1}};
 
 /// The sheets lie one above the other along the third direction. The directions are pairwise at right angles.
 PolygonMesh stack(std::size_t size, const std::array<Vec3, 3>& directions) {
-  Builder out;
+  FamilyBuilder out;
   for (std::size_t i = 0; i < size; ++i)
     add_rectangle(out, share(i, size) * directions[2], directions[0], directions[1]);
   return out.take();
@@ -144,13 +144,13 @@ std::vector<Vec2> comb_outline(std::size_t corners) {
   return outline;
 }
 PolygonMesh comb(std::size_t size) {
-  Builder out;
+  FamilyBuilder out;
   for (const Vec2 p : comb_outline(size)) out.vertex({p.x, p.y, 0});
   out.face_from(0);
   return out.take();
 }
 PolygonMesh comb_prism(std::size_t size) {
-  Builder out;
+  FamilyBuilder out;
   const std::vector<Vec2> outline = comb_outline(size);
   const auto n = static_cast<std::uint32_t>(outline.size());
   for (const Vec2 p : outline) out.vertex({p.x, p.y, 1});
@@ -167,7 +167,7 @@ PolygonMesh comb_prism(std::size_t size) {
 
 /// The needles are so narrow that hardly any two of them meet.
 PolygonMesh spanning_needles(std::size_t size) {
-  Builder out;
+  FamilyBuilder out;
   Random random(7);
   const double width = 1 / (static_cast<double>(size) * static_cast<double>(size));
   for (std::size_t i = 0; i < size; ++i) {
@@ -178,7 +178,7 @@ PolygonMesh spanning_needles(std::size_t size) {
   return out.take();
 }
 PolygonMesh parallel_needles(std::size_t size) {
-  Builder out;
+  FamilyBuilder out;
   const auto side = static_cast<std::size_t>(std::ceil(std::sqrt(static_cast<double>(size))));
   const double apart = 1 / static_cast<double>(side);
   const auto [along, u, v] = kAskew;
@@ -190,17 +190,17 @@ PolygonMesh parallel_needles(std::size_t size) {
   return out.take();
 }
 
-Vec2 on_circle(std::size_t i, std::size_t count) {
+Vec2 at_angle(std::size_t i, std::size_t count) {
   const double angle = 2 * std::numbers::pi * share(i, count);
   return {std::cos(angle), std::sin(angle)};
 }
 /// Neighbours share a side, and the rim goes up and down, so that each face has a plane of its own.
 PolygonMesh fan_around_a_vertex(std::size_t size) {
-  Builder out;
+  FamilyBuilder out;
   Random random(8);
   const std::uint32_t middle = out.vertex({0, 0, 1});
   for (std::size_t i = 0; i < size; ++i) {
-    const Vec2 p = on_circle(i, size);
+    const Vec2 p = at_angle(i, size);
     out.vertex({p.x, p.y, random.unit()});
   }
   const auto n = static_cast<std::uint32_t>(size);
@@ -209,11 +209,11 @@ PolygonMesh fan_around_a_vertex(std::size_t size) {
 }
 /// As a file with nine digits has it: some neighbours are in one plane, and become patches of a few needles.
 PolygonMesh round_cone(std::size_t size) {
-  Builder out;
+  FamilyBuilder out;
   const std::uint32_t middle = out.vertex({0, 0, 1});
   const auto rounded = [](double x) { return std::nearbyint(x * 0x1p30) / 0x1p30; };
   for (std::size_t i = 0; i < size; ++i) {
-    const Vec2 p = on_circle(i, size);
+    const Vec2 p = at_angle(i, size);
     out.vertex({rounded(p.x), rounded(p.y), 0});
   }
   const auto n = static_cast<std::uint32_t>(size);
@@ -221,11 +221,11 @@ PolygonMesh round_cone(std::size_t size) {
   return out.take();
 }
 PolygonMesh fan_around_an_edge(std::size_t size) {
-  Builder out;
+  FamilyBuilder out;
   Random random(9);
   const std::uint32_t low = out.vertex({0, 0, 0}), high = out.vertex({0, 0, 1});
   for (std::size_t i = 0; i < size; ++i) {
-    const Vec2 p = on_circle(i, size);
+    const Vec2 p = at_angle(i, size);
     const std::uint32_t apex = out.vertex({p.x, p.y, random.uniform(-1, 2)});
     out.face({low, high, apex});
   }

@@ -9,8 +9,6 @@
 namespace remesh {
 namespace {
 
-constexpr std::uint32_t kNoHalfEdge = Triangulation2d::kNoHalfEdge;
-
 bool is_strictly_between(Vec2 a, Vec2 b, Vec2 p) {
   return orient2d(a, b, p) == 0 && std::min(a, b) < p && p < std::max(a, b);
 }

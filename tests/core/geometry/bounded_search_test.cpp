@@ -17,7 +17,7 @@
 namespace remesh {
 namespace {
 
-using Pairs = std::vector<std::pair<FaceId, FaceId>>;
+using FacePairs = std::vector<std::pair<FaceId, FaceId>>;
 
 constexpr std::size_t kAllPairs = std::size_t{1} << 32;
 
@@ -52,9 +52,9 @@ SelfIntersections find(const TriangleMesh& mesh, const SearchLimits& limits) {
   return self_intersections(mesh.positions.items(), mesh.faces.items(), {}, limits, control);
 }
 
-Pairs all_pairs(const TriangleMesh& mesh) {
+FacePairs all_pairs(const TriangleMesh& mesh) {
   // The coordinates of these families are small, so they need no scaling.
-  Pairs pairs;
+  FacePairs pairs;
   for (std::uint32_t f = 0; f < mesh.faces.size(); ++f)
     for (std::uint32_t g = f + 1; g < mesh.faces.size(); ++g)
       if (do_intersect(mesh.faces[FaceId(f)], mesh.faces[FaceId(g)], mesh.positions.items()))
@@ -65,7 +65,7 @@ Pairs all_pairs(const TriangleMesh& mesh) {
 TEST(bounded_search, a_search_that_is_cut_short_finds_some_pairs_and_estimates_all) {
   for (const char* family : {"soup_in_a_cube", "soup_in_a_plane", "planks"}) {
     const TriangleMesh mesh = triangles_of(family, 1000);
-    const Pairs all = all_pairs(mesh);
+    const FacePairs all = all_pairs(mesh);
     SearchLimits limits(all.size() / 4);
     limits.is_estimate_wanted = true;
     const SelfIntersections some = find(mesh, limits);
@@ -114,9 +114,9 @@ TEST(bounded_search, what_is_found_within_bounds_does_not_depend_on_the_number_o
 
 TEST(bounded_search, a_pair_that_is_not_expected_is_found_among_any_number_of_expected_ones) {
   TriangleMesh mesh = triangles_of("soup_in_a_cube", 600);
-  const Pairs all = all_pairs(mesh);
+  const FacePairs all = all_pairs(mesh);
   ASSERT_GT(all.size(), 1000u);
-  const Pairs planted{all[all.size() / 5], all[all.size() / 2], all.back()};
+  const FacePairs planted{all[all.size() / 5], all[all.size() / 2], all.back()};
   for (const std::size_t limit : {std::size_t{5}, std::size_t{100}, all.size() - 1}) {
     SearchLimits limits(limit);
     limits.is_expected = [&](FaceId f, FaceId g) {
@@ -135,7 +135,7 @@ TEST(bounded_search, a_pair_that_is_not_expected_is_found_among_any_number_of_ex
 
 TEST(bounded_search, pairs_that_are_not_expected_end_the_search) {
   const TriangleMesh mesh = triangles_of("soup_in_a_cube", 1000);
-  const Pairs all = all_pairs(mesh);
+  const FacePairs all = all_pairs(mesh);
   // Half of all pairs are expected.
   const auto is_expected = [](FaceId f, FaceId g) { return (f.value + g.value) % 2 == 0; };
   const auto unexpected = static_cast<std::size_t>(
@@ -156,7 +156,7 @@ TEST(bounded_search, pairs_that_are_not_expected_end_the_search) {
 TEST(bounded_search, one_pair_that_is_not_expected_is_enough_after_many_steps) {
   const TriangleMesh mesh = triangles_of("soup_in_a_cube", 1000);
   const std::uint64_t steps = find(mesh, kAllPairs).steps;
-  const Pairs all = all_pairs(mesh);
+  const FacePairs all = all_pairs(mesh);
   for (const bool is_any_unexpected : {false, true}) {
     SearchLimits limits(kAllPairs);
     limits.is_expected = [&](FaceId f, FaceId g) {
@@ -213,7 +213,7 @@ TEST(bounded_search, of_needles_that_are_searched_twice_each_pair_is_found_once)
     const VertexId a = mesh.positions.push_back({x, y, -1}), b = mesh.positions.push_back({x + 0.5, y, -1});
     mesh.faces.push_back({a, b, mesh.positions.push_back({x, y, 1})});
   }
-  const Pairs expected = all_pairs(mesh);
+  const FacePairs expected = all_pairs(mesh);
   EXPECT_GT(expected.size(), 100u);
   SearchLimits limits(expected.size());
   const SelfIntersections found = find(mesh, limits);

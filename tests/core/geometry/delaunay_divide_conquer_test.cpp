@@ -21,8 +21,6 @@
 namespace remesh {
 namespace {
 
-constexpr std::uint32_t kNoHalfEdge = Triangulation2d::kNoHalfEdge;
-
 /// Returns the triangles in the order of the triangulation.
 std::vector<Corners> triangles(const Triangulation2d& mesh) {
   std::vector<Corners> result;

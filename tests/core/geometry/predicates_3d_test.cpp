@@ -24,7 +24,7 @@ int compare(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   return expected;
 }
 
-Vec3 random_point(Random& random) {
+Vec3 random_place(Random& random) {
   const double x = random.uniform(-1, 1), y = random.uniform(-1, 1);
   return {x, y, random.uniform(-1, 1)};
 }
@@ -34,7 +34,7 @@ double nudged(Random& random, double value) {
   return value;
 }
 
-constexpr double kScales[] = {0x1p-240, 0x1p-20, 1, 0x1p20, 0x1p249};
+constexpr double kScalesInSpace[] = {0x1p-240, 0x1p-20, 1, 0x1p20, 0x1p249};
 
 TEST(predicates_3d, the_fourth_point_is_positive_where_the_first_three_are_counter_clockwise) {
   EXPECT_EQ(orient3d({0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}), 1);
@@ -45,9 +45,9 @@ TEST(predicates_3d, the_fourth_point_is_positive_where_the_first_three_are_count
 TEST(predicates_3d, random_points_agree_with_the_oracle_at_every_scale) {
   Random random(1);
   for (int i = 0; i < 20000; ++i) {
-    const double scale = kScales[i % 5];
-    const Vec3 a = scale * random_point(random), b = scale * random_point(random);
-    const Vec3 c = scale * random_point(random), d = scale * random_point(random);
+    const double scale = kScalesInSpace[i % 5];
+    const Vec3 a = scale * random_place(random), b = scale * random_place(random);
+    const Vec3 c = scale * random_place(random), d = scale * random_place(random);
     compare(a, b, c, d);
   }
 }
@@ -66,8 +66,8 @@ TEST(predicates_3d, points_ulps_from_a_plane_agree_with_the_oracle) {
   Random random(3);
   int signs[3] = {};
   for (int i = 0; i < 20000; ++i) {
-    const double scale = kScales[i % 5];
-    const Vec3 a = scale * random_point(random), b = scale * random_point(random), c = scale * random_point(random);
+    const double scale = kScalesInSpace[i % 5];
+    const Vec3 a = scale * random_place(random), b = scale * random_place(random), c = scale * random_place(random);
     const double s = random.uniform(-1, 2), t = random.uniform(-1, 2);
     Vec3 d = a + s * (b - a) + t * (c - a);
     d = {nudged(random, d.x), nudged(random, d.y), nudged(random, d.z)};

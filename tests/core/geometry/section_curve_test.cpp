@@ -12,8 +12,6 @@
 namespace remesh {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 AnalyticSurface cylinder(double radius) { return {SurfaceKind::kCylinder, {1, 2, 3}, {0, 0, 1}, radius, 0, 0}; }
 AnalyticSurface cone(double half_angle) { return {SurfaceKind::kCone, {1, 2, 3}, {0, 0, 1}, 0, 0, half_angle}; }
 AnalyticSurface sphere(double radius) { return {SurfaceKind::kSphere, {1, 2, 3}, {}, radius, 0, 0}; }
@@ -25,7 +23,8 @@ AnalyticSurface torus(double radius, double tube) {
 std::vector<Vec3> circle(const Vec3& centre, double radius, bool is_about_z, int count = 12) {
   std::vector<Vec3> points;
   for (int i = 0; i < count; ++i) {
-    const double c = radius * std::cos(2 * kPi * i / count), s = radius * std::sin(2 * kPi * i / count);
+    const double c = radius * std::cos(2 * std::numbers::pi * i / count),
+                 s = radius * std::sin(2 * std::numbers::pi * i / count);
     points.push_back(centre + (is_about_z ? Vec3{c, s, 0} : Vec3{c, 0, s}));
   }
   return points;
@@ -33,13 +32,13 @@ std::vector<Vec3> circle(const Vec3& centre, double radius, bool is_about_z, int
 
 /// Expects that the curve is on the surface and in the plane everywhere, and that it goes through the points.
 void expect_on_both(const SectionCurve& curve, const AnalyticSurface& surface, const Plane& plane,
-                    const std::vector<Vec3>& points, double first = -kPi, double last = kPi) {
+                    const std::vector<Vec3>& points, double first = -std::numbers::pi, double last = std::numbers::pi) {
   const test::PlainSurface plain{surface.kind,
                                  surface.origin,
                                  surface.axis,
                                  surface.radius,
                                  surface.minor_radius,
-                                 surface.half_angle * 180 / kPi,
+                                 surface.half_angle * 180 / std::numbers::pi,
                                  {}};
   for (int i = 0; i <= 100; ++i) {
     const Vec3 p = curve.point(first + (last - first) * i / 100);
@@ -56,7 +55,7 @@ TEST(section_curve, a_plane_across_the_axis_cuts_a_cylinder_in_a_circle) {
   const auto curve = SectionCurve::through(points, cylinder(5), plane, 1e-12);
   ASSERT_TRUE(curve);
   expect_on_both(*curve, cylinder(5), plane, points);
-  EXPECT_NEAR(curve->angle(points[3]), kPi / 2, 1e-15);
+  EXPECT_NEAR(curve->angle(points[3]), std::numbers::pi / 2, 1e-15);
 }
 
 TEST(section_curve, oblique_planes_cut_cylinders_and_cones_wherever_rulings_meet_them) {
@@ -68,7 +67,7 @@ TEST(section_curve, oblique_planes_cut_cylinders_and_cones_wherever_rulings_meet
     const Plane plane{surface.origin + Vec3{0, 0, random.uniform(1, 5)}, normal};
     // Some points of the section, made with formulas of our own.
     std::vector<Vec3> points;
-    const double first = random.uniform(-kPi, kPi), turn = random.uniform(0.2, 2);
+    const double first = random.uniform(-std::numbers::pi, std::numbers::pi), turn = random.uniform(0.2, 2);
     double least = 1;
     for (int i = 0; i <= 10; ++i) {
       const double angle = first + turn * i / 10;
@@ -147,7 +146,7 @@ TEST(section_curve, a_cone_that_is_almost_a_cylinder_loses_no_digits) {
   const auto curve = SectionCurve::through(points, far, plane, 1e-8);
   ASSERT_TRUE(curve);
   for (int i = 0; i < 12; ++i) {
-    const Vec3 p = curve->point(2 * kPi * i / 12);
+    const Vec3 p = curve->point(2 * std::numbers::pi * i / 12);
     EXPECT_NEAR(std::hypot(p.x, p.y), 1 + 2e-7, 1e-14);
     EXPECT_NEAR(p.z, 2, 1e-14);
   }

@@ -10,7 +10,6 @@
 namespace remesh {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 const Vec3 kCentre{1, -2, 3};
 const Vec3 kX{0, 1, 0}, kY{0, 0, 1}, kZ{1, 0, 0};
 
@@ -114,29 +113,30 @@ TEST(surface_integral, whole_solids_have_their_volumes_to_twelve_digits) {
   // The fans at an octant of a ball lie in planes through its centre.
   const SurfaceIntegral octant = over(
       {SurfaceKind::kSphere, kCentre, {}, 3, 0, 0},
-      [](double u, double v) { return around(3 * std::cos(v), u, 3 * std::sin(v)); }, {0, 0}, {kPi / 2, kPi / 2}, 3);
-  EXPECT_NEAR(octant.volume(), 27 * kPi / 6, 1e-12 * 27);
-  EXPECT_NEAR(octant.area(), 9 * kPi / 2, 1e-12 * 9);
+      [](double u, double v) { return around(3 * std::cos(v), u, 3 * std::sin(v)); }, {0, 0},
+      {std::numbers::pi / 2, std::numbers::pi / 2}, 3);
+  EXPECT_NEAR(octant.volume(), 27 * std::numbers::pi / 6, 1e-12 * 27);
+  EXPECT_NEAR(octant.area(), 9 * std::numbers::pi / 2, 1e-12 * 9);
   // Half of a cylinder: its plane goes through the centre. At its ends, the fans reach from the arcs to their chords.
   const int pieces = 3;
   const SurfaceIntegral half = over(
       {SurfaceKind::kCylinder, kCentre, kZ, 2, 0, 0}, [](double u, double v) { return around(2, u, v); }, {0, 0},
-      {kPi, 7}, pieces);
-  const double polygon = pieces * 2 * std::sin(kPi / pieces);
-  EXPECT_NEAR(half.volume(), 7 * 2 * kPi - 7 * polygon / 3, 1e-12 * 44);
-  EXPECT_NEAR(half.area(), 14 * kPi, 1e-12 * 44);
+      {std::numbers::pi, 7}, pieces);
+  const double polygon = pieces * 2 * std::sin(std::numbers::pi / pieces);
+  EXPECT_NEAR(half.volume(), 7 * 2 * std::numbers::pi - 7 * polygon / 3, 1e-12 * 44);
+  EXPECT_NEAR(half.area(), 14 * std::numbers::pi, 1e-12 * 44);
   // A quarter of a ring, as four pieces around the tube, between two planes through the centre.
   double ring = 0, area = 0;
   for (int q = 0; q < 4; ++q) {
     const SurfaceIntegral quarter = over(
         {SurfaceKind::kTorus, kCentre, kZ, 5, 2, 0},
-        [](double u, double v) { return around(5 + 2 * std::cos(v), u, 2 * std::sin(v)); }, {0, q * kPi / 2},
-        {kPi / 2, (q + 1) * kPi / 2}, 3);
+        [](double u, double v) { return around(5 + 2 * std::cos(v), u, 2 * std::sin(v)); },
+        {0, q * std::numbers::pi / 2}, {std::numbers::pi / 2, (q + 1) * std::numbers::pi / 2}, 3);
     ring += quarter.volume();
     area += quarter.area();
   }
-  EXPECT_NEAR(ring, kPi * 4 * 5 * kPi / 2, 1e-11 * 100);
-  EXPECT_NEAR(area, 2 * kPi * 2 * 5 * kPi / 2, 1e-11 * 100);
+  EXPECT_NEAR(ring, std::numbers::pi * 4 * 5 * std::numbers::pi / 2, 1e-11 * 100);
+  EXPECT_NEAR(area, 2 * std::numbers::pi * 2 * 5 * std::numbers::pi / 2, 1e-11 * 100);
 }
 
 TEST(surface_integral, a_piece_on_the_right_counts_negative_and_units_divide) {

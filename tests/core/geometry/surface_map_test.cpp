@@ -14,8 +14,6 @@ namespace {
 
 using test::CurvedPlace;
 
-constexpr double kPi = std::numbers::pi;
-
 /// A surface, and the parameters of the middle of a piece and of places around it.
 struct Case {
   std::string name;
@@ -75,7 +73,7 @@ TEST(surface_map, there_are_maps_of_surfaces_that_do_not_touch_themselves) {
   EXPECT_FALSE(can_map({SurfaceKind::kRevolution}));
   EXPECT_FALSE(can_map({SurfaceKind::kFree}));
   EXPECT_FALSE(can_map({SurfaceKind::kCylinder, 0}));
-  EXPECT_FALSE(can_map({SurfaceKind::kCone, 0, 0, kPi / 2}));
+  EXPECT_FALSE(can_map({SurfaceKind::kCone, 0, 0, std::numbers::pi / 2}));
   EXPECT_FALSE(can_map({SurfaceKind::kCone, 0, 0, 0}));
 }
 

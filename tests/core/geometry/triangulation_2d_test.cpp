@@ -8,8 +8,6 @@
 namespace remesh {
 namespace {
 
-constexpr std::uint32_t kNoHalfEdge = Triangulation2d::kNoHalfEdge;
-
 /// The square 0 1 2 3, counter-clockwise, with the diagonal 0-2. Half-edge 2 runs from 2 to 0, half-edge 3 from 0 to 2.
 Triangulation2d square() {
   Triangulation2d mesh;

@@ -70,7 +70,7 @@ const std::map<std::string, Refusal> kRefused = {
 };
 constexpr const char* kNoise = "malformed/garbage.obj";
 
-ReadResult read(const std::string& name) {
+ReadResult read_file(const std::string& name) {
   RunControl control;
   return read_mesh(*format_from_file_name(name), content_of(name), {}, control);
 }
@@ -96,7 +96,7 @@ class collection : public testing::Test {
 
 TEST_F(collection, counts_and_bounds_are_those_computed_by_other_means) {
   const int files = for_each_readable([](Row& row) {
-    const PolygonMesh mesh = read(row["file"]).mesh;
+    const PolygonMesh mesh = read_file(row["file"]).mesh;
     EXPECT_EQ(std::to_string(mesh.vertex_count()), row["vertices"]);
     EXPECT_EQ(std::to_string(mesh.face_count()), row["faces"]);
     std::set<std::size_t> sides;
@@ -164,7 +164,7 @@ TEST_F(collection, what_is_odd_but_readable_is_remeshed_and_what_it_has_too_much
   for_each_readable([&](Row& row) {
     const std::string& name = row["file"];
     if (!name.starts_with("syntax/") && !name.starts_with("malformed/")) return;
-    ReadResult input = read(name);
+    ReadResult input = read_file(name);
     const auto trailing = std::find_if(input.diagnostics.begin(), input.diagnostics.end(),
                                        [](const Diagnostic& d) { return d.code == DiagnosticCode::kTrailingBytes; });
     EXPECT_EQ(trailing != input.diagnostics.end(), name == "malformed/trailing_byte.stl");
@@ -180,7 +180,7 @@ TEST_F(collection, what_is_odd_but_readable_is_remeshed_and_what_it_has_too_much
 
 TEST_F(collection, two_solids_come_back_as_two_objects) {
   RunControl control;
-  const ReadResult input = read("syntax/two_objects_mixed_case_names.stl");
+  const ReadResult input = read_file("syntax/two_objects_mixed_case_names.stl");
   const Result result = remesh_surface(input.mesh, unrefined(), RunSettings{}, control);
   EXPECT_EQ(result.mesh.labels.object.names.size(), 2u);
   EXPECT_EQ(result.mesh.labels.object.of_face.size(), result.mesh.faces.size());
@@ -208,7 +208,7 @@ TriangleMesh triangulated(PolygonMesh mesh) {
 
 TEST_F(collection, what_is_written_reads_back_bit_for_bit) {
   for_each_readable([](Row& row) {
-    const TriangleMesh mesh = triangulated(read(row["file"]).mesh);
+    const TriangleMesh mesh = triangulated(read_file(row["file"]).mesh);
     const IdVector<FaceId, PatchId> patches(mesh.faces.size(), PatchId(0));
     for (const Format format : {Format::kObj, Format::kPly, Format::kOff}) {
       SCOPED_TRACE(format_name(format));
@@ -240,7 +240,7 @@ TEST_F(collection, what_is_written_reads_back_bit_for_bit) {
 TEST_F(collection, what_is_floats_comes_back_through_binary_stl_bit_for_bit) {
   int files = 0;
   for_each_readable([&](Row& row) {
-    const PolygonMesh mesh = read(row["file"]).mesh;
+    const PolygonMesh mesh = read_file(row["file"]).mesh;
     const auto is_float = [](double x) { return static_cast<double>(static_cast<float>(x)) - x == 0; };
     const bool is_stl = std::all_of(mesh.positions.begin(), mesh.positions.end(),
                                     [&](const Vec3& p) { return is_float(p.x) && is_float(p.y) && is_float(p.z); });

@@ -11,6 +11,7 @@
 #include "core/base/rounded_to_float.h"
 #include "core/remesh.h"
 #include "tests/support/reading.h"
+#include "tests/support/remeshed.h"
 #include "tests/support/shapes.h"
 #include "tests/support/unrefined_options.h"
 
@@ -29,11 +30,6 @@ std::vector<Corners> geometry(const TriangleMesh& mesh) {
   }
   std::sort(triangles.begin(), triangles.end());
   return triangles;
-}
-
-Result remeshed(const PolygonMesh& mesh, const Options& options) {
-  RunControl control;
-  return remesh_surface(mesh, options, RunSettings{}, control);
 }
 
 PolygonMesh through(Format format, const TriangleMesh& mesh) {

@@ -20,7 +20,7 @@
 namespace remesh {
 namespace {
 
-constexpr const char* kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+constexpr const char* kOneTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 
 ReadResult read(const std::string& text, const ReadLimits& limits = {}) {
   RunControl control;
@@ -46,7 +46,7 @@ void expect_error(const std::string& text, Code code, std::uint64_t line) {
 }
 
 using Face = std::vector<std::uint32_t>;
-std::vector<Face> faces_of(const PolygonMesh& mesh) {
+std::vector<Face> corner_lists(const PolygonMesh& mesh) {
   std::vector<Face> faces;
   for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
     Face& face = faces.emplace_back();
@@ -55,7 +55,7 @@ std::vector<Face> faces_of(const PolygonMesh& mesh) {
   return faces;
 }
 
-std::vector<std::string> label_of_faces(const LabelSet& labels) {
+std::vector<std::string> labels_in_order(const LabelSet& labels) {
   std::vector<std::string> names;
   for (const std::uint32_t label : labels.of_face) names.push_back(labels.names.at(label));
   return names;
@@ -70,7 +70,7 @@ TEST(obj_reader, vertices_come_in_file_order_and_faces_as_listed) {
   ASSERT_EQ(mesh.vertex_count(), 4u);
   EXPECT_EQ(mesh.positions[VertexId(2)], (Vec3{1, 1, 0.5}));
   EXPECT_TRUE(std::signbit(mesh.positions[VertexId(3)].x));
-  EXPECT_EQ(faces_of(mesh), (std::vector<Face>{{0, 1, 2}, {0, 1, 2, 3}}));
+  EXPECT_EQ(corner_lists(mesh), (std::vector<Face>{{0, 1, 2}, {0, 1, 2, 3}}));
   EXPECT_EQ(mesh.labels, FaceLabels{});
 }
 
@@ -169,22 +169,22 @@ TEST(obj_reader, corners_are_taken_in_every_form) {
   for (const char* face :
        {"1 2 3 4", "1/1 2/2 3/3 4/4", "1//1 2//2 3//3 4//4", "1/1/1 2/2/2 3/3/3 4/4/4", "1/ 2// 3/7/ 4", "-4 -3 -2 -1",
         "1/-9 -3//-9 3/0/0 -1/5/-2", "  1\t2 \v3\f4  ", "1 2 3 4 # a square", "01 2 003 4"}) {
-    EXPECT_EQ(faces_of(read(vertices + "f " + face + "\n").mesh), (std::vector<Face>{{0, 1, 2, 3}})) << face;
+    EXPECT_EQ(corner_lists(read(vertices + "f " + face + "\n").mesh), (std::vector<Face>{{0, 1, 2, 3}})) << face;
   }
 }
 
 TEST(obj_reader, negative_indices_count_back_from_where_they_stand) {
-  const std::string text = std::string(kTriangle) + "f -3 -2 -1\nv 0 0 1\nf -3 -2 -1\nf 1 -1 2\n";
-  EXPECT_EQ(faces_of(read(text).mesh), (std::vector<Face>{{0, 1, 2}, {1, 2, 3}, {0, 3, 1}}));
+  const std::string text = std::string(kOneTriangle) + "f -3 -2 -1\nv 0 0 1\nf -3 -2 -1\nf 1 -1 2\n";
+  EXPECT_EQ(corner_lists(read(text).mesh), (std::vector<Face>{{0, 1, 2}, {1, 2, 3}, {0, 3, 1}}));
 }
 
 TEST(obj_reader, a_face_may_stand_before_its_vertices) {
-  EXPECT_EQ(faces_of(read(std::string("f 1 2 3\n") + kTriangle + "f 3 2 1\n").mesh),
+  EXPECT_EQ(corner_lists(read(std::string("f 1 2 3\n") + kOneTriangle + "f 3 2 1\n").mesh),
             (std::vector<Face>{{0, 1, 2}, {2, 1, 0}}));
 }
 
 TEST(obj_reader, an_index_without_its_vertex_names_the_first_line_of_such) {
-  const std::string v = kTriangle;
+  const std::string v = kOneTriangle;
   expect_error(v + "f 1 2 0\n", Code::kIndexOutOfRange, 4);
   expect_error(v + "f 1 2 3\nf 1 2 4\n", Code::kIndexOutOfRange, 5);
   expect_error(v + "f 1 2 -4\n", Code::kIndexOutOfRange, 4);
@@ -198,7 +198,7 @@ TEST(obj_reader, an_index_without_its_vertex_names_the_first_line_of_such) {
 }
 
 TEST(obj_reader, an_error_names_its_face_or_vertex_from_0) {
-  const std::string v = kTriangle, face = "f 1 2 3\n";
+  const std::string v = kOneTriangle, face = "f 1 2 3\n";
   const std::string two_faces = v + face + face;
   for (const char* bad : {"f 1 2 9\n", "f 1 2 0\n", "f 1 2 -9\n", "f 1 2 99999999999\n", "f 1 2\n", "f 1 2 x\n"}) {
     EXPECT_EQ(error_of(two_faces + bad + face).element, 2u) << bad;
@@ -208,7 +208,7 @@ TEST(obj_reader, an_error_names_its_face_or_vertex_from_0) {
 }
 
 TEST(obj_reader, malformed_faces_name_their_line) {
-  const std::string v = kTriangle;
+  const std::string v = kOneTriangle;
   for (const char* face :
        {"f", "f 1", "f 1 2", "f 1// 2//", "f 1 2 # 3", "f 1 2 x", "f 1 2 3.5", "f 1 2 /3", "f 1 2 3/1/1/1",
         "f 1 2 3///", "f 1 2 3/x", "f 1 2 3/1/x", "f 1 2 3\\ 1", "f 1 2 +3", "f 1 2 0x3", "f 1 2 -"}) {
@@ -238,7 +238,7 @@ TEST(obj_reader, text_without_a_face_is_an_empty_mesh) {
 // --- limits and control
 
 TEST(obj_reader, limits_hold_to_the_last_element) {
-  const std::string text = std::string(kTriangle) + "f 1 2 3\nf 3 2 1\n";
+  const std::string text = std::string(kOneTriangle) + "f 1 2 3\nf 3 2 1\n";
   EXPECT_EQ(read(text, {.max_vertices = 3, .max_faces = 2}).mesh.face_count(), 2u);
   const Error vertices = error_of(text, {.max_vertices = 2, .max_faces = 2});
   EXPECT_EQ(vertices.code, Code::kMeshTooLarge);
@@ -251,7 +251,7 @@ TEST(obj_reader, limits_hold_to_the_last_element) {
 }
 
 TEST(obj_reader, a_face_of_more_than_four_million_corners_is_too_large) {
-  std::string text = std::string(kTriangle) + "f";
+  std::string text = std::string(kOneTriangle) + "f";
   for (int i = 0; i < 4'000'001; ++i) text += " 1";
   EXPECT_EQ(error_of(text).code, Code::kMeshTooLarge);
   text.resize(text.size() - 2);
@@ -259,7 +259,7 @@ TEST(obj_reader, a_face_of_more_than_four_million_corners_is_too_large) {
 }
 
 TEST(obj_reader, a_stop_is_obeyed_and_progress_shown) {
-  std::string text = std::string(kTriangle) + "f 1 2 3\n";
+  std::string text = std::string(kOneTriangle) + "f 1 2 3\n";
   while (text.size() < 4'000'000) text += "vn 0 0 1\n";
   RunControl control;
   (void)read_obj(text, {}, control);
@@ -288,7 +288,7 @@ std::string with_line_end(const std::string& line_end, std::string_view text) {
 TEST(obj_reader, line_ends_of_all_three_kinds_count_lines_alike) {
   for (const std::string& end : kLineEnds) {
     const std::string text = "# a\n\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
-    EXPECT_EQ(faces_of(read(with_line_end(end, text)).mesh), (std::vector<Face>{{0, 1, 2}}));
+    EXPECT_EQ(corner_lists(read(with_line_end(end, text)).mesh), (std::vector<Face>{{0, 1, 2}}));
     expect_error(with_line_end(end, text + "\nf 1 2 x\n"), Code::kInvalidMesh, 8);
     expect_error(with_line_end(end, text + "\nf 1 2 x"), Code::kInvalidMesh, 8);
   }
@@ -299,13 +299,13 @@ TEST(obj_reader, a_backslash_at_the_end_continues_the_line) {
   for (const std::string& end : kLineEnds) {
     const std::string text = "v 0 \\\n0 \\\n 0\nv 1 0 0\nv 0 1 0\ng a\\\nb\nf 1\\\n2 3\n";
     const PolygonMesh mesh = read(with_line_end(end, text)).mesh;
-    EXPECT_EQ(faces_of(mesh), (std::vector<Face>{{0, 1, 2}}));
+    EXPECT_EQ(corner_lists(mesh), (std::vector<Face>{{0, 1, 2}}));
     EXPECT_EQ(mesh.labels.group.names, Names{"a b"});
     expect_error(with_line_end(end, text + "f 1 \\\n2 \\\nx\n"), Code::kInvalidMesh, 10);
     expect_error(with_line_end(end, text + "f 1 2 \\\n3\nf 0 1 2"), Code::kIndexOutOfRange, 12);
   }
-  EXPECT_EQ(read(std::string(kTriangle) + "f 1 2 3 \\").mesh.face_count(), 1u);
-  EXPECT_EQ(read(std::string(kTriangle) + "f 1 2 3 \\\n\\\n\\\n").mesh.face_count(), 1u);
+  EXPECT_EQ(read(std::string(kOneTriangle) + "f 1 2 3 \\").mesh.face_count(), 1u);
+  EXPECT_EQ(read(std::string(kOneTriangle) + "f 1 2 3 \\\n\\\n\\\n").mesh.face_count(), 1u);
 }
 
 TEST(obj_reader, blanks_behind_a_backslash_matter_where_it_may_end_a_name) {
@@ -313,7 +313,7 @@ TEST(obj_reader, blanks_behind_a_backslash_matter_where_it_may_end_a_name) {
                                "v 0 \\ \n0 \\\t \n 0\nv 1 0 0\nv 0 1 0\nvn 0 0 \\ \n1\nusemtl C:\\dir\\ \nf 1\\ \n2 "
                                "\\\n 3\\ \n\nf 1 2 3 # C:\\ \nf 3 2 1\n")
                                .mesh;
-  EXPECT_EQ(faces_of(mesh), (std::vector<Face>{{0, 1, 2}, {0, 1, 2}, {2, 1, 0}}));
+  EXPECT_EQ(corner_lists(mesh), (std::vector<Face>{{0, 1, 2}, {0, 1, 2}, {2, 1, 0}}));
   EXPECT_EQ(mesh.labels.material.names, Names{"C:\\dir\\"});
 }
 
@@ -322,7 +322,7 @@ TEST(obj_reader, a_comment_that_ends_in_a_backslash_does_not_swallow_the_next_li
 }
 
 TEST(obj_reader, a_utf8_byte_order_mark_is_skipped) {
-  EXPECT_EQ(read(std::string("\xef\xbb\xbf") + kTriangle + "f 1 2 3\n").mesh.vertex_count(), 3u);
+  EXPECT_EQ(read(std::string("\xef\xbb\xbf") + kOneTriangle + "f 1 2 3\n").mesh.vertex_count(), 3u);
 }
 
 TEST(obj_reader, utf16_is_refused_by_name) {
@@ -335,7 +335,7 @@ TEST(obj_reader, utf16_is_refused_by_name) {
 }
 
 TEST(obj_reader, control_characters_are_no_text_but_in_comments) {
-  const std::string v = kTriangle;
+  const std::string v = kOneTriangle;
   for (int c = 1; c < 0x20; ++c) {
     if (std::strchr("\t\n\v\f\r", c) != nullptr) continue;
     expect_error(v + "g a" + static_cast<char>(c) + "b\nf 1 2 3\n", Code::kInvalidMesh, 4);
@@ -348,11 +348,11 @@ TEST(obj_reader, control_characters_are_no_text_but_in_comments) {
 }
 
 TEST(obj_reader, zeros_and_the_end_mark_of_dos_behind_the_text_are_padding) {
-  const std::string text = std::string(kTriangle) + "f 1 2 3";
+  const std::string text = std::string(kOneTriangle) + "f 1 2 3";
   for (const std::string& padding : {std::string("\x1a"), std::string(300, '\0'), "\x1a" + std::string(5, '\0')})
     for (const std::string end : {"", "\n", "\r\n", " \\\n", " # the last"}) {
       const ReadResult result = read(text + end + padding);
-      EXPECT_EQ(faces_of(result.mesh), (std::vector<Face>{{0, 1, 2}}));
+      EXPECT_EQ(corner_lists(result.mesh), (std::vector<Face>{{0, 1, 2}}));
       ASSERT_EQ(result.diagnostics.size(), 1u);
       EXPECT_EQ(result.diagnostics[0].code, DiagnosticCode::kTrailingBytes);
       EXPECT_EQ(result.diagnostics[0].count, padding.size());
@@ -361,14 +361,14 @@ TEST(obj_reader, zeros_and_the_end_mark_of_dos_behind_the_text_are_padding) {
 }
 
 TEST(obj_reader, the_old_word_for_a_face_is_read) {
-  const ReadResult result = read(std::string(kTriangle) + "fo 1 2 3\nf 3/1 2 1\n  fo\t-3//1 -2 \\\n-1\n");
-  EXPECT_EQ(faces_of(result.mesh), (std::vector<Face>{{0, 1, 2}, {2, 1, 0}, {0, 1, 2}}));
+  const ReadResult result = read(std::string(kOneTriangle) + "fo 1 2 3\nf 3/1 2 1\n  fo\t-3//1 -2 \\\n-1\n");
+  EXPECT_EQ(corner_lists(result.mesh), (std::vector<Face>{{0, 1, 2}, {2, 1, 0}, {0, 1, 2}}));
   EXPECT_TRUE(result.diagnostics.empty());
-  expect_error(std::string(kTriangle) + "fo 1 2\n", Code::kInvalidMesh, 4);
+  expect_error(std::string(kOneTriangle) + "fo 1 2\n", Code::kInvalidMesh, 4);
 }
 
 TEST(obj_reader, a_line_must_start_with_a_keyword) {
-  const std::string v = kTriangle;
+  const std::string v = kOneTriangle;
   for (const char* line :
        {"<html>", "1 2 3", "{}", "\xff\xfe", "\xc3\xa4 1", "v\xc3\xa4 1", "-f 1 2 3", "_v 1", "f, 1 2 3", "/ 1"}) {
     expect_error(v + line + "\nf 1 2 3\n", Code::kInvalidMesh, 4);
@@ -376,53 +376,53 @@ TEST(obj_reader, a_line_must_start_with_a_keyword) {
 }
 
 TEST(obj_reader, names_and_comments_may_be_in_any_encoding) {
-  const PolygonMesh mesh = read(std::string("# \xff\xfe \xc3\n") + kTriangle + "g t\xfcr\nf 1 2 3\n").mesh;
+  const PolygonMesh mesh = read(std::string("# \xff\xfe \xc3\n") + kOneTriangle + "g t\xfcr\nf 1 2 3\n").mesh;
   EXPECT_EQ(mesh.labels.group.names, Names{"t\xfcr"});
 }
 
 // --- labels
 
 TEST(obj_reader, faces_keep_object_group_and_material) {
-  const PolygonMesh mesh = read(std::string(kTriangle) +
+  const PolygonMesh mesh = read(std::string(kOneTriangle) +
                                 "o hull\ng deck left\nusemtl steel \nf 1 2 3\n"
                                 "usemtl glass\nf 1 2 3\n"
                                 "g\tkeel  \t right \no hull\nf 1 2 3\n"
                                 "g deck left\nusemtl steel\nf 1 2 3\n")
                                .mesh;
   EXPECT_EQ(mesh.labels.object.names, Names{"hull"});
-  EXPECT_EQ(label_of_faces(mesh.labels.object), (Names{"hull", "hull", "hull", "hull"}));
+  EXPECT_EQ(labels_in_order(mesh.labels.object), (Names{"hull", "hull", "hull", "hull"}));
   EXPECT_EQ(mesh.labels.group.names, (Names{"deck left", "keel right"}));
-  EXPECT_EQ(label_of_faces(mesh.labels.group), (Names{"deck left", "deck left", "keel right", "deck left"}));
+  EXPECT_EQ(labels_in_order(mesh.labels.group), (Names{"deck left", "deck left", "keel right", "deck left"}));
   EXPECT_EQ(mesh.labels.material.names, (Names{"steel", "glass"}));
-  EXPECT_EQ(label_of_faces(mesh.labels.material), (Names{"steel", "glass", "glass", "steel"}));
+  EXPECT_EQ(labels_in_order(mesh.labels.material), (Names{"steel", "glass", "glass", "steel"}));
 }
 
 TEST(obj_reader, faces_before_the_first_record_of_a_kind_have_the_empty_name) {
-  const FaceLabels labels = read(std::string(kTriangle) + "f 1 2 3\nf 1 2 3\ng a\nf 1 2 3\n").mesh.labels;
+  const FaceLabels labels = read(std::string(kOneTriangle) + "f 1 2 3\nf 1 2 3\ng a\nf 1 2 3\n").mesh.labels;
   EXPECT_EQ(labels.group.names, (Names{"", "a"}));
-  EXPECT_EQ(label_of_faces(labels.group), (Names{"", "", "a"}));
+  EXPECT_EQ(labels_in_order(labels.group), (Names{"", "", "a"}));
   EXPECT_FALSE(labels.object.is_used());
   EXPECT_FALSE(labels.material.is_used());
 }
 
 TEST(obj_reader, records_without_a_name_give_the_empty_name) {
   const FaceLabels labels =
-      read(std::string(kTriangle) + "f 1 2 3\no\ng  \nusemtl\t\nf 1 2 3\nusemtl a\nf 1 2 3\n").mesh.labels;
-  EXPECT_EQ(label_of_faces(labels.object), (Names{"", "", ""}));
-  EXPECT_EQ(label_of_faces(labels.group), (Names{"", "", ""}));
-  EXPECT_EQ(label_of_faces(labels.material), (Names{"", "", "a"}));
+      read(std::string(kOneTriangle) + "f 1 2 3\no\ng  \nusemtl\t\nf 1 2 3\nusemtl a\nf 1 2 3\n").mesh.labels;
+  EXPECT_EQ(labels_in_order(labels.object), (Names{"", "", ""}));
+  EXPECT_EQ(labels_in_order(labels.group), (Names{"", "", ""}));
+  EXPECT_EQ(labels_in_order(labels.material), (Names{"", "", "a"}));
   EXPECT_EQ(labels.object.names, Names{""});
 }
 
 TEST(obj_reader, a_name_that_no_face_bears_leaves_no_trace) {
-  const FaceLabels labels = read(std::string(kTriangle) + "g a\ng b\nf 1 2 3\ng c\nusemtl d\n").mesh.labels;
+  const FaceLabels labels = read(std::string(kOneTriangle) + "g a\ng b\nf 1 2 3\ng c\nusemtl d\n").mesh.labels;
   EXPECT_EQ(labels.group.names, Names{"b"});
   EXPECT_EQ(labels.material, LabelSet{});
 }
 
 TEST(obj_reader, names_keep_what_looks_like_syntax) {
   const FaceLabels labels =
-      read(std::string(kTriangle) + "o  a  b # c \nusemtl C:\\x\\f 1\ng f 1 2 3\nf 1 2 3\n").mesh.labels;
+      read(std::string(kOneTriangle) + "o  a  b # c \nusemtl C:\\x\\f 1\ng f 1 2 3\nf 1 2 3\n").mesh.labels;
   EXPECT_EQ(labels.object.names, Names{"a  b # c"});
   EXPECT_EQ(labels.material.names, Names{"C:\\x\\f 1"});
   EXPECT_EQ(labels.group.names, Names{"f 1 2 3"});
@@ -430,13 +430,14 @@ TEST(obj_reader, names_keep_what_looks_like_syntax) {
 
 TEST(obj_reader, a_name_of_more_than_4096_bytes_is_refused) {
   const std::string name(4096, 'n');
-  EXPECT_EQ(read(kTriangle + ("g " + name) + "\nf 1 2 3\n").mesh.labels.group.names, Names{name});
-  expect_error(kTriangle + ("g " + name) + "n\nf 1 2 3\n", Code::kInvalidMesh, 4);
+  EXPECT_EQ(read(kOneTriangle + ("g " + name) + "\nf 1 2 3\n").mesh.labels.group.names, Names{name});
+  expect_error(kOneTriangle + ("g " + name) + "n\nf 1 2 3\n", Code::kInvalidMesh, 4);
 }
 
 TEST(obj_reader, material_libraries_are_kept_as_text) {
   const FaceLabels labels =
-      read(std::string("mtllib  a.mtl b c.mtl \nmtllib\n") + kTriangle + "f 1 2 3\nmtllib /etc/passwd\n").mesh.labels;
+      read(std::string("mtllib  a.mtl b c.mtl \nmtllib\n") + kOneTriangle + "f 1 2 3\nmtllib /etc/passwd\n")
+          .mesh.labels;
   EXPECT_EQ(labels.material_libraries, (Names{"a.mtl b c.mtl", "/etc/passwd"}));
 }
 
@@ -448,7 +449,7 @@ TEST(obj_reader, a_material_library_that_exists_is_not_opened) {
   ASSERT_GE(inotify_add_watch(watch, path.c_str(), IN_OPEN | IN_ACCESS), 0);
   alignas(inotify_event) char events[4096];
 
-  (void)read("mtllib " + path.string() + "\n" + kTriangle + "usemtl steel\nf 1 2 3\n");
+  (void)read("mtllib " + path.string() + "\n" + kOneTriangle + "usemtl steel\nf 1 2 3\n");
   EXPECT_LT(::read(watch, events, sizeof events), 0) << "opened";
 
   std::ifstream(path).get();
@@ -460,7 +461,7 @@ TEST(obj_reader, a_material_library_that_exists_is_not_opened) {
 // --- what is dropped
 
 TEST(obj_reader, each_kind_of_other_record_is_counted_once) {
-  const ReadResult result = read(std::string("vt 0 0\nvn 0 0 1\nvt nan x\n") + kTriangle +
+  const ReadResult result = read(std::string("vt 0 0\nvn 0 0 1\nvt nan x\n") + kOneTriangle +
                                  "s 1\nf 1 2 3\nl 1 2\np 1\nvp 1\nvw 0 1\ncstype bezier\ncstype bspline\nvt\n");
   std::vector<std::pair<std::string, std::uint64_t>> found;
   for (const Diagnostic& diagnostic : result.diagnostics) {
@@ -473,7 +474,7 @@ TEST(obj_reader, each_kind_of_other_record_is_counted_once) {
 }
 
 TEST(obj_reader, made_up_keywords_do_not_make_the_report_grow_without_end) {
-  std::string text = kTriangle;
+  std::string text = kOneTriangle;
   for (int i = 0; i < 1000; ++i) text += "k" + std::to_string(i) + " 1\n";
   text += std::string(100'000, 'k') + "\nf 1 2 3\n";
   const ReadResult result = read(text);

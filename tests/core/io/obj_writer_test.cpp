@@ -32,7 +32,7 @@ std::string write(const TriangleMesh& mesh, const std::vector<std::string>& comm
   return write_obj(mesh, comments, control);
 }
 
-PolygonMesh read(const std::string& text) {
+PolygonMesh read_back(const std::string& text) {
   RunControl control;
   return read_obj(text, {}, control).mesh;
 }
@@ -73,7 +73,7 @@ TEST(obj_writer, text_in_comments_and_names_cannot_make_a_record) {
   mesh.labels.group = labels({std::string("g\0h", 3)}, {0, 0});
   mesh.labels.material = labels({"C:\\dir\\"}, {0, 0});
   const std::string text = write(mesh, {"one\nv 9 9 9", "two\r\nv 9 9 9\rv 8 8 8\n", "path\\"});
-  const PolygonMesh back = read(text);
+  const PolygonMesh back = read_back(text);
   EXPECT_EQ(back.vertex_count(), 4u);
   EXPECT_EQ(back.face_count(), 2u);
   EXPECT_EQ(back.labels.material_libraries, std::vector<std::string>{"a.mtl v 9 9 9"});
@@ -104,7 +104,7 @@ TEST(obj_writer, any_finite_doubles_and_labels_read_back_bit_for_bit) {
   while (mesh.labels.group.of_face.size() < mesh.faces.size()) mesh.labels.group.of_face.push_back(pick(4));
   mesh.labels.material.of_face.assign(mesh.faces.size(), 0);
 
-  const PolygonMesh back = read(write(mesh));
+  const PolygonMesh back = read_back(write(mesh));
   ASSERT_EQ(back.vertex_count(), mesh.positions.size());
   EXPECT_EQ(
       std::memcmp(back.positions.items().data(), mesh.positions.items().data(), sizeof(Vec3) * back.vertex_count()), 0);

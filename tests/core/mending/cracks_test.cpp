@@ -14,7 +14,7 @@
 namespace remesh {
 namespace {
 
-Report remeshed(const PolygonMesh& mesh, double weld_tolerance = 0) {
+Report report_of(const PolygonMesh& mesh, double weld_tolerance = 0) {
   RunControl control;
   Options options = unrefined();
   options.weld_tolerance = weld_tolerance;
@@ -46,12 +46,12 @@ TEST(cracks, the_weld_tolerance_that_is_named_closes_them) {
     for (const double width : {1e-6, 1e-4, 2e-3}) {
       const PolygonMesh mesh =
           torn::in_two(shapes::box({1, 2, 3}, 4), torn::above_a_plane(seed), torn::noise(seed, width));
-      const Report open = remeshed(mesh);
+      const Report open = report_of(mesh);
       ASSERT_FALSE(open.output.closed);
       const double tolerance = named_tolerance(told_of(open));
       ASSERT_GT(tolerance, 0) << told_of(open);
       EXPECT_LE(tolerance, 4 * width);
-      EXPECT_TRUE(remeshed(mesh, tolerance).output.closed) << told_of(open);
+      EXPECT_TRUE(report_of(mesh, tolerance).output.closed) << told_of(open);
     }
 }
 
@@ -60,7 +60,7 @@ TEST(cracks, their_width_is_the_distance_of_their_sides) {
   const std::vector<double> widths = widths_of(shapes::joined(left, right));
   ASSERT_EQ(widths.size(), 4u);
   for (const double width : widths) EXPECT_NEAR(width, 1.0 / 64, 1e-12);
-  const std::string told = told_of(remeshed(shapes::joined(left, right)));
+  const std::string told = told_of(report_of(shapes::joined(left, right)));
   EXPECT_NE(told.find("8 of these edges run beside another open edge, 0.016 to 0.016 apart"), std::string::npos)
       << told;
   EXPECT_NE(told.find("would leave 24 of the 32"), std::string::npos) << told;
@@ -89,7 +89,7 @@ TEST(cracks, no_tolerance_is_named_that_would_take_edges_away) {
   // A crack 0.05 wide between long edges, and elsewhere edges of 0.01.
   const PolygonMesh left = shapes::sheet(4, 4, 4, 4), right = shapes::moved(left, {4.05, 0, 0});
   const PolygonMesh fine = shapes::moved(shapes::sheet(0.1, 0.1, 10, 10), {20, 0, 0});
-  const std::string told = told_of(remeshed(shapes::joined(shapes::joined(left, right), fine)));
+  const std::string told = told_of(report_of(shapes::joined(shapes::joined(left, right), fine)));
   EXPECT_NE(told.find("0.05 apart"), std::string::npos) << told;
   EXPECT_EQ(named_tolerance(told), 0) << told;
 }
@@ -102,7 +102,7 @@ TEST(cracks, where_the_widest_is_no_crack_a_smaller_tolerance_is_named) {
   };
   const PolygonMesh fine = shapes::moved(shapes::sheet(0.1, 0.1, 10, 10), {20, 0, 0});
   const PolygonMesh mesh = shapes::joined(shapes::joined(pair(0.001), shapes::moved(pair(0.05), {0, 10, 0})), fine);
-  const std::string told = told_of(remeshed(mesh));
+  const std::string told = told_of(report_of(mesh));
   const double tolerance = named_tolerance(told);
   EXPECT_GT(tolerance, 0.001) << told;
   EXPECT_LT(tolerance, 0.01) << told;
@@ -123,12 +123,12 @@ TEST(cracks, sides_that_are_subdivided_differently_close_with_the_tolerance_that
   for (const std::uint32_t columns : {1u, 2u, 4u, 5u})
     for (const double gap : {1e-4, 2e-3}) {
       const PolygonMesh mesh = box_with_a_wall_off(columns, gap);
-      const std::string told = told_of(remeshed(mesh));
+      const std::string told = told_of(report_of(mesh));
       const double tolerance = named_tolerance(told);
       ASSERT_GT(tolerance, gap) << told;
       EXPECT_LT(tolerance, 2 * gap);
       EXPECT_NE(told.find("would leave 0 of the"), std::string::npos) << told;
-      const Report closed = remeshed(mesh, tolerance);
+      const Report closed = report_of(mesh, tolerance);
       EXPECT_TRUE(closed.output.closed) << columns << " " << gap;
       EXPECT_TRUE(closed.verified.all_true());
       EXPECT_NEAR(closed.output.volume.value_or(0), 1, 2 * gap);
@@ -141,7 +141,7 @@ TEST(cracks, a_weld_tolerance_does_not_keep_thin_faces_from_what_mends_them_with
       shapes::from_lists({{0, 0, 0}, {2, 0, 0}, {2, 0.1, 0}, {0, 0.1, 0}, {1, 0.1, 0}, {2, 1, 0}, {0, 1, 0}},
                          {{0, 1, 2, 3}, {3, 4, 5, 6}, {4, 2, 5}});
   for (const double tolerance : {0.0, 0.07}) {
-    const Report report = remeshed(mesh, tolerance);
+    const Report report = report_of(mesh, tolerance);
     EXPECT_NEAR(report.output.area, 2, 1e-12);
     EXPECT_EQ(report.patches.size(), 1u) << tolerance;
   }
@@ -157,10 +157,10 @@ TEST(cracks, sides_that_look_opposite_ways_are_told_and_close) {
   const PolygonMesh top = torn::only(whole, is_top);
   const PolygonMesh rest = torn::only(whole, [&](FaceId f) { return !is_top(f); });
   const PolygonMesh torn = shapes::joined(rest, shapes::moved(shapes::turned_over(top), {0, 0, 1e-4}));
-  const std::string told = told_of(remeshed(torn));
+  const std::string told = told_of(report_of(torn));
   const double tolerance = named_tolerance(told);
   ASSERT_GT(tolerance, 1e-4) << told;
-  EXPECT_TRUE(remeshed(torn, tolerance).output.closed);
+  EXPECT_TRUE(report_of(torn, tolerance).output.closed);
 }
 
 TEST(cracks, an_edge_that_only_points_at_another_one_is_no_side_of_a_crack) {

@@ -12,7 +12,7 @@
 namespace remesh {
 namespace {
 
-std::vector<Vec3> lifted(const std::vector<Vec2>& points, double z = 0) {
+std::vector<Vec3> raised(const std::vector<Vec2>& points, double z = 0) {
   std::vector<Vec3> result;
   for (const Vec2 p : points) result.push_back({p.x, p.y, z});
   return result;
@@ -30,7 +30,7 @@ double area_of(const std::vector<Vec3>& points, const PolygonSplit& result) {
 }
 
 TEST(polygon_split, a_square_is_two_triangles) {
-  const auto points = lifted({{0, 0}, {1, 0}, {1, 1}, {0, 1}});
+  const auto points = raised({{0, 0}, {1, 0}, {1, 1}, {0, 1}});
   const PolygonSplit result = split(points);
   EXPECT_EQ(result.kind, PolygonKind::kPlanar);
   EXPECT_EQ(result.triangles.size(), 2u);
@@ -43,7 +43,7 @@ TEST(polygon_split, the_diagonal_of_a_convex_quadrilateral_is_the_delaunay_one) 
   for (std::size_t first = 0; first < 4; ++first) {
     std::vector<Vec2> turned = rhombus;
     std::rotate(turned.begin(), turned.begin() + static_cast<std::ptrdiff_t>(first), turned.end());
-    const auto points = lifted(turned);
+    const auto points = raised(turned);
     const PolygonSplit result = split(points);
     ASSERT_EQ(result.triangles.size(), 2u);
     for (const auto& t : result.triangles) {
@@ -62,12 +62,12 @@ std::set<std::set<Vec3>> triangles_of(const std::vector<Vec3>& points) {
 
 TEST(polygon_split, the_triangles_depend_neither_on_where_a_polygon_begins_nor_on_which_way_it_runs) {
   std::vector<std::vector<Vec3>> polygons = {
-      lifted({{0, 0}, {1, 0}, {1, 1}, {0, 1}}),
+      raised({{0, 0}, {1, 0}, {1, 1}, {0, 1}}),
       {{1.2, 0, 0}, {0.8, 1, 0}, {1.2, 1, 1}, {0.8, 0, 1}},
       // A hexagon of cocircular points, bent; one that crosses itself; one with a bridge to a hole.
       {{-1, 0, 0.1}, {-0.5, 1, 0}, {0.5, 1, 0.1}, {1, 0, 0}, {0.5, -1, 0.1}, {-0.5, -1, 0}},
-      lifted({{3, 1}, {3, 0}, {0, 2}, {0, 0}, {1, 5}}),
-      lifted({{0, 0}, {8, 0}, {8, 8}, {0, 8}, {0, 0}, {2, 2}, {2, 6}, {6, 6}, {6, 2}, {2, 2}})};
+      raised({{3, 1}, {3, 0}, {0, 2}, {0, 0}, {1, 5}}),
+      raised({{0, 0}, {8, 0}, {8, 8}, {0, 8}, {0, 0}, {2, 2}, {2, 6}, {6, 6}, {6, 2}, {2, 2}})};
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const polygons::Loop loop = polygons::grown(seed, 20, 12).outer;
     const polygons::Placement place = polygons::random_placement(seed, 10);
@@ -115,7 +115,7 @@ TEST(polygon_split, random_simple_polygons_are_cut_into_n_minus_2_triangles_of_t
 }
 
 TEST(polygon_split, a_bridge_to_a_hole_is_no_crossing) {
-  const auto points = lifted({{0, 0}, {8, 0}, {8, 8}, {0, 8}, {0, 0}, {2, 2}, {2, 6}, {6, 6}, {6, 2}, {2, 2}});
+  const auto points = raised({{0, 0}, {8, 0}, {8, 8}, {0, 8}, {0, 0}, {2, 2}, {2, 6}, {6, 6}, {6, 2}, {2, 2}});
   const PolygonSplit result = split(points);
   EXPECT_EQ(result.kind, PolygonKind::kPlanar);
   EXPECT_EQ(result.triangles.size(), 8u);
@@ -137,7 +137,7 @@ TEST(polygon_split, the_tolerance_is_the_largest_distance_from_the_plane_that_co
 }
 
 TEST(polygon_split, a_polygon_that_crosses_itself_is_a_fan_from_its_smallest_corner) {
-  const auto points = lifted({{3, 1}, {3, 0}, {0, 2}, {0, 0}});
+  const auto points = raised({{3, 1}, {3, 0}, {0, 2}, {0, 0}});
   const PolygonSplit result = split(points);
   EXPECT_EQ(result.kind, PolygonKind::kSelfCrossing);
   ASSERT_EQ(result.triangles.size(), 2u);
@@ -160,17 +160,17 @@ TEST(polygon_split, a_polygon_of_two_crossing_spikes_is_no_pair_of_large_triangl
 }
 
 TEST(polygon_split, a_polygon_that_runs_clockwise_in_no_plane_is_told_from_one_without_area) {
-  const auto there_and_back = lifted({{0, 0}, {1, 0}, {1, 1}, {1, 0}});
+  const auto there_and_back = raised({{0, 0}, {1, 0}, {1, 1}, {1, 0}});
   EXPECT_EQ(split(there_and_back).kind, PolygonKind::kSelfCrossing);
 }
 
 TEST(polygon_split, a_spike_that_runs_outwards_is_cut_off_and_one_that_runs_inwards_is_a_slit) {
-  const auto outwards = lifted({{0, 0}, {9, 0}, {9, 3}, {6, 3}, {6, 4}, {6, 3}, {0, 3}});
+  const auto outwards = raised({{0, 0}, {9, 0}, {9, 3}, {6, 3}, {6, 4}, {6, 3}, {0, 3}});
   const PolygonSplit cut = split(outwards);
   EXPECT_EQ(cut.kind, PolygonKind::kPlanar);
   EXPECT_DOUBLE_EQ(area_of(outwards, cut), 27);
   EXPECT_TRUE(cut.has_spikes());
-  const auto inwards = lifted({{0, 0}, {9, 0}, {9, 3}, {6, 3}, {6, 1}, {6, 3}, {0, 3}});
+  const auto inwards = raised({{0, 0}, {9, 0}, {9, 3}, {6, 3}, {6, 1}, {6, 3}, {0, 3}});
   const PolygonSplit slit = split(inwards);
   EXPECT_EQ(slit.kind, PolygonKind::kPlanar);
   EXPECT_DOUBLE_EQ(area_of(inwards, slit), 27);
@@ -218,19 +218,19 @@ TEST(polygon_split, a_slit_beside_a_spike_out_of_the_plane_stays) {
 
 TEST(polygon_split, a_slit_that_is_narrower_than_the_tolerance_stays_open) {
   for (const double width : {1e-13, 1e-10}) {
-    const auto inwards = lifted({{0, 0}, {9, 0}, {9, 3}, {6 + width, 3}, {6 + width, 1}, {6, 1}, {6, 3}, {0, 3}});
+    const auto inwards = raised({{0, 0}, {9, 0}, {9, 3}, {6 + width, 3}, {6 + width, 1}, {6, 1}, {6, 3}, {0, 3}});
     const PolygonSplit slit = split(inwards, 1e-9);
     EXPECT_EQ(slit.kind, PolygonKind::kPlanar) << width;
     EXPECT_FALSE(slit.has_spikes()) << width;
     EXPECT_EQ(slit.triangles.size(), 6u) << width;
-    const auto outwards = lifted({{0, 0}, {9, 0}, {9, 3}, {6 + width, 3}, {6 + width, 5}, {6, 5}, {6, 3}, {0, 3}});
+    const auto outwards = raised({{0, 0}, {9, 0}, {9, 3}, {6 + width, 3}, {6 + width, 5}, {6, 5}, {6, 3}, {0, 3}});
     EXPECT_TRUE(split(outwards, 1e-9).has_spikes()) << width;
   }
 }
 
 TEST(polygon_split, a_polygon_that_is_hardly_higher_than_the_tolerance_is_no_spike) {
   for (const double height : {0.5e-9, 1e-9, 3e-9}) {
-    const auto strip = lifted({{0, 0}, {9, 0}, {9, height}, {4, height}, {0, height}});
+    const auto strip = raised({{0, 0}, {9, 0}, {9, height}, {4, height}, {0, height}});
     EXPECT_FALSE(split(strip, 1e-9).has_spikes()) << height;
   }
 }

@@ -19,7 +19,7 @@
 namespace remesh {
 namespace {
 
-constexpr double kTolerance = 1e-9;
+constexpr double kSeamTolerance = 1e-9;
 
 struct Closed {
   Surface surface;
@@ -27,7 +27,8 @@ struct Closed {
   bool is_changed = false;
 };
 
-Closed close(const PolygonMesh& mesh, Mend mend = Mend::kYes, double tolerance = kTolerance, bool takes_alike = false) {
+Closed close(const PolygonMesh& mesh, Mend mend = Mend::kYes, double tolerance = kSeamTolerance,
+             bool takes_alike = false) {
   RunControl control;
   std::vector<Diagnostic> of_weld;
   Closed result{weld(mesh, {}, of_weld, control), {}, false};
@@ -62,7 +63,7 @@ std::uint64_t count_of(const Closed& result) {
 }
 
 /// Expects that every vertex is used, and that every corner is within the tolerance of where it was.
-void expect_in_place(const PolygonMesh& before, const Surface& after, double tolerance = kTolerance) {
+void expect_in_place(const PolygonMesh& before, const Surface& after, double tolerance = kSeamTolerance) {
   ASSERT_EQ(after.corners.size(), before.corners.size());
   std::vector<int> uses(after.vertex_count());
   for (std::size_t c = 0; c < before.corners.size(); ++c) {
@@ -78,7 +79,7 @@ TEST(seams, both_sides_of_a_torn_solid_become_one_again) {
   for (unsigned seed = 1; seed <= 5; ++seed)
     for (const PolygonMesh& whole :
          {shapes::sphere(3), shapes::box({1, 2, 3}, 4), shapes::quad_box({2, 1, 1}, 3), shapes::l_bracket(3)}) {
-      const PolygonMesh mesh = torn::in_two(whole, torn::above_a_plane(seed), torn::noise(seed, kTolerance / 4));
+      const PolygonMesh mesh = torn::in_two(whole, torn::above_a_plane(seed), torn::noise(seed, kSeamTolerance / 4));
       const Closed result = close(mesh);
       EXPECT_TRUE(is_closed(result.surface));
       EXPECT_EQ(result.surface.vertex_count(), whole.vertex_count());
@@ -92,7 +93,7 @@ TEST(seams, both_sides_of_a_torn_solid_become_one_again) {
 TEST(seams, facets_that_were_all_computed_by_themselves_become_one_solid) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     const PolygonMesh whole = shapes::sphere(2);
-    const PolygonMesh mesh = torn::into_facets(whole, torn::noise(seed, kTolerance / 8));
+    const PolygonMesh mesh = torn::into_facets(whole, torn::noise(seed, kSeamTolerance / 8));
     const Closed result = close(mesh);
     EXPECT_TRUE(is_closed(result.surface));
     EXPECT_EQ(result.surface.vertex_count(), whole.vertex_count());
@@ -111,7 +112,7 @@ TEST(seams, a_crack_wider_than_the_tolerance_stays) {
 
 TEST(seams, it_is_told_and_left_if_it_is_not_to_be_mended) {
   const PolygonMesh whole = shapes::sphere(2);
-  const PolygonMesh mesh = torn::in_two(whole, torn::above_a_plane(1), torn::noise(1, kTolerance / 4));
+  const PolygonMesh mesh = torn::in_two(whole, torn::above_a_plane(1), torn::noise(1, kSeamTolerance / 4));
   const Closed result = close(mesh, Mend::kNo);
   EXPECT_FALSE(result.is_changed);
   EXPECT_EQ(result.surface.vertex_count(), mesh.vertex_count());
@@ -119,7 +120,7 @@ TEST(seams, it_is_told_and_left_if_it_is_not_to_be_mended) {
 }
 
 TEST(seams, the_order_of_faces_and_vertices_decides_nothing) {
-  const PolygonMesh mesh = torn::into_facets(shapes::sphere(2), torn::noise(3, kTolerance / 3));
+  const PolygonMesh mesh = torn::into_facets(shapes::sphere(2), torn::noise(3, kSeamTolerance / 3));
   const auto places = [](const Surface& surface) {
     return std::set<Vec3>(surface.positions.begin(), surface.positions.end());
   };
@@ -226,7 +227,7 @@ TEST(seams, a_chain_of_near_places_does_not_collapse) {
       const double angle = 2 * std::numbers::pi * k / (2 * kFacets);
       return Vec3{std::cos(angle), std::sin(angle), 0};
     };
-    points.insert(points.end(), {{0.4 * kTolerance * i, 0, 0}, rim(i), rim(i + 1)});
+    points.insert(points.end(), {{0.4 * kSeamTolerance * i, 0, 0}, rim(i), rim(i + 1)});
     faces.push_back({3 * i, 3 * i + 1, 3 * i + 2});
   }
   const PolygonMesh mesh = shapes::from_lists(points, faces);
@@ -241,7 +242,7 @@ TEST(seams, random_facets_with_noise_about_the_tolerance_never_become_what_is_no
   for (unsigned seed = 1; seed <= 40; ++seed) {
     const PolygonMesh whole = seed % 2 == 0 ? shapes::box({1, 1, 1}, 2) : shapes::three_pages(2);
     const auto of_whole = faces_at_edges(shapes::surface(whole));
-    const PolygonMesh mesh = torn::into_facets(whole, torn::noise(seed, kTolerance * (0.2 + 0.02 * seed)));
+    const PolygonMesh mesh = torn::into_facets(whole, torn::noise(seed, kSeamTolerance * (0.2 + 0.02 * seed)));
     const Closed result = close(mesh);
     EXPECT_LE(faces_at_edges(result.surface).rbegin()->first, 2u);
     EXPECT_LE(of_whole.begin()->first, 2u);

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <numeric>
 #include <random>
 #include <set>
@@ -14,8 +15,6 @@
 
 namespace remesh {
 namespace {
-
-constexpr double kPi = 3.14159265358979323846;
 
 Quality quality_of(const std::vector<Vec3>& positions, const std::vector<std::vector<std::uint32_t>>& faces) {
   RunControl control;
@@ -68,7 +67,7 @@ TEST(quality, the_right_isosceles_triangle_has_known_values) {
 TEST(quality, a_needle_keeps_its_small_angle_exact) {
   const double h = 1e-9;
   const Quality q = quality_of({{0, 0, 0}, {1, 0, 0}, {1, h, 0}}, {{0, 1, 2}});
-  EXPECT_NEAR(q.min_angle_deg * kPi / 180 / h, 1, 1e-12);
+  EXPECT_NEAR(q.min_angle_deg * std::numbers::pi / 180 / h, 1, 1e-12);
   EXPECT_NEAR(q.radius_edge_ratio.max * 2 * h, 1, 1e-12);  // R / h, R = half the hypotenuse
   EXPECT_NEAR(q.area.max / h, 0.5, 1e-12);
 }
@@ -149,7 +148,7 @@ TEST(quality, agrees_with_a_plain_computation_on_random_triangles) {
     for (int k = 0; k < 3; ++k) {
       const long double a = l[(k + 1) % 3], b = l[(k + 2) % 3];
       const long double angle =
-          std::acos((a * a + b * b - l[k] * l[k]) / (2 * a * b)) * 180 / static_cast<long double>(kPi);
+          std::acos((a * a + b * b - l[k] * l[k]) / (2 * a * b)) * 180 / static_cast<long double>(std::numbers::pi);
       min_angle = std::min(min_angle, angle);
       max_angle = std::max(max_angle, angle);
       ++angle_counts[static_cast<std::size_t>(angle / 10)];
@@ -176,7 +175,7 @@ std::vector<double> plain_angles(const TriangleMesh& mesh) {
     for (int i = 0; i < 3; ++i) {
       const Vec3 at = mesh.positions[t[i]];
       const Vec3 to = mesh.positions[t[(i + 1) % 3]] - at, other = mesh.positions[t[(i + 2) % 3]] - at;
-      angles.push_back(std::atan2(std::sqrt(norm_squared(cross(to, other))), dot(to, other)) * 180 / kPi);
+      angles.push_back(std::atan2(std::sqrt(norm_squared(cross(to, other))), dot(to, other)) * 180 / std::numbers::pi);
     }
   return angles;
 }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "core/remesh.h"
+#include "tests/support/remeshed.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"
 
@@ -22,11 +23,6 @@ using testing::Not;
 
 /// Predictions are promised to be right within this factor (prediction.h).
 constexpr double kPromised = 3;
-
-Result remeshed(const PolygonMesh& mesh, const Options& options) {
-  RunControl control;
-  return remesh_surface(mesh, options, {}, control);
-}
 
 const Diagnostic* find_many_faces(const std::vector<Diagnostic>& diagnostics) {
   const auto found = std::find_if(diagnostics.begin(), diagnostics.end(),

@@ -16,7 +16,6 @@ namespace {
 
 using test::CurvedPlace;
 
-constexpr double kPi = std::numbers::pi;
 const CurvedPlace kShaft{SurfaceKind::kCylinder, 2};
 
 AnalyticSurface plane(const Vec3& origin, const Vec3& normal) {
@@ -55,11 +54,12 @@ std::vector<Case> cases() {
   all.push_back({"cone in a ball", cone.shape(), ball.shape(), cone.point(1, height), cone.point(2, height), true});
   const CurvedPlace ring{SurfaceKind::kTorus, 5, 1};
   all.push_back({"cut through a torus", ring.shape(), plane({}, {0, 1, 0}), ring.point(0, 0.3), ring.point(0, 1.2)});
-  all.push_back({"edge of a torus", ring.shape(), plane({0, 0, 1}, {0, 0, 1}), ring.point(0, kPi / 2),
-                 ring.point(0.8, kPi / 2), true});
+  all.push_back({"edge of a torus", ring.shape(), plane({0, 0, 1}, {0, 0, 1}), ring.point(0, std::numbers::pi / 2),
+                 ring.point(0.8, std::numbers::pi / 2), true});
   // A hole and the torus of its rounded edge touch each other.
   const CurvedPlace hole{SurfaceKind::kCylinder, 4};
-  all.push_back({"rounded edge", hole.shape(), ring.shape(), ring.point(0.1, kPi), ring.point(0.7, kPi), true});
+  all.push_back({"rounded edge", hole.shape(), ring.shape(), ring.point(0.1, std::numbers::pi),
+                 ring.point(0.7, std::numbers::pi), true});
   all.push_back({"open border of a ball", ball.shape(), {}, ball.point(0.1, -0.2), ball.point(0.9, 0.4)});
   return all;
 }

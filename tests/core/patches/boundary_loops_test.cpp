@@ -12,7 +12,7 @@ namespace remesh {
 namespace {
 
 /// Expects that every boundary half-edge of a patch is in exactly one loop of that patch, and that each loop is closed.
-void expect_holds(const StageChain& chain) {
+void expect_loops(const StageChain& chain) {
   const BoundaryLoops& loops = chain.loops;
   std::vector<int> uses(chain.surface.corners.size(), 0);
   ASSERT_EQ(loops.patch_begin.size(), chain.patches.count() + 1);
@@ -53,14 +53,14 @@ TEST(boundary_loops, outer_loops_run_counter_clockwise_and_holes_clockwise) {
   for (const int cuts : {1, 4}) {
     const StageChain chain(shapes::ring(cuts));
     EXPECT_EQ(signed_areas(chain), (std::vector<double>{-36, 64}));
-    expect_holds(chain);
+    expect_loops(chain);
   }
 }
 
 TEST(boundary_loops, a_closed_box_has_one_loop_a_side) {
   const StageChain chain(shapes::box({1, 1, 1}, 3));
   for (std::uint32_t p = 0; p < 6; ++p) EXPECT_EQ(chain.loop_count(PatchId(p)), 1u);
-  expect_holds(chain);
+  expect_loops(chain);
 }
 
 TEST(boundary_loops, holes_that_touch_in_a_vertex_are_walked_as_the_surface_turns) {
@@ -68,7 +68,7 @@ TEST(boundary_loops, holes_that_touch_in_a_vertex_are_walked_as_the_surface_turn
   // by the other's.
   const StageChain chain(shapes::flat({"####", "#.##", "##.#", "####"}));
   EXPECT_EQ(signed_areas(chain), (std::vector<double>{-2, 16}));
-  expect_holds(chain);
+  expect_loops(chain);
 }
 
 TEST(boundary_loops, a_notch_that_meets_the_border_in_a_vertex_makes_one_loop_that_touches_itself) {
@@ -77,7 +77,7 @@ TEST(boundary_loops, a_notch_that_meets_the_border_in_a_vertex_makes_one_loop_th
   ASSERT_EQ(chain.patches.count(), 1u);
   EXPECT_EQ(signed_areas(chain), (std::vector<double>{7}));
   EXPECT_EQ(chain.loops.loop(0).size(), 16u);
-  expect_holds(chain);
+  expect_loops(chain);
 }
 
 TEST(boundary_loops, a_slit_is_walked_on_both_sides) {
@@ -89,21 +89,21 @@ TEST(boundary_loops, a_slit_is_walked_on_both_sides) {
   ASSERT_EQ(chain.patches.count(), 2u);
   EXPECT_EQ(signed_areas(chain), (std::vector<double>{0, 6}));
   EXPECT_EQ(chain.loop_count(chain.patch_of(0)), 2u);
-  expect_holds(chain);
+  expect_loops(chain);
 }
 
 TEST(boundary_loops, a_bridge_polygon_has_its_hole_as_a_loop) {
   const StageChain chain(
       shapes::polygon({{0, 0}, {8, 0}, {8, 8}, {0, 8}, {0, 0}, {2, 2}, {2, 6}, {6, 6}, {6, 2}, {2, 2}}));
   EXPECT_EQ(signed_areas(chain), (std::vector<double>{-16, 64}));
-  expect_holds(chain);
+  expect_loops(chain);
 }
 
 TEST(boundary_loops, an_island_in_a_hole_is_a_patch_of_its_own) {
   const StageChain chain(shapes::flat({"#####", "#...#", "#.#.#", "#...#", "#####"}));
   ASSERT_EQ(chain.patches.count(), 2u);
   EXPECT_EQ(chain.loop_count(chain.patch_of(0)), 2u);
-  expect_holds(chain);
+  expect_loops(chain);
 }
 
 TEST(boundary_loops, random_drawings_keep_what_they_promise) {
@@ -119,7 +119,7 @@ TEST(boundary_loops, random_drawings_keep_what_they_promise) {
       rows.push_back(row);
     }
     const StageChain chain(shapes::flat({rows.begin(), rows.end()}));
-    expect_holds(chain);
+    expect_loops(chain);
     double enclosed = 0;
     for (std::uint32_t l = 0; l + 1 < chain.loops.loop_begin.size(); ++l)
       enclosed += newell_normal(chain.loop_points(l)).z / 2;

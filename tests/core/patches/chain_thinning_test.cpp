@@ -13,8 +13,6 @@
 namespace remesh {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 const AnalyticSurface kCylinder{SurfaceKind::kCylinder, {}, {0, 0, 1}, 1, 0, 0};
 
 ChainRoom everywhere(std::size_t nodes, double tolerance) {
@@ -39,7 +37,7 @@ bool may_join(const std::vector<Vec3>& points, std::size_t i, std::size_t j, con
   double reached = 0;
   for (std::size_t k = i + 1; k <= j; ++k) {
     const Vec3 &a = points[i], &p = points[k];
-    const double turn = std::fabs(std::remainder(std::atan2(p.y, p.x) - std::atan2(a.y, a.x), 2 * kPi));
+    const double turn = std::fabs(std::remainder(std::atan2(p.y, p.x) - std::atan2(a.y, a.x), 2 * std::numbers::pi));
     if (turn > limits.max_turn * (1 + 1e-8)) return false;
     if (k == j) break;
     const double along = dot(p - a, points[j] - a) / length;
@@ -63,7 +61,8 @@ std::size_t fewest_pieces(const std::vector<Vec3>& points, const ChainLimits& li
 TEST(chain_thinning, few_nodes_stay_and_all_others_are_near_their_chords) {
   const AnalyticSurface* const surface = &kCylinder;
   for (unsigned seed = 0; seed < 60; ++seed)
-    for (const ChainLimits& limits : {ChainLimits{0.01, kPi}, {0.1, kPi}, {10, 0.4}, {0.03, 0.7}}) {
+    for (const ChainLimits& limits :
+         {ChainLimits{0.01, std::numbers::pi}, {0.1, std::numbers::pi}, {10, 0.4}, {0.03, 0.7}}) {
       const auto points = wave(40, 2.5, seed);
       const auto kept =
           thin_chain(points, {&surface, 1}, limits, everywhere(points.size(), limits.tolerance), RunControl());
@@ -88,12 +87,12 @@ TEST(chain_thinning, a_closed_chain_keeps_three_nodes) {
   for (const std::size_t count : {4u, 5u, 7u, 30u}) {
     std::vector<Vec3> points;
     for (std::size_t i = 0; i < count; ++i) {
-      const double a = 2 * kPi * static_cast<double>(i) / static_cast<double>(count);
+      const double a = 2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(count);
       points.push_back({std::cos(a), std::sin(a), 0});
     }
     points.push_back(points.front());
-    const auto kept =
-        thin_chain(points, {&surface, 1}, {100, 2 * kPi / 3}, everywhere(points.size(), 100), RunControl());
+    const auto kept = thin_chain(points, {&surface, 1}, {100, 2 * std::numbers::pi / 3}, everywhere(points.size(), 100),
+                                 RunControl());
     EXPECT_GE(kept.size(), 2u) << count;
     if (count == 30) {
       EXPECT_EQ(kept, (std::vector<std::uint32_t>{10, 20}));
@@ -115,7 +114,7 @@ TEST(chain_thinning, a_node_without_room_stays) {
   const auto points = wave(30, 1.5, 3);
   ChainRoom room = everywhere(points.size(), 10);
   room.at_node[17] = 0;
-  const auto kept = thin_chain(points, {&surface, 1}, {10, kPi}, room, RunControl());
+  const auto kept = thin_chain(points, {&surface, 1}, {10, std::numbers::pi}, room, RunControl());
   EXPECT_TRUE(std::find(kept.begin(), kept.end(), 17u) != kept.end());
   EXPECT_LT(kept.size(), 5u);
 }

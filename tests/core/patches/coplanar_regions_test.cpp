@@ -41,7 +41,7 @@ std::set<std::set<Vec3>> region_sets(const StageChain& chain) {
 
 /// Expects what the header promises. All corners are within half the tolerance of their plane. No face is turned over.
 /// Every region is in one piece. The deviation of a region is how far its corners are from its plane.
-void expect_holds(const StageChain& chain) {
+void expect_regions(const StageChain& chain) {
   UnionFind pieces(chain.surface.face_count());
   std::map<RegionId, double> farthest;
   for (std::uint32_t f = 0; f < chain.surface.face_count(); ++f) {
@@ -90,7 +90,7 @@ PolygonMesh bent_strip(int quads, double angle_deg) {
 TEST(coplanar_regions, a_cube_has_six) {
   const StageChain chain(shapes::box({1, 2, 3}, 4));
   EXPECT_EQ(region_count(chain), 6u);
-  expect_holds(chain);
+  expect_regions(chain);
 }
 
 TEST(coplanar_regions, a_box_turned_in_space_and_rounded_has_six) {
@@ -101,7 +101,7 @@ TEST(coplanar_regions, a_box_turned_in_space_and_rounded_has_six) {
         shapes::rounded(shapes::rotated(shapes::box({1, 2, 3}, 5), axis, random.uniform(0, 360)), 1e-6);
     const StageChain chain(mesh, kToleranceSteps * 1e-6);
     EXPECT_EQ(region_count(chain), 6u) << seed;
-    expect_holds(chain);
+    expect_regions(chain);
   }
 }
 
@@ -109,7 +109,7 @@ TEST(coplanar_regions, a_coarse_cylinder_keeps_its_facets) {
   for (const int sides : {8, 14, 60, 200}) {
     const StageChain chain(shapes::cylinder(sides, 1, 2), 2.6e-6);
     EXPECT_EQ(region_count(chain), static_cast<std::size_t>(sides) + 2) << sides;
-    expect_holds(chain);
+    expect_regions(chain);
   }
 }
 
@@ -118,7 +118,7 @@ TEST(coplanar_regions, a_gently_bent_strip_does_not_creep_into_one_plane) {
   const StageChain chain(bent_strip(400, 0.01), 1e-3);
   EXPECT_GT(region_count(chain), 5u);
   EXPECT_LT(region_count(chain), 200u);
-  expect_holds(chain);
+  expect_regions(chain);
 }
 
 TEST(coplanar_regions, sheets_that_look_opposite_ways_stay_two) {
@@ -126,7 +126,7 @@ TEST(coplanar_regions, sheets_that_look_opposite_ways_stay_two) {
   const StageChain chain(
       shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}, {1, 0, 3}, {1, 3, 2}}));
   EXPECT_EQ(region_count(chain), 2u);
-  expect_holds(chain);
+  expect_regions(chain);
 }
 
 TEST(coplanar_regions, a_fold_of_180_degrees_stays_two) {
@@ -157,7 +157,7 @@ TEST(coplanar_regions, a_needle_with_a_noisy_normal_belongs_to_its_plane) {
                                               {{0, 1, 2}, {1, 0, 3}, {0, 2, 4}, {2, 1, 4}});
   const StageChain chain(mesh, 1e-6);
   EXPECT_EQ(region_count(chain), 1u);
-  expect_holds(chain);
+  expect_regions(chain);
 }
 
 TEST(coplanar_regions, faces_of_different_zones_stay_apart) {

@@ -15,7 +15,6 @@
 namespace remesh {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 constexpr Vec3 kUp{0, 0, 1};
 
 CurvedChart chart_of(const AnalyticSurface& shape, double max_height, double max_turn) {
@@ -45,7 +44,7 @@ TEST(curved_chart, an_edge_is_bent_if_a_point_of_it_is_too_deep) {
   constexpr double kMaxHeight = 0.02;
   int deep = 0, flat = 0;
   for (int i = 0; i < 20000; ++i) {
-    const double half_angle = 0.1 + 1.3 * part(), sixth = kPi / 3;
+    const double half_angle = 0.1 + 1.3 * part(), sixth = std::numbers::pi / 3;
     const AnalyticSurface cone{SurfaceKind::kCone, {}, kUp, 0, 0, half_angle};
     const AnalyticSurface ball{SurfaceKind::kSphere, {}, {}, 1, 0, 0};
     const AnalyticSurface cylinder{SurfaceKind::kCylinder, {}, kUp, 1, 0, 0};
@@ -81,10 +80,10 @@ TEST(curved_chart, an_edge_is_bent_if_a_point_of_it_is_too_deep) {
 TEST(curved_chart, edges_beside_an_apex_turn_by_a_third_of_a_circle_at_most) {
   for (const double half_angle : {0.1, 0.5, 1.0, 1.3, 1.5}) {
     SCOPED_TRACE(half_angle);
-    const CurvedChart chart = chart_of({SurfaceKind::kCone, {}, kUp, 0, 0, half_angle}, 0.1, kPi / 8);
+    const CurvedChart chart = chart_of({SurfaceKind::kCone, {}, kUp, 0, 0, half_angle}, 0.1, std::numbers::pi / 8);
     const auto is_bent = [&](double radius, double degrees) {
       return chart.is_bent(chart.space_point(on_cone(half_angle, radius, 0)),
-                           chart.space_point(on_cone(half_angle, radius, degrees * kPi / 180)));
+                           chart.space_point(on_cone(half_angle, radius, degrees * std::numbers::pi / 180)));
     };
     EXPECT_FALSE(is_bent(0.01, 119));
     EXPECT_TRUE(is_bent(0.01, 121));

@@ -22,11 +22,9 @@ namespace {
 
 using primitives::Model;
 
-constexpr double kPi = std::numbers::pi;
-
 AnalyticSurface shape_of(const test::PlainSurface& s) {
   const Vec3 axis = norm(s.axis) > 0 ? normalized(s.axis) : Vec3{};
-  return {s.kind, s.point, axis, s.radius, s.tube, s.half_deg * kPi / 180};
+  return {s.kind, s.point, axis, s.radius, s.tube, s.half_deg * std::numbers::pi / 180};
 }
 
 /// The facets of a model with the truth about their surfaces, and what they were joined to.

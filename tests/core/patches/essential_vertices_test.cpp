@@ -26,7 +26,7 @@ Points flat_points(const std::vector<Vec2>& points) {
 /// Expects that every loop vertex that was removed lies within the tolerance of the chord that replaces it, in order
 /// along it. A loop has at least three essential vertices, if it has as many vertices at all. If all essential vertices
 /// are said to be on loops, none lies inside a patch.
-void expect_holds(const StageChain& chain) {
+void expect_essential(const StageChain& chain) {
   for (std::uint32_t f = 0; f < chain.surface.face_count() && chain.essential.are_on_loops; ++f) {
     const PatchId p = chain.patches.of_face[FaceId(f)];
     std::set<VertexId> rim;
@@ -66,13 +66,13 @@ void expect_holds(const StageChain& chain) {
 TEST(essential_vertices, a_finely_cut_square_keeps_its_corners) {
   const StageChain chain(shapes::sheet(2, 1, 6, 4));
   EXPECT_EQ(chain.essential_places(), flat_points({{0, 0}, {2, 0}, {2, 1}, {0, 1}}));
-  expect_holds(chain);
+  expect_essential(chain);
 }
 
 TEST(essential_vertices, a_finely_cut_ring_keeps_eight) {
   const StageChain chain(shapes::ring(4));
   EXPECT_EQ(chain.essential_places().size(), 8u);
-  expect_holds(chain);
+  expect_essential(chain);
 }
 
 TEST(essential_vertices, a_collinear_vertex_is_kept_where_patches_meet) {
@@ -82,7 +82,7 @@ TEST(essential_vertices, a_collinear_vertex_is_kept_where_patches_meet) {
   EXPECT_TRUE(chain.is_essential({1, 1, 0}));
   EXPECT_TRUE(chain.is_essential({1, 0, 0}));
   EXPECT_FALSE(chain.is_essential({1, 2, 0}));
-  expect_holds(chain);
+  expect_essential(chain);
 }
 
 TEST(essential_vertices, a_vertex_inside_a_patch_goes) {
@@ -105,7 +105,7 @@ TEST(essential_vertices, what_touches_a_patch_inside_in_one_vertex_is_a_point_of
   const StageChain chain(mesh);
   EXPECT_TRUE(chain.is_essential({1, 1, 0}));
   EXPECT_FALSE(chain.essential.are_on_loops);
-  expect_holds(chain);
+  expect_essential(chain);
 }
 
 TEST(essential_vertices, two_fans_pinched_at_a_vertex_keep_it) {
@@ -120,7 +120,7 @@ TEST(essential_vertices, two_fans_pinched_at_a_vertex_keep_it) {
 TEST(essential_vertices, a_round_boundary_without_a_corner_keeps_three_or_more) {
   for (const double tolerance : {1e-9, 1e-3, 0.05, 0.2}) {
     const StageChain chain(shapes::plate_with_round_hole(64), tolerance);
-    expect_holds(chain);
+    expect_essential(chain);
     EXPECT_GE(chain.essential_places().size(), 4u + 3u) << tolerance;
     if (tolerance < 1e-6) {
       EXPECT_EQ(chain.essential_places().size(), 4u + 64u);
@@ -179,7 +179,7 @@ TEST(essential_vertices, small_steps_that_add_up_are_seen) {
   std::reverse(points.begin() + 2, points.end());
   std::reverse(points.begin(), points.end());
   const StageChain chain(shapes::polygon(points), 1e-3);
-  expect_holds(chain);
+  expect_essential(chain);
   EXPECT_GT(chain.essential_places().size(), 10u);
   EXPECT_LT(chain.essential_places().size(), 60u);
 }
@@ -194,7 +194,7 @@ TEST(essential_vertices, neighbours_agree_on_what_stays) {
   // One answer a vertex, whatever the patch: edges of a box cut unevenly.
   const StageChain chain(shapes::box({1, 2, 3}, 5));
   EXPECT_EQ(chain.essential_places().size(), 8u);
-  expect_holds(chain);
+  expect_essential(chain);
 }
 
 TEST(essential_vertices, random_patches_with_noise_keep_what_is_promised) {
@@ -211,7 +211,7 @@ TEST(essential_vertices, random_patches_with_noise_keep_what_is_promised) {
       }
     }
     const StageChain chain(shapes::polygon(fine), 1e-6);
-    expect_holds(chain);
+    expect_essential(chain);
     EXPECT_LE(chain.essential_places().size(), loop.size()) << seed;
   }
 }

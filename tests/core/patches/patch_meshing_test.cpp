@@ -16,7 +16,7 @@ namespace {
 
 /// Expects that every patch is meshed. Its points are in order and where the chart says. Its triangles are valid and
 /// Delaunay, and have the area of the patch.
-void expect_holds(const StageChain& chain) {
+void expect_meshed(const StageChain& chain) {
   ASSERT_EQ(chain.meshes.size(), chain.patches.count());
   for (std::uint32_t p = 0; p < chain.meshes.size(); ++p) {
     const PatchMesh& patch = chain.meshes[PatchId(p)];
@@ -49,7 +49,7 @@ TEST(patch_meshing, shapes_of_flat_faces_are_meshed) {
         shapes::flat({"#####", "#...#", "#.#.#", "#...#", "#####"}), shapes::flat({"####", "#.##", "##.#", "####"}),
         shapes::flat({"###", "#.#", "##."})}) {
     const StageChain chain(mesh);
-    expect_holds(chain);
+    expect_meshed(chain);
   }
 }
 
@@ -57,7 +57,7 @@ TEST(patch_meshing, a_slit_stays_an_edge) {
   const StageChain chain(
       shapes::from_lists({{0, 0, 0}, {3, 0, 0}, {3, 2, 0}, {0, 2, 0}, {1, 1, 0}, {2, 1, 0}, {1, 1, 1}, {2, 1, 1}},
                          {{0, 1, 5, 4}, {1, 2, 5}, {2, 3, 4, 5}, {3, 0, 4}, {4, 5, 7, 6}}));
-  expect_holds(chain);
+  expect_meshed(chain);
   const PatchMesh& sheet = chain.meshes[chain.patch_of(0)];
   EXPECT_EQ(sheet.mesh.triangle_count(), 6u);
   EXPECT_EQ(constrained_edges_of(sheet.mesh).size(), 5u);
@@ -67,7 +67,7 @@ TEST(patch_meshing, what_touches_inside_is_a_point_of_the_patch) {
   const StageChain chain(shapes::joined(
       shapes::sheet(2, 2, 2, 2),
       shapes::from_lists({{1, 1, 0}, {0.5, 0.5, 1}, {1.5, 0.5, 1}, {1, 1.5, 1}}, {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}})));
-  expect_holds(chain);
+  expect_meshed(chain);
   EXPECT_EQ(chain.meshes[PatchId(0)].mesh.triangle_count(), 4u);
 }
 
@@ -95,7 +95,7 @@ TEST(patch_meshing, coordinates_are_on_the_coarse_grid_unless_points_would_meet)
   const StageChain close(
       shapes::polygon({{0, 0}, {1, 0}, {1, 1}, {0.5, 1}, {0.5, 0.5}, {0.5 - 0x1p-44, 0.5}, {0.25, 1}, {0, 1}}), 1e-15);
   EXPECT_EQ(close.charts()[PatchId(0)].grid(), kFineGrid);
-  expect_holds(close);
+  expect_meshed(close);
 }
 
 TEST(patch_meshing, a_loop_that_crosses_itself_is_told) {

@@ -9,7 +9,6 @@
 namespace remesh {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 using Pair = std::array<std::uint32_t, 2>;
 
 /// The outline of half of a cylinder or cone about the z axis: `lower` pieces below and `upper` pieces above.
@@ -23,10 +22,12 @@ struct Half {
   /// Input: the functions give the place of a vertex from its angle.
   Half(const AnalyticSurface& shape, int lower, int upper, const std::function<Vec3(double)>& below,
        const std::function<Vec3(double)>& top)
-      : chart(CurvedPatch{SurfaceId(0), SurfaceMap(shape, {below(kPi / 2), false}), {1, 0.05, kPi / 4, 1, 1}}),
+      : chart(CurvedPatch{SurfaceId(0),
+                          SurfaceMap(shape, {below(std::numbers::pi / 2), false}),
+                          {1, 0.05, std::numbers::pi / 4, 1, 1}}),
         above(static_cast<std::size_t>(lower) + 1) {
-    for (int i = 0; i <= lower; ++i) positions.push_back(below(kPi * i / lower));
-    for (int i = upper; i >= 0; --i) positions.push_back(top(kPi * i / upper));
+    for (int i = 0; i <= lower; ++i) positions.push_back(below(std::numbers::pi * i / lower));
+    for (int i = upper; i >= 0; --i) positions.push_back(top(std::numbers::pi * i / upper));
     for (std::uint32_t v = 0; v < positions.size(); ++v) {
       places.push_back(chart.map().flat(positions[v]));
       sides.push_back({v, (v + 1) % static_cast<std::uint32_t>(positions.size())});
@@ -83,7 +84,7 @@ TEST(rulings, keep_away_from_sharp_corners) {
     const std::uint32_t top = std::max(a, b);
     for (const std::uint32_t next : {top - 1, top + 1}) {
       const Vec3 side = half.positions[next] - half.positions[top], down{0, 0, -1};
-      EXPECT_LT(dot(side, down) / norm(side), std::cos(58 * kPi / 180)) << top;
+      EXPECT_LT(dot(side, down) / norm(side), std::cos(58 * std::numbers::pi / 180)) << top;
     }
   }
 }

@@ -22,7 +22,7 @@
 namespace remesh {
 namespace {
 
-using Predicted = std::map<int, std::uint64_t>;
+using FacesByElements = std::map<int, std::uint64_t>;
 
 /// Options with a bound on angles, or without any refinement.
 Options with_angle(double degrees) {
@@ -32,7 +32,7 @@ Options with_angle(double degrees) {
   return options;
 }
 
-Predicted predicted(const PolygonMesh& mesh, const Options& options) {
+FacesByElements predicted_by_elements(const PolygonMesh& mesh, const Options& options) {
   RunControl control;
   return analyze_surface(mesh, options, RunSettings{}, control).predicted_faces_by_elements_per_circle;
 }
@@ -51,7 +51,7 @@ void expect_right_within(double factor, const std::vector<primitives::Model>& mo
   RunControl control;
   int judged = 0, left_out = 0;
   for (const primitives::Model& model : models)
-    for (const auto& [elements, faces] : predicted(model.mesh, options)) {
+    for (const auto& [elements, faces] : predicted_by_elements(model.mesh, options)) {
       Options with_circles = options;
       with_circles.elements_per_circle = elements;
       const Result result = remesh_surface(model.mesh, with_circles, RunSettings{}, control);
@@ -94,7 +94,7 @@ TEST(curved_prediction, with_a_bound_on_angles_it_is_right_within_a_factor_of_tw
 TEST(curved_prediction, the_bracket_is_right_within_a_factor_of_one_and_a_quarter) {
   const PolygonMesh mesh = read(test::own_meshes_folder() / "bracket.obj");
   for (const double angle : {0.0, 25.0})
-    for (const auto& [elements, faces] : predicted(mesh, with_angle(angle))) {
+    for (const auto& [elements, faces] : predicted_by_elements(mesh, with_angle(angle))) {
       const double truth = true_count(mesh, with_angle(angle), elements);
       EXPECT_LT(std::fabs(std::log(static_cast<double>(faces) / truth)), std::log(1.25))
           << elements << " elements: " << faces << " instead of " << truth;
@@ -107,7 +107,7 @@ TEST(curved_prediction, real_parts_are_right_within_a_factor_of_two) {
     if (!test::has_shared_mesh(name)) return;
     const PolygonMesh mesh = read(test::shared_meshes_folder() / name);
     for (const double angle : {0.0, 25.0}) {
-      const Predicted faces = predicted(mesh, with_angle(angle));
+      const FacesByElements faces = predicted_by_elements(mesh, with_angle(angle));
       for (const int elements : {12, 24}) {
         const double truth = true_count(mesh, with_angle(angle), elements);
         EXPECT_LT(std::fabs(std::log(static_cast<double>(faces.at(elements)) / truth)), std::log(2))
@@ -120,7 +120,7 @@ TEST(curved_prediction, real_parts_are_right_within_a_factor_of_two) {
 TEST(curved_prediction, a_low_cylinder_is_counted_exactly) {
   // Each half is a strip of triangles between its rims, and each cap is a polygon: 2 n + 2 (n - 2) triangles.
   const primitives::Model model = primitives::cylinder(72, 10, 0.5);
-  for (const auto& [elements, faces] : predicted(model.mesh, with_angle(0))) {
+  for (const auto& [elements, faces] : predicted_by_elements(model.mesh, with_angle(0))) {
     EXPECT_EQ(faces, 4 * static_cast<std::uint64_t>(elements) - 4);
     EXPECT_EQ(true_count(model.mesh, with_angle(0), elements), 4.0 * elements - 4);
   }
@@ -129,7 +129,7 @@ TEST(curved_prediction, a_low_cylinder_is_counted_exactly) {
 TEST(curved_prediction, it_grows_with_the_number_of_elements) {
   for (const primitives::Model& model : primitives::explained())
     for (const double angle : {0.0, 25.0}) {
-      const Predicted faces = predicted(model.mesh, with_angle(angle));
+      const FacesByElements faces = predicted_by_elements(model.mesh, with_angle(angle));
       for (auto a = faces.begin(), b = a; a != faces.end() && ++b != faces.end(); a = b)
         EXPECT_LE(a->second, b->second) << model.name;
     }
@@ -140,7 +140,7 @@ TEST(curved_prediction, it_tells_five_numbers_whatever_the_tolerance_of_surfaces
   for (const double tolerance : {0.0, 0.1}) {
     Options options = with_angle(0);
     options.surface_tolerance = tolerance;
-    const Predicted faces = predicted(model.mesh, options);
+    const FacesByElements faces = predicted_by_elements(model.mesh, options);
     std::vector<int> elements;
     for (const auto& [n, count] : faces) elements.push_back(n);
     if (tolerance > 0)
@@ -151,17 +151,17 @@ TEST(curved_prediction, it_tells_five_numbers_whatever_the_tolerance_of_surfaces
 }
 
 TEST(curved_prediction, nothing_is_told_where_nothing_is_curved) {
-  EXPECT_TRUE(predicted(shapes::box({1, 2, 3}), with_angle(25)).empty());
+  EXPECT_TRUE(predicted_by_elements(shapes::box({1, 2, 3}), with_angle(25)).empty());
   Options facets = with_angle(25);
   facets.feature_angle_deg = 0;
-  EXPECT_TRUE(predicted(primitives::cylinder(72, 10, 30).mesh, facets).empty());
+  EXPECT_TRUE(predicted_by_elements(primitives::cylinder(72, 10, 30).mesh, facets).empty());
 }
 
 TEST(curved_prediction, a_largest_edge_counts) {
   Options options = with_angle(25);
   options.max_edge_length = 0.5;
   const PolygonMesh mesh = primitives::cylinder(72, 10, 30).mesh;
-  for (const auto& [elements, faces] : predicted(mesh, options)) {
+  for (const auto& [elements, faces] : predicted_by_elements(mesh, options)) {
     const double truth = true_count(mesh, options, elements);
     EXPECT_LT(std::fabs(std::log(static_cast<double>(faces) / truth)), std::log(1.5))
         << elements << " elements: " << faces << " instead of " << truth;

@@ -26,8 +26,8 @@ PolygonMesh face_of(const polygons::Loop& loop) {
 }
 
 /// A patch with its sides and their features.
-struct Subject {
-  explicit Subject(const polygons::Loop& loop) : chain(face_of(loop)) {
+struct FeatureSubject {
+  explicit FeatureSubject(const polygons::Loop& loop) : chain(face_of(loop)) {
     const Triangulation2d& mesh = patch().mesh;
     for (std::uint32_t h = 0; h < mesh.half_edge_count(); ++h)
       if (mesh.is_constrained(h)) sides.push_back(h);
@@ -61,7 +61,7 @@ polygons::Loop convex(std::uint64_t seed, int corners) {
 
 TEST(local_features, in_a_convex_face_the_distance_is_the_least_to_what_does_not_touch) {
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
-    const Subject subject(convex(seed, 3 + static_cast<int>(seed % 20)));
+    const FeatureSubject subject(convex(seed, 3 + static_cast<int>(seed % 20)));
     for (std::size_t i = 0; i < subject.sides.size(); ++i) {
       const Vec3 a = subject.at(subject.sides[i]), b = subject.end_of(subject.sides[i]);
       // With nothing else there, its own length.
@@ -81,7 +81,7 @@ TEST(local_features, in_a_convex_face_the_distance_is_the_least_to_what_does_not
 TEST(local_features, small_angles_are_those_of_the_loop_and_all_others_wide) {
   int small = 0;
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
-    const Subject subject(polygons::grown(seed, 24, 6).outer);
+    const FeatureSubject subject(polygons::grown(seed, 24, 6).outer);
     for (std::size_t i = 0; i < subject.sides.size(); ++i) {
       const std::uint32_t h = subject.sides[i], next = subject.features[i].next_at_start;
       ASSERT_TRUE(subject.end_of(next) == subject.at(h));
@@ -106,7 +106,7 @@ TEST(local_features, a_patch_has_the_same_ones_whatever_was_looked_at_before) {
   RunControl control;
   // Sides of one number are elsewhere in each: what was seen from one must not count for the next.
   for (std::uint64_t seed = 1; seed <= 300; ++seed) {
-    const Subject subject(polygons::grown(seed, 30 + static_cast<int>(seed % 3), 8).outer);
+    const FeatureSubject subject(polygons::grown(seed, 30 + static_cast<int>(seed % 3), 8).outer);
     const auto found = search.of(subject.patch(), subject.chain.charts()[PatchId(0)], subject.sides, control);
     ASSERT_EQ(found.size(), subject.features.size());
     for (std::size_t i = 0; i < found.size(); ++i) {

@@ -21,7 +21,7 @@ namespace {
 constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
 
 /// The first patch of a surface, ready to be refined alone.
-struct Subject : PatchSubject {
+struct RefinerSubject : PatchSubject {
   using PatchSubject::PatchSubject;
 
   PatchRefiner refiner(std::uint64_t quota = kNoLimit) {
@@ -43,7 +43,7 @@ struct Measures {
   double smallest_angle_deg = 180, longest = 0, area = 0;
 };
 
-Measures measure(const Subject& subject, const PatchMesh& patch) {
+Measures measure(const RefinerSubject& subject, const PatchMesh& patch) {
   Measures m;
   const double scale = subject.chart().scale({});
   for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
@@ -58,7 +58,7 @@ Measures measure(const Subject& subject, const PatchMesh& patch) {
 
 /// Expects a valid constrained Delaunay triangulation. Its new vertices on segments are where their cuts say. Neither
 /// area nor a vertex of the patch has been lost.
-void expect_sound(const Subject& subject, const PatchRefiner::Refined& refined) {
+void expect_sound(const RefinerSubject& subject, const PatchRefiner::Refined& refined) {
   const PatchMesh& patch = refined.patch;
   ASSERT_EQ(patch.uv.size(), patch.vertices.size());
   ASSERT_EQ(refined.cuts.size(), patch.vertices.size());
@@ -84,7 +84,7 @@ TEST(patch_refiner, every_angle_meets_the_bound_where_the_input_has_no_smaller_o
   for (const double degrees : {10.0, 20.7, 25.0, 30.0, 33.0})
     for (const auto& polygon : {polygons::Polygon{{{0, 0}, {20, 0}, {20, 1}, {0, 1}}, {}}, polygons::l_shape(),
                                 polygons::sieve(3), polygons::comb(4, 3), polygons::rectilinear_with_holes(5, 6)}) {
-      Subject subject(solids::region(polygon), with_angle(degrees));
+      RefinerSubject subject(solids::region(polygon), with_angle(degrees));
       const PatchRefiner::Refined refined = subject.run();
       expect_sound(subject, refined);
       EXPECT_GE(measure(subject, refined.patch).smallest_angle_deg, degrees);
@@ -94,8 +94,8 @@ TEST(patch_refiner, every_angle_meets_the_bound_where_the_input_has_no_smaller_o
 TEST(patch_refiner, at_a_small_input_angle_what_misses_the_bound_has_an_excuse) {
   for (const double tip : {1.0, 10.0, 24.0}) {
     const double angle = tip * std::numbers::pi / 180;
-    Subject subject(shapes::polygon({{0, 0}, {7, 0}, {7 * std::cos(angle), 7 * std::sin(angle) + 0.5}}),
-                    with_angle(30));
+    RefinerSubject subject(shapes::polygon({{0, 0}, {7, 0}, {7 * std::cos(angle), 7 * std::sin(angle) + 0.5}}),
+                           with_angle(30));
     const PatchRefiner::Refined refined = subject.run();
     expect_sound(subject, refined);
     std::map<UnrefinedReason, int> missed;
@@ -117,7 +117,7 @@ TEST(patch_refiner, no_edge_and_no_area_is_above_its_bound) {
   for (const double length : {0.5, 0.2, 0.07}) {
     Options options;
     options.max_edge_length = length;
-    Subject subject(solids::region(polygons::l_shape()), options);
+    RefinerSubject subject(solids::region(polygons::l_shape()), options);
     const PatchRefiner::Refined refined = subject.run();
     expect_sound(subject, refined);
     EXPECT_LE(measure(subject, refined.patch).longest, length * (1 + 1e-9));
@@ -125,7 +125,7 @@ TEST(patch_refiner, no_edge_and_no_area_is_above_its_bound) {
   }
   Options options;
   options.max_area = 0.01;
-  Subject subject(solids::region(polygons::l_shape()), options);
+  RefinerSubject subject(solids::region(polygons::l_shape()), options);
   const PatchRefiner::Refined refined = subject.run();
   for (std::uint32_t h = 0; h < refined.patch.mesh.half_edge_count(); h += 3) {
     const PatchMesh& patch = refined.patch;
@@ -137,7 +137,7 @@ TEST(patch_refiner, no_edge_and_no_area_is_above_its_bound) {
 
 TEST(patch_refiner, has_work_is_false_only_where_nothing_would_change) {
   const auto has_work = [](const PolygonMesh& mesh, const Options& options) {
-    const Subject subject(mesh, options);
+    const RefinerSubject subject(mesh, options);
     return PatchRefiner::has_work(subject.chain.meshes[PatchId(0)], subject.chart(), subject.criteria);
   };
   const PolygonMesh square = shapes::sheet(1, 1, 1, 1), strip = shapes::sheet(10, 1, 1, 1);
@@ -162,7 +162,7 @@ std::vector<Cut> own_cuts(PatchRefiner& refiner) {
 }
 
 TEST(patch_refiner, its_own_cuts_are_told_once_and_are_all_there_are) {
-  Subject subject(shapes::sheet(40, 1, 1, 1), with_angle(30));
+  RefinerSubject subject(shapes::sheet(40, 1, 1, 1), with_angle(30));
   PatchRefiner refiner = subject.refiner();
   refiner.run(kNoLimit, subject.progress);
   std::vector<Cut> own = own_cuts(refiner);
@@ -177,7 +177,7 @@ TEST(patch_refiner, its_own_cuts_are_told_once_and_are_all_there_are) {
 }
 
 TEST(patch_refiner, cuts_of_others_are_applied_each_once) {
-  Subject subject(shapes::sheet(4, 1, 1, 1), with_angle(20));
+  RefinerSubject subject(shapes::sheet(4, 1, 1, 1), with_angle(20));
   PatchRefiner refiner = subject.refiner();
   const std::vector<double> some{0.25, 0.5}, all{0.125, 0.25, 0.5, 0.75};
   for (const auto& cuts : {some, all, all}) refiner.apply_cuts(SegmentId(0), cuts, subject.chain.control);
@@ -194,7 +194,7 @@ TEST(patch_refiner, cuts_of_others_are_applied_each_once) {
 
 TEST(patch_refiner, the_cuts_of_two_patches_are_of_one_tree) {
   // The cuts of two patches fit together: if either applies the cuts of the other, both end alike.
-  Subject subject(shapes::box({10, 1, 0.3}), with_angle(30));
+  RefinerSubject subject(shapes::box({10, 1, 0.3}), with_angle(30));
   std::vector<std::vector<Cut>> own;
   for (std::uint32_t p = 0; p < 6; ++p) {
     PatchRefiner refiner(subject.patch(PatchId(p)), subject.criteria, subject.cuts, kNoLimit, subject.scratch,
@@ -221,7 +221,7 @@ TEST(patch_refiner, the_cuts_of_two_patches_are_of_one_tree) {
 }
 
 TEST(patch_refiner, it_stops_at_its_quota_and_goes_on_from_there) {
-  Subject subject(shapes::sheet(100, 1, 1, 1), with_angle(30));
+  RefinerSubject subject(shapes::sheet(100, 1, 1, 1), with_angle(30));
   PatchRefiner refiner = subject.refiner();
   const std::uint32_t before = refiner.triangle_count();
   refiner.run(50, subject.progress);
@@ -237,7 +237,8 @@ TEST(patch_refiner, it_stops_at_its_quota_and_goes_on_from_there) {
 }
 
 TEST(patch_refiner, patches_take_turns_with_one_scratch_memory) {
-  Subject alone(shapes::sheet(100, 1, 1, 1), with_angle(30)), subject(shapes::sheet(100, 1, 1, 1), with_angle(30));
+  RefinerSubject alone(shapes::sheet(100, 1, 1, 1), with_angle(30)),
+      subject(shapes::sheet(100, 1, 1, 1), with_angle(30));
   const PatchRefiner::Refined expected = alone.run();
   RefinerScratch another;
   std::vector<std::unique_ptr<PatchRefiner>> refiners;
@@ -265,7 +266,7 @@ TEST(patch_refiner, patches_take_turns_with_one_scratch_memory) {
 TEST(patch_refiner, boundaries_that_are_locked_get_no_vertex) {
   Options options = with_angle(30);
   options.split_boundaries = false;
-  Subject subject(shapes::sheet(10, 1, 1, 1), options);
+  RefinerSubject subject(shapes::sheet(10, 1, 1, 1), options);
   const PatchRefiner::Refined refined = subject.run();
   expect_sound(subject, refined);
   for (const Cut& cut : refined.cuts) EXPECT_FALSE(cut.segment.is_valid());
@@ -273,7 +274,7 @@ TEST(patch_refiner, boundaries_that_are_locked_get_no_vertex) {
 }
 
 TEST(patch_refiner, edges_inside_are_split_while_they_are_there) {
-  Subject subject(shapes::sheet(1, 1, 1, 1), with_angle(0));
+  RefinerSubject subject(shapes::sheet(1, 1, 1, 1), with_angle(0));
   PatchRefiner refiner = subject.refiner();
   const Triangulation2d& mesh = subject.chain.meshes[PatchId(0)].mesh;
   std::vector<std::uint32_t> both;
@@ -292,7 +293,7 @@ TEST(patch_refiner, edges_inside_are_split_while_they_are_there) {
   EXPECT_EQ(refiner.triangle_count(), 4u);
 }
 
-double largest_area(const Subject& subject, const PatchMesh& patch) {
+double largest_area(const RefinerSubject& subject, const PatchMesh& patch) {
   const double scale = subject.chart().scale({});
   double largest = 0;
   for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); h += 3) {
@@ -302,7 +303,7 @@ double largest_area(const Subject& subject, const PatchMesh& patch) {
   return largest;
 }
 
-double shortest_edge(const Subject& subject, const PatchMesh& patch) {
+double shortest_edge(const RefinerSubject& subject, const PatchMesh& patch) {
   const double scale = subject.chart().scale({});
   double least = HUGE_VAL;
   for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h)
@@ -332,7 +333,7 @@ TEST(patch_refiner, thinned_out_it_has_fewer_faces_within_the_same_bounds) {
           options.max_area = length * length / 3;
         else
           options.max_edge_length = length;
-        Subject subject(solids::region(polygon), options);
+        RefinerSubject subject(solids::region(polygon), options);
         PatchRefiner refiner = subject.refiner();
         refiner.run(kNoLimit, subject.progress);
         ASSERT_TRUE(refiner.is_done());
@@ -367,7 +368,7 @@ TEST(patch_refiner, thinned_out_no_edge_becomes_shorter_than_the_shortest_allowe
         options.max_edge_length = length;
         options.min_edge_length = share * length;
         const polygons::Polygon polygon{{{0, 0}, {1, 0.1}, {1.2, 0.7}, {0.6, 1.1}, {0.1, 0.8}}, {}};
-        Subject subject(solids::region(polygon), options);
+        RefinerSubject subject(solids::region(polygon), options);
         PatchRefiner refiner = subject.refiner();
         refiner.run(kNoLimit, subject.progress);
         const std::uint32_t faces = refiner.triangle_count();
@@ -382,7 +383,7 @@ TEST(patch_refiner, thinned_out_no_edge_becomes_shorter_than_the_shortest_allowe
 TEST(patch_refiner, thinning_out_can_be_stopped) {
   Options options;
   options.max_edge_length = 0.02;
-  Subject subject(solids::region(polygons::star_with_holes(3, 20, 3)), options);
+  RefinerSubject subject(solids::region(polygons::star_with_holes(3, 20, 3)), options);
   PatchRefiner refiner = subject.refiner();
   refiner.run(kNoLimit, subject.progress);
   RunControl control;
@@ -392,7 +393,7 @@ TEST(patch_refiner, thinning_out_can_be_stopped) {
 }
 
 TEST(patch_refiner, without_sizes_nothing_is_thinned_out) {
-  Subject subject(solids::region(polygons::sieve(3)), with_angle(30));
+  RefinerSubject subject(solids::region(polygons::sieve(3)), with_angle(30));
   PatchRefiner refiner = subject.refiner();
   refiner.run(kNoLimit, subject.progress);
   const std::uint32_t before = refiner.triangle_count();
@@ -403,7 +404,7 @@ TEST(patch_refiner, without_sizes_nothing_is_thinned_out) {
 TEST(patch_refiner, it_can_be_stopped) {
   Options options;
   options.max_edge_length = 0.005;
-  Subject subject(shapes::sheet(1, 1, 1, 1), options);
+  RefinerSubject subject(shapes::sheet(1, 1, 1, 1), options);
   RunControl control;
   RefinementProgress progress(control, 1);
   control.cancel();

@@ -24,8 +24,8 @@ Goals goals(double min_edge_length = 0) {
 }
 
 /// The segments of a surface and what they were made from.
-struct Subject {
-  explicit Subject(const PolygonMesh& mesh, const Goals& goals = remesh::goals_of({}, 1), double size = kNoSize)
+struct TableSubject {
+  explicit TableSubject(const PolygonMesh& mesh, const Goals& goals = remesh::goals_of({}, 1), double size = kNoSize)
       : chain(mesh), sizes(size), frozen(chain.meshes.size()), table(make(goals)) {}
 
   SegmentTable make(const Goals& goals) {
@@ -99,7 +99,7 @@ double longest_piece(const std::vector<double>& cuts, double length) {
 }
 
 TEST(segment_table, a_box_has_twelve_segments_of_two_sides_each) {
-  const Subject subject(shapes::box({1, 2, 3}, 2));
+  const TableSubject subject(shapes::box({1, 2, 3}, 2));
   ASSERT_EQ(subject.table.size(), 12u);
   EXPECT_EQ(subject.table.all_sides().size(), 24u);
   std::multiset<double> lengths;
@@ -125,14 +125,14 @@ TEST(segment_table, a_box_has_twelve_segments_of_two_sides_each) {
 }
 
 TEST(segment_table, an_edge_of_three_patches_is_one_segment) {
-  const Subject subject(shapes::three_pages());
+  const TableSubject subject(shapes::three_pages());
   ASSERT_EQ(subject.table.size(), 10u);
   EXPECT_EQ(subject.table.sides(subject.between({0, 0, 0}, {0, 0, 1})).size(), 3u);
 }
 
 TEST(segment_table, an_edge_with_one_patch_on_both_sides_is_one_segment) {
   // A plate with a fin, whose foot is in the plate's inside.
-  const Subject subject(
+  const TableSubject subject(
       shapes::from_lists({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}, {1, 2, 0}, {3, 2, 0}, {3, 2, 1}, {1, 2, 1}},
                          {{0, 1, 4}, {1, 5, 4}, {1, 2, 5}, {2, 3, 5}, {3, 4, 5}, {3, 0, 4}, {4, 5, 6}, {4, 6, 7}}));
   const auto sides = subject.table.sides(subject.between({1, 2, 0}, {3, 2, 0}));
@@ -141,7 +141,7 @@ TEST(segment_table, an_edge_with_one_patch_on_both_sides_is_one_segment) {
 }
 
 TEST(segment_table, where_no_segment_is_near_a_piece_is_cut_in_the_middle) {
-  const Subject subject(shapes::box({1, 1, 1}));
+  const TableSubject subject(shapes::box({1, 1, 1}));
   for (std::uint32_t s = 0; s < 12; ++s) {
     EXPECT_EQ(subject.table.cut(SegmentId(s), 0, 1), 0.5);
     EXPECT_EQ(subject.table.cut(SegmentId(s), 0.25, 0.5), 0.375);
@@ -153,11 +153,11 @@ TEST(segment_table, segments_at_a_small_angle_are_cut_on_common_shells) {
     // The small angle at the origin, with sides of 5 and 3; all other angles are right or more.
     const double angle = degrees * std::numbers::pi / 180;
     const Vec3 first_end{5, 0, 0}, second_end{3 * std::cos(angle), 3 * std::sin(angle), 0};
-    const Subject subject(shapes::polygon({{0, 0},
-                                           {5, 0},
-                                           {5, 5},
-                                           {second_end.x - std::sin(angle), second_end.y + std::cos(angle)},
-                                           {second_end.x, second_end.y}}));
+    const TableSubject subject(shapes::polygon({{0, 0},
+                                                {5, 0},
+                                                {5, 5},
+                                                {second_end.x - std::sin(angle), second_end.y + std::cos(angle)},
+                                                {second_end.x, second_end.y}}));
     const std::vector<double> on_first = subject.shells_at({0, 0, 0}, subject.between({0, 0, 0}, first_end)),
                               on_second = subject.shells_at({0, 0, 0}, subject.between({0, 0, 0}, second_end));
     ASSERT_GE(on_first.size(), 2u) << degrees;
@@ -178,7 +178,7 @@ TEST(segment_table, segments_at_a_small_angle_are_cut_on_common_shells) {
 }
 
 TEST(segment_table, at_sixty_degrees_there_are_no_shells) {
-  const Subject subject(shapes::triangle(60, 1, 1));
+  const TableSubject subject(shapes::triangle(60, 1, 1));
   for (std::uint32_t s = 0; s < 3; ++s) EXPECT_EQ(subject.table[SegmentId(s)].shell_base[0], 0);
 }
 
@@ -187,7 +187,7 @@ TEST(segment_table, a_cluster_reaches_over_all_patches_around_a_vertex) {
   PolygonMesh fan = solids::needle_fan(20, 2);
   Vec3& tip = fan.positions[VertexId(5)];
   tip = 0.5 * tip;
-  const Subject subject(fan);
+  const TableSubject subject(fan);
   const double expected = norm(tip) / 3;
   for (std::uint32_t v = 1; v <= 21; ++v) {
     const SegmentId s = subject.between({0, 0, 0}, fan.positions[VertexId(v)]);
@@ -200,7 +200,7 @@ TEST(segment_table, angles_of_different_patches_at_a_vertex_are_different_cluste
   // Two sharp corners that share only their tip.
   const PolygonMesh mesh =
       shapes::from_lists({{0, 0, 0}, {3, 0, 0}, {3, 1, 0}, {-6, 0, 0}, {-6, -1, 1}}, {{0, 1, 2}, {0, 3, 4}});
-  const Subject subject(mesh);
+  const TableSubject subject(mesh);
   const auto base = [&](std::uint32_t v) {
     const SegmentId s = subject.between({0, 0, 0}, mesh.positions[VertexId(v)]);
     return subject.table[s].shell_base[subject.table[s].from == subject.chain.at({0, 0, 0}) ? 0 : 1];
@@ -213,7 +213,7 @@ TEST(segment_table, angles_of_different_patches_at_a_vertex_are_different_cluste
 
 TEST(segment_table, no_cut_makes_a_piece_shorter_than_the_floor) {
   for (const PolygonMesh& mesh : {shapes::box({1, 2, 3}), shapes::triangle(3, 1, 1.3), solids::needle_fan(5, 10)}) {
-    const Subject subject(mesh);
+    const TableSubject subject(mesh);
     for (std::uint32_t s = 0; s < subject.table.size(); ++s) {
       const BoundarySegment& segment = subject.table[SegmentId(s)];
       EXPECT_GT(segment.floor, 0);
@@ -229,7 +229,7 @@ TEST(segment_table, the_floor_follows_what_is_near) {
   // A long segment beside another one: the nearer, the lower.
   double last = HUGE_VAL;
   for (const double width : {1.0, 0.1, 0.01, 0.001}) {
-    const Subject subject(shapes::polygon({{0, 0}, {1, 0}, {1, width}, {0, width}}));
+    const TableSubject subject(shapes::polygon({{0, 0}, {1, 0}, {1, width}, {0, width}}));
     const double floor = subject.table[subject.between({0, 0, 0}, {1, 0, 0})].floor;
     EXPECT_LT(floor, last);
     EXPECT_LE(floor, width / 2);
@@ -238,13 +238,13 @@ TEST(segment_table, the_floor_follows_what_is_near) {
 }
 
 TEST(segment_table, a_shortest_edge_is_a_floor) {
-  const Subject subject(shapes::box({1, 1, 1}), goals(0.3));
+  const TableSubject subject(shapes::box({1, 1, 1}), goals(0.3));
   for (std::uint32_t s = 0; s < 12; ++s) {
     EXPECT_GE(subject.table[SegmentId(s)].floor, 0.3);
     EXPECT_EQ(all_cuts(subject.table, SegmentId(s)), (std::vector<double>{0.5}));
   }
   // On shells at a sharp corner, the two segments' cuts are that far from each other, too.
-  const Subject sharp(shapes::triangle(20, 1, 1), goals(0.05));
+  const TableSubject sharp(shapes::triangle(20, 1, 1), goals(0.05));
   const double apart = 2 * std::sin(10 * std::numbers::pi / 180);
   const SegmentId side = sharp.between({0, 0, 0}, {1, 0, 0});
   for (const double shell : sharp.shells_at({0, 0, 0}, side)) EXPECT_GE(shell * apart, 0.05);
@@ -254,7 +254,7 @@ TEST(segment_table, sizes_divide_evenly_into_the_fewest_parts) {
   for (const auto& [length, size, parts] :
        {std::tuple(1.0, 0.1, 10), std::tuple(3.7, 0.37, 10), std::tuple(1.0, 0.3, 4), std::tuple(0.7, 0.1, 7),
         std::tuple(1.0, 1.0, 1), std::tuple(1.0, 2.0, 1), std::tuple(1.0, 0.99, 2)}) {
-    const Subject subject(shapes::box({length, length, length}), remesh::goals_of({}, 1), size);
+    const TableSubject subject(shapes::box({length, length, length}), remesh::goals_of({}, 1), size);
     for (std::uint32_t s = 0; s < 12; ++s) {
       const std::vector<double> cuts = subject.table.size_cuts(SegmentId(s), subject.sizes);
       ASSERT_EQ(cuts.size(), static_cast<std::size_t>(parts - 1)) << length << " by " << size;
@@ -266,7 +266,7 @@ TEST(segment_table, sizes_divide_evenly_into_the_fewest_parts) {
 
 TEST(segment_table, no_more_cuts_are_made_than_can_be_used) {
   // A million million parts could not even be listed.
-  const Subject subject(shapes::box({1, 1, 1}), remesh::goals_of({}, 1), 1e-12);
+  const TableSubject subject(shapes::box({1, 1, 1}), remesh::goals_of({}, 1), 1e-12);
   for (const std::uint64_t max_cuts : {0, 1, 9}) {
     const std::vector<double> cuts = subject.table.size_cuts(SegmentId(0), subject.sizes, max_cuts);
     ASSERT_EQ(cuts.size(), max_cuts);
@@ -276,7 +276,7 @@ TEST(segment_table, no_more_cuts_are_made_than_can_be_used) {
 }
 
 TEST(segment_table, without_a_size_nothing_is_cut_for_it) {
-  const Subject subject(shapes::box({1, 1, 1}));
+  const TableSubject subject(shapes::box({1, 1, 1}));
   for (std::uint32_t s = 0; s < 12; ++s) EXPECT_TRUE(subject.table.size_cuts(SegmentId(s), subject.sizes).empty());
 }
 
@@ -311,7 +311,7 @@ TEST(segment_table, sizes_that_grow_are_followed_along_a_segment) {
 }
 
 TEST(segment_table, sizes_below_the_shortest_edge_give_way) {
-  const Subject subject(shapes::box({1, 1, 1}), goals(0.3), 0.1);
+  const TableSubject subject(shapes::box({1, 1, 1}), goals(0.3), 0.1);
   for (std::uint32_t s = 0; s < 12; ++s) {
     const std::vector<double> cuts = subject.table.size_cuts(SegmentId(s), subject.sizes);
     EXPECT_EQ(cuts.size(), 2u);
@@ -322,14 +322,14 @@ TEST(segment_table, sizes_below_the_shortest_edge_give_way) {
 TEST(segment_table, locked_segments_stay_as_they_are) {
   Options options;
   options.split_boundaries = false;
-  const Subject all(shapes::box({1, 1, 1}), goals_of(options, 1), 0.1);
+  const TableSubject all(shapes::box({1, 1, 1}), goals_of(options, 1), 0.1);
   for (std::uint32_t s = 0; s < 12; ++s) {
     EXPECT_TRUE(all.table[SegmentId(s)].is_locked());
     EXPECT_EQ(all.table.cut(SegmentId(s), 0, 1), std::nullopt);
     EXPECT_TRUE(all.table.size_cuts(SegmentId(s), all.sizes).empty());
   }
 
-  Subject one(shapes::box({1, 1, 1}), goals(), 0.1);
+  TableSubject one(shapes::box({1, 1, 1}), goals(), 0.1);
   one.frozen[PatchId(2)] = 1;
   SegmentTable table = one.make(goals());
   std::size_t locked = 0;
@@ -374,7 +374,7 @@ TEST(even_parts, are_cut_apart_before_they_are_halved) {
 }
 
 /// Returns the segments of a prism's long sides, in their order around it.
-std::vector<SegmentId> long_sides(const Subject& subject, std::size_t sides, double height) {
+std::vector<SegmentId> long_sides(const TableSubject& subject, std::size_t sides, double height) {
   std::vector<std::pair<double, SegmentId>> found;
   for (std::uint32_t s = 0; s < subject.table.size(); ++s) {
     const BoundarySegment& segment = subject.table[SegmentId(s)];
@@ -394,7 +394,7 @@ TEST(strips, sides_have_the_fewest_parts_for_the_bound_and_take_turns) {
     for (const double bound : {20.0, 25.0, 33.0}) {
       Options options;
       options.min_angle_deg = bound;
-      const Subject subject(shapes::cylinder(static_cast<int>(sides), 1, height), goals_of(options, 1));
+      const TableSubject subject(shapes::cylinder(static_cast<int>(sides), 1, height), goals_of(options, 1));
       const std::vector<SegmentId> ids = long_sides(subject, sides, height);
       // Triangles with two equal sides, one's top over the middle of its base, the others' beside it.
       const double angle = std::max(bound, 30.0) * std::numbers::pi / 180;
@@ -413,21 +413,21 @@ TEST(strips, sides_have_the_fewest_parts_for_the_bound_and_take_turns) {
 }
 
 TEST(strips, a_bar_has_the_parts_of_its_narrow_sides) {
-  const Subject subject(shapes::box({1, 3, 100}));
+  const TableSubject subject(shapes::box({1, 3, 100}));
   const double by_narrow = subject.table[subject.between({0, 0, 0}, {0, 0, 100})].parts.count;
   EXPECT_GT(by_narrow, 25);
   for (std::uint32_t s = 0; s < 12; ++s) {
     const BoundarySegment& segment = subject.table[SegmentId(s)];
     EXPECT_EQ(segment.parts.count, segment.length > 50 ? by_narrow : 1);
   }
-  const Subject wide(shapes::box({2, 3, 4}));
+  const TableSubject wide(shapes::box({2, 3, 4}));
   for (std::uint32_t s = 0; s < 12; ++s) EXPECT_EQ(wide.table[SegmentId(s)].parts.count, 1);
 }
 
 TEST(strips, sizes_below_half_of_the_parts_divide_evenly) {
   const double height = 10, width = 2 * std::sin(std::numbers::pi / 16);
   for (const double size : {width, 0.3, 5.0}) {
-    const Subject subject(shapes::cylinder(16, 1, height), goals(), size);
+    const TableSubject subject(shapes::cylinder(16, 1, height), goals(), size);
     const std::vector<SegmentId> ids = long_sides(subject, 16, height);
     const double half = width / std::tan(30 * std::numbers::pi / 180);
     for (const SegmentId s : ids) {
@@ -446,7 +446,7 @@ TEST(strips, sides_that_want_three_and_four_parts_have_them) {
   // themselves. Sides of 5.2 and 5.8 both need three, and take turns.
   const auto cuts_of = [](double low, double high) {
     const double in = (high - low) / 2;
-    const Subject subject(shapes::polygon({{0, 0}, {high, 0}, {high - in, 1}, {in, 1}}), goals(), 2);
+    const TableSubject subject(shapes::polygon({{0, 0}, {high, 0}, {high - in, 1}, {in, 1}}), goals(), 2);
     const SegmentId longer = subject.between({0, 0, 0}, {high, 0, 0});
     const SegmentId shorter = subject.between({in, 1, 0}, {high - in, 1, 0});
     return std::pair(subject.table.size_cuts(shorter, subject.sizes), subject.table.size_cuts(longer, subject.sizes));
@@ -459,12 +459,12 @@ TEST(strips, sides_that_want_three_and_four_parts_have_them) {
 }
 
 TEST(strips, the_shortest_edge_goes_before_them) {
-  const Subject subject(shapes::cylinder(16, 1, 10), goals(0.4));
+  const TableSubject subject(shapes::cylinder(16, 1, 10), goals(0.4));
   for (const SegmentId s : long_sides(subject, 16, 10)) EXPECT_GE(shortest_piece(all_cuts(subject.table, s), 10), 0.4);
 }
 
 TEST(segment_table, places_are_the_same_from_either_end) {
-  const Subject subject(shapes::rotated(shapes::box({1, 2, 3}), {1, 2, 3}, 33));
+  const TableSubject subject(shapes::rotated(shapes::box({1, 2, 3}), {1, 2, 3}, 33));
   for (std::uint32_t s = 0; s < 12; ++s) {
     const BoundarySegment& segment = subject.table[SegmentId(s)];
     const Vec3 &from = subject.chain.surface.positions[segment.from], &to = subject.chain.surface.positions[segment.to];
@@ -480,7 +480,7 @@ TEST(segment_table, places_are_the_same_from_either_end) {
 
 TEST(segment_table, it_scales_by_powers_of_two) {
   const PolygonMesh mesh = solids::needle_fan(7, 8);
-  const Subject one(mesh), large(shapes::scaled(mesh, 0x1p20));
+  const TableSubject one(mesh), large(shapes::scaled(mesh, 0x1p20));
   ASSERT_EQ(one.table.size(), large.table.size());
   for (std::uint32_t s = 0; s < one.table.size(); ++s) {
     EXPECT_EQ(0x1p20 * one.table[SegmentId(s)].floor, large.table[SegmentId(s)].floor);

@@ -11,7 +11,7 @@
 namespace remesh {
 namespace {
 
-Triangulation2d sweep(const std::vector<Vec2>& points) {
+Triangulation2d swept(const std::vector<Vec2>& points) {
   RunControl control;
   return lexicographic_triangulation(points, control);
 }
@@ -52,7 +52,7 @@ std::vector<Corners> by_definition(const std::vector<Vec2>& points) {
 TEST(delaunay_flips, random_points_give_the_triangles_with_empty_circles) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     const auto points = polygons::scattered(seed, 25);
-    Triangulation2d mesh = sweep(points);
+    Triangulation2d mesh = swept(points);
     flip_all(points, mesh);
     EXPECT_EQ(triangles_of(mesh), by_definition(points)) << seed;
   }
@@ -61,7 +61,7 @@ TEST(delaunay_flips, random_points_give_the_triangles_with_empty_circles) {
 TEST(delaunay_flips, the_answer_does_not_depend_on_the_triangulation_it_begins_with) {
   for (const auto& points : {polygons::scattered(1, 300), polygons::grid(12, 12), polygons::cocircular(),
                              polygons::turned_grid(12, 12, 0.3), polygons::parabola(40)}) {
-    Triangulation2d mesh = sweep(points);
+    Triangulation2d mesh = swept(points);
     flip_all(points, mesh);
     expect_valid(points, mesh);
     expect_locally_delaunay(points, mesh);
@@ -76,7 +76,7 @@ TEST(delaunay_flips, the_answer_does_not_depend_on_the_triangulation_it_begins_w
 
 TEST(delaunay_flips, the_diagonal_of_a_square_is_at_its_smallest_corner) {
   const std::vector<Vec2> points = polygons::grid(2, 2);
-  Triangulation2d mesh = sweep(points);
+  Triangulation2d mesh = swept(points);
   flip_all(points, mesh);
   EXPECT_TRUE(edges_of(mesh).count({0, 3}));
 }
@@ -96,7 +96,7 @@ TEST(delaunay_flips, a_constrained_edge_stays) {
 
 TEST(delaunay_flips, begun_from_what_has_changed_it_restores_the_whole) {
   const auto points = polygons::scattered(2, 200);
-  Triangulation2d mesh = sweep(points);
+  Triangulation2d mesh = swept(points);
   flip_all(points, mesh);
   const auto expected = triangles_of(mesh);
   for (std::uint32_t h = 0; h < mesh.half_edge_count(); ++h) {
@@ -115,7 +115,7 @@ TEST(delaunay_flips, begun_from_what_has_changed_it_restores_the_whole) {
 
 TEST(delaunay_flips, a_stop_that_was_asked_for_ends_it) {
   const auto points = polygons::scattered(1, 20000);
-  Triangulation2d mesh = sweep(points);
+  Triangulation2d mesh = swept(points);
   RunControl control;
   control.cancel();
   EXPECT_THROW(delaunay_flips(points, mesh, control), Error);

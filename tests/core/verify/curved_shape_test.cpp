@@ -11,8 +11,6 @@
 namespace remesh::verification {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 const std::vector<AnalyticSurface> kShapes{{SurfaceKind::kCylinder, {0.1, 0.2, 0}, {0, 0, 1}, 0.5, 0, 0},
                                            {SurfaceKind::kCone, {0, 0.1, -0.3}, {0, 0, 1}, 0, 0, 0.4},
                                            {SurfaceKind::kCone, {0, 0, 0}, {0, 0, 1}, 0, 0, 1.3},
@@ -42,7 +40,7 @@ Vec3 at(const std::vector<Vec3>& corners, double s, double t) {
 /// A random triangle with corners near a surface.
 std::vector<Vec3> triangle_at(const AnalyticSurface& s, std::mt19937& random) {
   const auto any = [&](double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); };
-  const double u = any(0, 2 * kPi), v = any(0.2, 1), size = std::pow(10, any(-3, 0));
+  const double u = any(0, 2 * std::numbers::pi), v = any(0.2, 1), size = std::pow(10, any(-3, 0));
   std::vector<Vec3> corners;
   for (int i = 0; i < 3; ++i) {
     const Vec3 off{any(-0.02, 0.02), any(-0.02, 0.02), any(-0.02, 0.02)};
@@ -165,7 +163,7 @@ TEST(curved_shape, solid_angles_of_an_octant_add_up_to_an_eighth_of_the_sphere) 
   const CurvedShape ball({SurfaceKind::kSphere, {}, {}, 0.5, 0, 0}, 1);
   std::vector<Vec3> octant{{0.5, 0, 0}, {0, 0.5, 0}, {0, 0, 0.5}};
   EXPECT_NEAR(ball.read(octant, 0, {}).area.low, ball.area() / 8, 1e-14);
-  EXPECT_NEAR(ball.area(), kPi, 1e-14);
+  EXPECT_NEAR(ball.area(), std::numbers::pi, 1e-14);
 }
 
 TEST(curved_shape, the_area_that_a_face_covers_on_a_torus_is_within_its_bounds) {
@@ -175,7 +173,9 @@ TEST(curved_shape, the_area_that_a_face_covers_on_a_torus_is_within_its_bounds) 
   Range sum{0, 0};
   for (int i = 0; i < kAround; ++i)
     for (int j = 0; j < kTube; ++j) {
-      const auto corner = [&](int a, int b) { return on_surface(torus, 2 * kPi * a / kAround, 2 * kPi * b / kTube); };
+      const auto corner = [&](int a, int b) {
+        return on_surface(torus, 2 * std::numbers::pi * a / kAround, 2 * std::numbers::pi * b / kTube);
+      };
       for (const bool is_upper : {false, true}) {
         const Vec3 a = corner(i, j), b = is_upper ? corner(i, j + 1) : corner(i + 1, j), c = corner(i + 1, j + 1);
         std::vector<Vec3> face{a, is_upper ? c : b, is_upper ? b : c};
