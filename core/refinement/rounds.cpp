@@ -283,11 +283,17 @@ class Rounds {
   void run_turn(PatchRefiner& refiner, std::uint64_t share, std::uint64_t begun_with) {
     if (!budget_.is_counted()) return refiner.run(share, progress_);
     budget_.add_made(begun_with);
-    for (std::uint64_t given = 0; given < share && !budget_.is_too_much_made(); given += kSlice) {
+    const std::uint64_t before = refiner.triangle_count();
+    std::uint64_t given = 0;
+    while (given < share && !budget_.is_too_much_made()) {
       refiner.run(std::min(kSlice, share - given), progress_);
-      if (refiner.is_done() || refiner.is_turn_spent() || refiner.impossible().is_valid()) return;
+      if (refiner.is_done() || refiner.is_turn_spent() || refiner.impossible().is_valid()) break;
       budget_.add_made(kSlice);
+      given += kSlice;
     }
+    // Most patches make less than a slice, and there may be very many of them.
+    const std::uint64_t made = refiner.triangle_count() - std::min(before, std::uint64_t{refiner.triangle_count()});
+    budget_.add_made(made - std::min(made, given));
   }
 
   /// Calls `body` for all items in parallel: the large ones one by one, the others in blocks.

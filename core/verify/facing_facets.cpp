@@ -330,8 +330,10 @@ bool FacingFacets::is_any_within(const Vec3& place, PatchId patch, double distan
         const Corners3 triangle = corners(slot);
         const Vec3 there = nearest_on_triangle(p, triangle);
         const double squared = norm_squared(there - p);
-        if (!(squared < reach * reach) || !(squared > touching * touching)) return;
+        if (!(squared < reach * reach)) return;
+        // Facets that touch make no gap, but rounding decides whether two facets touch or just do not.
         if (must_be_clear) {
+          if (!(squared > touching * touching)) return;
           is_found = is_clear_gap(p, patch, there, facets_[slot].tag.patch, looks) &&
                      !may_be_narrow(p, patch, there, facets_[slot].tag.patch, looks) && looks <= kMaxLooks;
         } else {

@@ -18,6 +18,7 @@
 #include "core/refinement/goal_refinement.h"
 #include "tests/support/random.h"
 #include "tests/support/refined_checks.h"
+#include "tests/support/remeshed.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"
 #include "tests/support/time_limit.h"
@@ -45,7 +46,7 @@ PolygonMesh wedges(double width) {
   return shapes::joined(wedge, shapes::moved(shapes::rotated(wedge, {1, 2, 3}, 70), {0.3, 0.2, 0.1}));
 }
 
-std::string bytes(const Result& result) {
+std::string mesh_and_list(const Result& result) {
   RunControl control;
   return write_obj(result.mesh, {}, control) + listed_in_words(result.report);
 }
@@ -56,8 +57,9 @@ void expect_bounded(const PolygonMesh& mesh, const Options& options) {
   EXPECT_LE(result.mesh.faces.size(), options.max_output_faces.value());
   // The measurement does not trust the report.
   EXPECT_LE(faces_beyond(result.mesh, bounds_of(options), 1e-9).size(), listed(result.report));
-  const std::string one = bytes(result);
-  for (const int workers : {2, 8}) EXPECT_TRUE(one == bytes(refined(mesh, options, workers))) << workers << " workers";
+  const std::string one = mesh_and_list(result);
+  for (const int workers : {2, 8})
+    EXPECT_TRUE(one == mesh_and_list(refined(mesh, options, workers))) << workers << " workers";
 }
 
 Options with_gaps(std::uint64_t max_faces) {
@@ -194,6 +196,17 @@ TEST(effort, when_half_of_the_work_was_in_vain_patches_that_have_not_failed_are_
   EXPECT_LE(little.reason.size(), 1100u / 2);
   // If that passes, it is the result.
   EXPECT_FALSE(nearly.goes_on_with_the_rest());
+}
+
+// Each of very many patches makes few triangles in a round. Together they make millions if they are counted only when
+// the round is over. It takes a second on an idle machine, and took twenty when they were.
+TEST(effort, an_attempt_with_far_too_many_triangles_ends_within_a_round_of_small_patches) {
+  PolygonMesh sphere = shapes::sphere(5);
+  for (Vec3& p : sphere.positions) p.z *= 1e4;
+  const test::Seconds before = test::processor_time();
+  const Result result = remeshed(sphere, Options{});
+  test::expect_within(test::Seconds(5), test::processor_time() - before);
+  EXPECT_LE(result.mesh.faces.size(), 20 * sphere.face_count() + 1000);
 }
 
 TEST(effort, long_walks_through_needles_are_bounded) {
