@@ -61,9 +61,9 @@ class RunControl {
 
  private:
   /// Progress moves once in so many checks of a thread. Work checks every few microseconds to milliseconds.
-  static constexpr std::uint32_t kChecksPerMove = 256;
+  static constexpr std::uint32_t kChecksPerMove = 16;
   /// All moves together are at most this share of the progress that is left, and half of that after so many moves.
-  static constexpr double kShareOfMoves = 0.1, kHalfOfMoves = 1000;
+  static constexpr double kShareOfMoves = 0.1, kHalfOfMoves = 16000;
 
   enum class Reason : std::int8_t { kNone, kCancelled, kTimeout };
 

@@ -1,4 +1,5 @@
-/// Usage: cancel_test [--runs N] [--seed N] [--group N] [--limit MS] [--median-limit MS] [--clock wall|processor] ...
+/// Usage: cancel_test [--runs N] [--seed N] [--group N] [--limit MS] [--median-limit MS] [--stand-limit MS]
+///                    [--clock wall|processor] ...
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -26,18 +27,26 @@
 namespace remesh::mutate {
 namespace {
 
-/// One run that was stopped.
-struct Stop {
-  std::uint64_t group = 0;
-  std::string stage, ending;
+/// Has a time that a caller had to wait: from a stop to the end of the run, or while progress stood.
+struct Wait {
+  std::string stage;
   double after_s = 0, wall_ms = 0, busy_ms = 0;
+};
+
+/// This is told of one run.
+struct Record {
+  std::uint64_t group = 0;
   std::string subject;  ///< the mesh and options of the run
+  std::string ending;
+  bool was_stopped = false;
+  Wait stop;   ///< if it was stopped
+  Wait stand;  ///< the longest
 };
 
 struct Plan {
   std::uint64_t runs, seed;
   int stops_of_group;
-  double max_run_s, patience_s, hostile_part, size, limit_ms, median_limit_ms;
+  double max_run_s, patience_s, hostile_part, size, limit_ms, median_limit_ms, stand_limit_ms;
   std::size_t max_mb;
   bool is_by_wall;
   std::filesystem::path folder;
@@ -63,11 +72,11 @@ class Group {
            "; workers " + std::to_string(case_.workers);
   }
 
-  /// Calls told(stop) after each run that was stopped.
+  /// Calls told(record) after each run.
   template <class Told>
   void run(const Told& told) {
     const RunEnd whole = run_once(plan_.max_run_s);
-    if (whole.was_stopped) told(stop_of(whole, plan_.max_run_s));
+    told(record_of(whole, plan_.max_run_s));
     if (whole.ending == Ending::kNever) return;
     // A run that ends at once tells nothing. Most of these are refused.
     constexpr double kMinRun = 0.003;
@@ -76,7 +85,7 @@ class Group {
     for (int i = 0; i < plan_.stops_of_group; ++i) {
       const double after_s = random_.unit() * length_s;
       const RunEnd end = run_once(after_s);
-      if (end.was_stopped) told(stop_of(end, after_s));
+      told(record_of(end, after_s));
       if (end.ending == Ending::kNever) return;
     }
   }
@@ -94,22 +103,22 @@ class Group {
         stop_after_s, plan_.patience_s, case_.workers);
   }
 
-  Stop stop_of(const RunEnd& end, double after_s) const {
-    Stop stop;
-    stop.group = number_;
-    stop.stage = stage_name(end.stage);
-    stop.after_s = after_s;
-    stop.wall_ms = end.stop_wall_ms;
-    stop.busy_ms = end.stop_busy_ms;
-    stop.subject = words();
+  Record record_of(const RunEnd& end, double stop_after_s) const {
+    Record record;
+    record.group = number_;
+    record.subject = words();
+    record.was_stopped = end.was_stopped;
+    record.stop = {std::string(stage_name(end.stage)), stop_after_s, end.stop_wall_ms, end.stop_busy_ms};
+    const Stand& stand = end.longest_stand;
+    record.stand = {std::string(stage_name(stand.stage)), stand.after_s, 1e3 * stand.wall_s, 1e3 * stand.busy_s};
     switch (end.ending) {
-      case Ending::kDone: stop.ending = "done"; break;
-      case Ending::kRefused: stop.ending = api::error_name(*end.error); break;
-      case Ending::kOutOfMemory: stop.ending = "out_of_memory"; break;
-      case Ending::kStrange: stop.ending = end.strange; break;
-      case Ending::kNever: stop.ending = "never"; break;
+      case Ending::kDone: record.ending = "done"; break;
+      case Ending::kRefused: record.ending = api::error_name(*end.error); break;
+      case Ending::kOutOfMemory: record.ending = "out_of_memory"; break;
+      case Ending::kStrange: record.ending = end.strange; break;
+      case Ending::kNever: record.ending = "never"; break;
     }
-    return stop;
+    return record;
   }
 
   const Plan& plan_;
@@ -119,26 +128,34 @@ class Group {
   api::Limits limits_;
 };
 
-std::string packed(const Stop& s) {
-  return nlohmann::json{s.group, s.stage, s.ending, s.after_s, s.wall_ms, s.busy_ms, s.subject}.dump(
-             -1, ' ', false, nlohmann::json::error_handler_t::replace) +
-         "\n";
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Wait, stage, after_s, wall_ms, busy_ms)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Record, group, subject, ending, was_stopped, stop, stand)
+
+std::string packed(const Record& record) {
+  return nlohmann::json(record).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n";
 }
 
-std::vector<Stop> unpacked(const std::string& text) {
-  std::vector<Stop> stops;
+std::vector<Record> unpacked(const std::string& text) {
+  std::vector<Record> records;
   std::size_t begin = 0;
   for (std::size_t end = 0; (end = text.find('\n', begin)) != std::string::npos; begin = end + 1) {
-    const auto s = nlohmann::json::parse(text.substr(begin, end - begin));
-    stops.push_back({s.at(0), s.at(1), s.at(2), s.at(3), s.at(4), s.at(5), s.at(6)});
+    records.push_back(nlohmann::json::parse(text.substr(begin, end - begin)).get<Record>());
   }
-  return stops;
+  return records;
 }
 
-void print(std::ostream& out, const Stop& stop) {
-  out << "group " << stop.group << ": " << stop.wall_ms << " ms (" << stop.busy_ms
-      << " ms of the processor) after a stop at " << stop.after_s << " s in " << stop.stage << ", then " << stop.ending
-      << ": " << stop.subject << std::endl;
+std::ostream& operator<<(std::ostream& out, const Wait& wait) {
+  return out << wait.wall_ms << " ms (" << wait.busy_ms << " ms of the processor)";
+}
+
+void print_stop(const Record& run) {
+  std::cout << "group " << run.group << ": " << run.stop << " after a stop at " << run.stop.after_s << " s in "
+            << run.stop.stage << ", then " << run.ending << ": " << run.subject << std::endl;
+}
+
+void print_stand(const Record& run) {
+  std::cout << "group " << run.group << ": progress stood for " << run.stand << " from " << run.stand.after_s
+            << " s in " << run.stand.stage << ": " << run.subject << std::endl;
 }
 
 double at_part(std::vector<double> values, double part) {
@@ -152,10 +169,13 @@ class Statistics {
  public:
   explicit Statistics(const Plan& plan) : plan_(plan) {}
 
-  double measure(const Stop& stop) const { return plan_.is_by_wall ? stop.wall_ms : stop.busy_ms; }
-  void add(const Stop& stop) {
-    stops_.push_back(stop);
-    if (measure(stop) > plan_.limit_ms) print(std::cout, stop);
+  double measure(const Wait& wait) const { return plan_.is_by_wall ? wait.wall_ms : wait.busy_ms; }
+  void add(const Record& run) {
+    stands_.push_back(run.stand);
+    if (measure(run.stand) > plan_.stand_limit_ms) print_stand(run);
+    if (!run.was_stopped) return;
+    stops_.push_back(run.stop);
+    if (measure(run.stop) > plan_.limit_ms) print_stop(run);
   }
   void add_crash(const ChildEnd& end) {
     ++crashes_;
@@ -165,39 +185,46 @@ class Statistics {
   std::size_t count() const { return stops_.size(); }
 
   /// Output: true if the times stay within the bounds.
-  bool print_table() const {
-    std::map<std::string, std::vector<Stop>> by_stage;
-    for (const Stop& stop : stops_) by_stage[stop.stage].push_back(stop);
-    std::cout << "\nms from the stop to the end, by "
-              << (plan_.is_by_wall ? "the clock on the wall" : "time of the processor") << "; seed " << plan_.seed
-              << "\n"
-              << std::left << std::setw(20) << "stage" << std::right;
-    for (const char* title : {"stops", "median", "99 %", "max", "over"}) std::cout << std::setw(10) << title;
-    std::cout << "\n";
-    for (const auto& [stage, stops] : by_stage) row(stage, stops);
-    row("all", stops_);
-    std::vector<double> all;
-    for (const Stop& stop : stops_) all.push_back(measure(stop));
-    const double median = at_part(all, 0.5), longest = at_part(all, 1);
-    const bool holds = median <= plan_.median_limit_ms && longest <= plan_.limit_ms && crashes_ == 0;
-    std::cout << (holds ? "holds" : "DOES NOT HOLD") << ": at most " << plan_.median_limit_ms
-              << " ms in the median and " << plan_.limit_ms << " ms always; " << crashes_ << " crashes\n";
+  bool print_tables() const {
+    std::cout << "\nseed " << plan_.seed << "; times in ms, by "
+              << (plan_.is_by_wall ? "the clock on the wall" : "time of the processor") << "\n";
+    table("from the stop to the end", stops_, plan_.limit_ms);
+    table("longest stand of progress", stands_, plan_.stand_limit_ms);
+    const double median = at_part(times(stops_), 0.5), longest = at_part(times(stops_), 1);
+    const double stand = at_part(times(stands_), 1);
+    const bool holds =
+        median <= plan_.median_limit_ms && longest <= plan_.limit_ms && stand <= plan_.stand_limit_ms && crashes_ == 0;
+    std::cout << (holds ? "holds" : "DOES NOT HOLD") << ": a run ends within " << plan_.median_limit_ms
+              << " ms in the median and " << plan_.limit_ms << " ms always, and progress stands for at most "
+              << plan_.stand_limit_ms << " ms; " << crashes_ << " crashes\n";
     return holds;
   }
 
  private:
-  void row(const std::string& name, const std::vector<Stop>& stops) const {
-    std::vector<double> values;
-    for (const Stop& stop : stops) values.push_back(measure(stop));
-    const auto over = std::count_if(values.begin(), values.end(), [&](double v) { return v > plan_.limit_ms; });
-    std::cout << std::left << std::setw(20) << name << std::right << std::fixed << std::setprecision(1) << std::setw(10)
-              << stops.size();
+  std::vector<double> times(const std::vector<Wait>& waits) const {
+    std::vector<double> result;
+    for (const Wait& wait : waits) result.push_back(measure(wait));
+    return result;
+  }
+  void table(const std::string& title, const std::vector<Wait>& waits, double limit_ms) const {
+    std::map<std::string, std::vector<Wait>> by_stage;
+    for (const Wait& wait : waits) by_stage[wait.stage].push_back(wait);
+    std::cout << std::left << std::setw(28) << title << std::right;
+    for (const char* column : {"runs", "median", "99 %", "max", "over"}) std::cout << std::setw(10) << column;
+    std::cout << "\n";
+    for (const auto& [stage, of_stage] : by_stage) row(stage, times(of_stage), limit_ms);
+    row("all", times(waits), limit_ms);
+  }
+  void row(const std::string& name, const std::vector<double>& values, double limit_ms) const {
+    const auto over = std::count_if(values.begin(), values.end(), [&](double v) { return v > limit_ms; });
+    std::cout << std::left << std::setw(28) << name << std::right << std::fixed << std::setprecision(1) << std::setw(10)
+              << values.size();
     for (const double part : {0.5, 0.99, 1.0}) std::cout << std::setw(10) << at_part(values, part);
     std::cout << std::setw(10) << over << std::defaultfloat << "\n";
   }
 
   const Plan& plan_;
-  std::vector<Stop> stops_;
+  std::vector<Wait> stops_, stands_;
   std::uint64_t crashes_ = 0;
 };
 
@@ -208,13 +235,13 @@ int run_all(const Plan& plan, const std::vector<CorpusFile>& corpus) {
     // Only one child runs at a time, because times are measured.
     ChildPool pool(1, plan.max_mb, max_life_s);
     pool.start(number, [&](const Send& send) {
-      Group(plan, corpus, number).run([&](const Stop& stop) { send(packed(stop)); });
+      Group(plan, corpus, number).run([&](const Record& run) { send(packed(run)); });
     });
     const ChildEnd end = pool.wait();
-    for (const Stop& stop : unpacked(end.message)) statistics.add(stop);
+    for (const Record& run : unpacked(end.message)) statistics.add(run);
     if (end.signal != 0) statistics.add_crash(end);
   }
-  return statistics.print_table() ? 0 : 1;
+  return statistics.print_tables() ? 0 : 1;
 }
 
 /// Runs the group in this process, and stores its mesh.
@@ -226,11 +253,12 @@ int run_group(const Plan& plan, const std::vector<CorpusFile>& corpus, std::uint
   std::ofstream(mesh, std::ios::binary) << group.subject().bytes;
   std::cout << group.words() << "\nits mesh is in " << mesh.string() << std::endl;
   Statistics statistics(plan);
-  group.run([&](const Stop& stop) {
-    print(std::cout, stop);
-    statistics.add(stop);
+  group.run([&](const Record& run) {
+    print_stand(run);
+    if (run.was_stopped) print_stop(run);
+    statistics.add(run);
   });
-  return statistics.print_table() ? 0 : 1;
+  return statistics.print_tables() ? 0 : 1;
 }
 
 int run(int argc, char** argv) {
@@ -241,6 +269,7 @@ int run(int argc, char** argv) {
                      {"stops", "4"},
                      {"limit", "200"},
                      {"median-limit", "100"},
+                     {"stand-limit", "1000"},
                      {"clock", "wall"},
                      {"max-run", "6"},
                      {"patience", "10"},
@@ -259,6 +288,7 @@ int run(int argc, char** argv) {
   plan.limit_ms = flags.number("limit");
   plan.median_limit_ms = flags.number("median-limit");
   plan.max_mb = static_cast<std::size_t>(flags.integer("memory"));
+  plan.stand_limit_ms = flags.number("stand-limit");
   plan.is_by_wall = flags.text("clock") == "wall";
   plan.folder = flags.text("found");
   constexpr std::size_t kMaxBytes = 400'000;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <condition_variable>
 #include <exception>
 #include <memory>
@@ -12,6 +13,7 @@
 #include <new>
 #include <thread>
 #include <typeinfo>
+#include <utility>
 
 namespace remesh::mutate {
 namespace {
@@ -60,12 +62,50 @@ void run(const std::function<void(RunControl&)>& work, Shared& shared) {
   shared.changed.notify_all();
 }
 
+/// Looks at the progress of a run now and then, and keeps the longest time for which it stood.
+class ProgressWatch {
+ public:
+  ProgressWatch(const RunControl& control, int workers)
+      : control_(control), workers_(std::max(workers, 1)), start_(now()), seen_(look()), since_(start_) {}
+
+  void look_again() {
+    const Seen seen = look();
+    if (seen == seen_) return;
+    longest_ = longest_until_now();
+    seen_ = seen;
+    since_ = now();
+  }
+  Stand longest_until_now() const {
+    const Times end = now();
+    const Stand stand{since_.wall_s - start_.wall_s, end.wall_s - since_.wall_s,
+                      (end.busy_s - since_.busy_s) / workers_, seen_.first};
+    return stand.wall_s > longest_.wall_s ? stand : longest_;
+  }
+
+ private:
+  struct Times {
+    double wall_s = 0, busy_s = 0;
+  };
+  using Seen = std::pair<Stage, long>;
+
+  static Times now() { return {seconds_of(CLOCK_MONOTONIC), seconds_of(CLOCK_PROCESS_CPUTIME_ID)}; }
+  Seen look() const { return {control_.stage(), std::lround(control_.fraction() * 1e6)}; }
+
+  const RunControl& control_;
+  int workers_;
+  Times start_;
+  Seen seen_;
+  Times since_;
+  Stand longest_;
+};
+
 }  // namespace
 
 RunEnd run_watched(const std::function<void(RunControl&)>& work, double stop_after_s, double patience_s, int workers) {
   const auto shared = std::make_shared<Shared>();
   const Clock::time_point start = Clock::now();
   const double start_process_s = seconds_of(CLOCK_PROCESS_CPUTIME_ID);
+  ProgressWatch progress(shared->control, workers);
   std::thread thread([work, shared] { run(work, *shared); });
   std::unique_lock lock(shared->mutex);
   const auto is_over = [&] { return shared->is_over; };
@@ -73,7 +113,15 @@ RunEnd run_watched(const std::function<void(RunControl&)>& work, double stop_aft
   Stage stage = Stage::kQueued;
   Clock::time_point stop;
   double stop_thread_s = 0, stop_process_s = 0;
-  if (!shared->changed.wait_for(lock, std::chrono::duration<double>(stop_after_s), is_over)) {
+  const auto last_moment =
+      start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(stop_after_s));
+  constexpr auto kBetweenLooks = std::chrono::milliseconds(20);
+  while (!is_over() && Clock::now() < last_moment) {
+    shared->changed.wait_until(lock, std::min(Clock::now() + kBetweenLooks, last_moment), is_over);
+    progress.look_again();
+  }
+  const Stand longest_stand = progress.longest_until_now();
+  if (!is_over()) {
     was_stopped = true;
     clockid_t clock{};
     if (pthread_getcpuclockid(thread.native_handle(), &clock) == 0) stop_thread_s = seconds_of(clock);
@@ -87,6 +135,7 @@ RunEnd run_watched(const std::function<void(RunControl&)>& work, double stop_aft
       never.ending = Ending::kNever;
       never.was_stopped = true;
       never.stage = stage;
+      never.longest_stand = longest_stand;
       never.stop_wall_ms = never.stop_busy_ms = patience_s * 1e3;
       never.wall_s = stop_after_s + patience_s;
       never.busy_s = seconds_of(CLOCK_PROCESS_CPUTIME_ID) - start_process_s;
@@ -100,6 +149,7 @@ RunEnd run_watched(const std::function<void(RunControl&)>& work, double stop_aft
   result.busy_s = shared->end_process_s - start_process_s;
   result.was_stopped = was_stopped;
   result.stage = stage;
+  result.longest_stand = longest_stand;
   if (was_stopped) {
     result.stop_wall_ms = std::chrono::duration<double, std::milli>(shared->end - stop).count();
     const double own_ms = 1e3 * (shared->end_thread_s - stop_thread_s);

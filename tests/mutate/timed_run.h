@@ -18,6 +18,14 @@ enum class Ending {
   kNever,        ///< it was asked to stop and did not: its thread still runs, and the process must end
 };
 
+/// A time for which a caller saw no progress: neither another stage nor another millionth of one.
+struct Stand {
+  double after_s = 0;  ///< since the run began
+  double wall_s = 0;
+  double busy_s = 0;  ///< the processor time of the process meanwhile, shared equally among the workers
+  Stage stage = Stage::kQueued;
+};
+
 struct RunEnd {
   Ending ending = Ending::kDone;
   std::optional<Error> error;  ///< the error, for kRefused
@@ -30,6 +38,7 @@ struct RunEnd {
   /// The time that a machine without other work would have needed from the stop to the end. It is the processor time of
   /// the run's own thread or, if that is larger, an equal share of the process's time for each worker.
   double stop_busy_ms = 0;
+  Stand longest_stand;  ///< before the stop
 };
 
 /// Runs `work` and asks it to stop after `stop_after_s`.
