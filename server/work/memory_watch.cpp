@@ -97,7 +97,7 @@ void MemoryWatch::measure_and_look() {
   // If memory cannot be returned, because small blocks in use are between the free ones, it counts as in use. But
   // threads that were asked for it have some time to return it.
   const auto taken = [&] {
-    const bool may_come_back = now < asked_ + kTimeToReturn && resident <= budget_.limit() / 10 * 11;
+    const bool may_come_back = now < asked_ + kTimeToReturn && resident <= budget_.limit() / 20 * 21;
     return resident > budget_.limit() && !may_come_back ? resident : used;
   };
   std::uint64_t growth = expected_growth(taken(), now);
