@@ -25,7 +25,7 @@ ENDING = {"--help", "--version", "--print-config", "--check-config"}
 FOREIGN = {"--data-binary", "--noEmit", "--rm", "--scale"}
 # These variables are read by `docker/` or by tests, or are options of CMake.
 OTHER_VARIABLES = {"REMESHD_API_KEY", "REMESHD_CORPUS", "REMESHD_DOMAIN", "REMESHD_REQUIRE_CORPUS", "REMESHD_TESTS",
-                   "REMESHD_UPSTREAM", "REMESHD_WEB", "REMESHD_WERROR"}
+                   "REMESHD_UNITY", "REMESHD_UPSTREAM", "REMESHD_WEB", "REMESHD_WERROR"}
 failures = []
 
 
