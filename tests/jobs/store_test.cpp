@@ -626,7 +626,7 @@ TEST_P(store, fifty_thousand_jobs_that_wait_do_not_slow_a_claim) {
     const auto database = connector->connect();
     database->run("DELETE FROM remeshd_job");
     insert_waiting(*database, is_sqlite(), waiting);
-    // PostgreSQL does so by itself, within a minute. Until then it may expect the number of jobs that there were before.
+    // PostgreSQL does so by itself, within a minute. Until then it may expect as many jobs as there were before.
     if (!is_sqlite()) database->run("ANALYZE remeshd_job");
     std::vector<double> times;
     for (int i = 0; i < kClaims; ++i) {
