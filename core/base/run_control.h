@@ -1,6 +1,7 @@
 /// Lets a caller watch and stop a running remesh.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cstdint>
@@ -49,7 +50,9 @@ class RunControl {
   /// Returns the progress within the stage, 0 to 1. Besides what `progress` was told, it moves a little with work that
   /// nobody counts, so that it only stands if nothing is done. It never goes back unless `progress` is told less.
   double fraction() const {
-    const double told = told_fraction(), moves = static_cast<double>(moves_.load(std::memory_order_relaxed));
+    // A stage may tell that it is done, and still have something to do.
+    const double told = std::min(told_fraction(), kNearlyAll);
+    const double moves = static_cast<double>(moves_.load(std::memory_order_relaxed));
     return told + kShareOfMoves * (1 - told) * moves / (moves + kHalfOfMoves);
   }
   /// Returns what `progress` was told last.
@@ -63,7 +66,7 @@ class RunControl {
   /// Progress moves once in so many checks of a thread. Work checks every few microseconds to milliseconds.
   static constexpr std::uint32_t kChecksPerMove = 16;
   /// All moves together are at most this share of the progress that is left, and half of that after so many moves.
-  static constexpr double kShareOfMoves = 0.1, kHalfOfMoves = 16000;
+  static constexpr double kShareOfMoves = 0.1, kHalfOfMoves = 16000, kNearlyAll = 0.99;
 
   enum class Reason : std::int8_t { kNone, kCancelled, kTimeout };
 

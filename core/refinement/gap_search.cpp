@@ -210,6 +210,13 @@ class HiddenPatches {
   std::array<Known, 8> known_;
 };
 
+/// Returns a bound on the rounding error of a distance between two places, in model units. Places that refinement makes
+/// go through the model's coordinates, so they are rounded the more, the farther the surface is from the origin.
+double rounding_of(const Surface& surface) {
+  const Vec3& c = surface.centre;
+  return kGapRounding * (surface.unit + std::max({std::fabs(c.x), std::fabs(c.y), std::fabs(c.z)}));
+}
+
 bool is_curved(const TriangulatedPatches& triangulated, PatchId p) {
   return triangulated.charts.has_curved() && triangulated.charts[p].curved() != nullptr;
 }
@@ -224,7 +231,7 @@ class GapSearch::Index {
         RunControl& control, const TriangulatedPatches* triangulated, double min_gap)
       : surface_(surface),
         contacts_(surface, adjacency, patches, control),
-        touching_squared_(std::pow(std::max(plane_tolerance / surface.unit, kGapRounding), 2)),
+        touching_squared_(std::pow(std::max(plane_tolerance, rounding_of(surface)) / surface.unit, 2)),
         min_height_(min_gap / surface.unit) {
     find_triangles(patches, triangulated, control);
     slabs_ = PatchSlabs(surface, patches, triangulated != nullptr ? &triangulated->charts : nullptr, triangles_,

@@ -252,30 +252,32 @@ class Rounds {
   /// Refines one patch until it has nothing left to do or has made its share of triangles.
   void take_turn(PatchId p, std::uint64_t share) {
     std::unique_ptr<PatchRefiner>& refiner = refiners_[p];
-    RefinerScratch& scratch = scratch_.local();
     const auto before = static_cast<std::uint32_t>(triangle_count(p));
     if (!refiner)
       refiner =
           std::make_unique<PatchRefiner>(PatchToRefine{meshes()[p], triangulated_.charts[p], p, segments_}, criteria_,
-                                         cuts_.all(), std::min(share, budget_.max_made()), scratch, control_);
+                                         cuts_.all(), std::min(share, budget_.max_made()), scratch_.local(), control_);
     else
-      refiner->begin_turn(scratch);
+      refiner->begin_turn(scratch_.local());
     refiner->allow_above_bound(above_bounds_.of_turn());
     // A refiner that begins with points of its own numbers its edges anew. So its chords are left for the next pass,
     // which finds them again.
     if (const auto chords = std::exchange(chords_.of_patch[p], {}); !chords.empty())
       if (refiner->triangle_count() != before || refiner->split_edges(chords, control_)) chords_.is_any_split = true;
-    for (const SegmentCuts::Message& message : cuts_.messages_for(p))
+    std::uint64_t counted = 0;  // the triangles that messages make were counted with these
+    for (const SegmentCuts::Message& message : cuts_.messages_for(p)) {
       if (!refiner->impossible().is_valid()) refiner->apply_cuts(message.segment, cuts_[message.segment], control_);
+      counted += message.count;
+    }
     if (!refiner->impossible().is_valid()) {
       const std::uint64_t made = refiner->triangle_count() - std::min(refiner->triangle_count(), before);
       progress_.add(std::int64_t{refiner->triangle_count()} - before);
-      run_turn(*refiner, share - std::min(share, made), made);
+      run_turn(*refiner, share - std::min(share, made), made - std::min(made, counted));
     }
     refiner->end_turn();
   }
 
-  /// A refiner is asked for this number of triangles at once if all triangles that are made are counted.
+  /// A refiner is asked for this number of triangles at once if all triangles that are made are counted. Most make fewer.
   static constexpr std::uint64_t kSlice = 1 << 16;
 
   /// Runs one turn. If there are too many triangles, it depends on the threads which turns come to their end.
@@ -285,13 +287,11 @@ class Rounds {
     budget_.add_made(begun_with);
     const std::uint64_t before = refiner.triangle_count();
     std::uint64_t given = 0;
-    while (given < share && !budget_.is_too_much_made()) {
+    for (; given < share && !budget_.is_too_much_made(); given += kSlice) {
       refiner.run(std::min(kSlice, share - given), progress_);
       if (refiner.is_done() || refiner.is_turn_spent() || refiner.impossible().is_valid()) break;
       budget_.add_made(kSlice);
-      given += kSlice;
     }
-    // Most patches make less than a slice, and there may be very many of them.
     const std::uint64_t made = refiner.triangle_count() - std::min(before, std::uint64_t{refiner.triangle_count()});
     budget_.add_made(made - std::min(made, given));
   }

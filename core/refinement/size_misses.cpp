@@ -16,7 +16,7 @@ constexpr std::size_t kLarge = 1000;
 constexpr std::size_t kTriangles = 256;
 
 /// This is a relative slack for rounding when edges are compared with the sizes that were aimed at.
-constexpr double kSizeSlack = 1 + 1e-9;
+constexpr double kAimSlack = 1 + 1e-9;
 
 /// Has the measures of a triangle. Lengths and places are in local units, so that no square under- or overflows.
 struct Measured {
@@ -164,7 +164,7 @@ class MissSearch {
     UnrefinedReason& reason = refinement_.reason[first_[p.value] + t];
     const double floor = bounds_.sizes.floor() / surface_.unit;
     const auto is_as_aimed_at = [&](std::size_t k) {
-      const double length = triangle.length[k] / kSizeSlack;
+      const double length = triangle.length[k] / kAimSlack;
       return length <= std::min(floor, largest_) || allows(bounds_.sizes, length, triangle.middle[k]);
     };
     // A triangle at a sharp corner of the input may have a small angle, but must not be too large.

@@ -43,6 +43,8 @@ FacingFacets::FacingFacets(const Claim& claim, const Model& model, const Boundar
   centre_ = 0.5 * box.min + 0.5 * box.max;
   const double reach = largest_coordinate(box.max - centre_);
   unit_ = reach > 0 ? 1 / reach : 1;
+  // The refiner's places go through the model's coordinates, whose rounding grows with the distance from the origin.
+  rounding_ = kRounding * (1 + unit_ * largest_coordinate(centre_));
   min_height_ = unit_ * model.scale * claim.refinement->goals.min_gap;
   find_facets(claim, control);
   find_bodies(seams, control);
@@ -301,7 +303,7 @@ bool FacingFacets::is_any_within(const Vec3& place, PatchId patch, double distan
   const Vec3 up = normal(patch, p);
   const double off = curved_tolerance(patch);
   const double reach = unit_ * distance + (must_be_clear ? -off : off);
-  const double touching = must_be_clear ? unit_ * model_.tolerance * (1 + kMargin) + off + kRounding : 0;
+  const double touching = must_be_clear ? unit_ * model_.tolerance * (1 + kMargin) + off + rounding_ : 0;
   if (!(reach > touching)) return false;
   // If a point is seen steeply, its height over the patch's plane is more than this share of its distance.
   const double steep = must_be_clear ? kSteep : is_curved(patch) ? 0 : kSteep * (1 - kMargin);

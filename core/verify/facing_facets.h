@@ -110,6 +110,7 @@ class FacingFacets {
   const Model& model_;
   Vec3 centre_;
   double unit_ = 1;        ///< local lengths are model lengths times this
+  double rounding_ = 0;    ///< two facets that are not farther from each other may touch; local length
   double min_height_ = 0;  ///< gaps that are less high do not count; local units
   std::vector<std::array<VertexId, 3>> triangles_;
   Facets facets_;

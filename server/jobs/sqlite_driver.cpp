@@ -36,7 +36,7 @@ constexpr int kRounds = 16;
 /// Room for the rows that are written besides a blob.
 constexpr std::uint64_t kSmallWrite = 256 << 10;
 /// Interval between checks whether another process has written.
-constexpr std::chrono::milliseconds kBetweenChanges{100};
+constexpr std::chrono::milliseconds kLookForChanges{100};
 
 std::int64_t milliseconds_of(clockid_t clock) {
   timespec time{};
@@ -366,9 +366,9 @@ class SqliteDriver : public DatabaseDriver {
     if (!watcher_) watcher_ = open(deadline);
     watcher_->set_deadline(deadline);
     do {
-      if (wake.wait(std::min(until, Clock::now() + kBetweenChanges))) return;
+      if (wake.wait(std::min(until, Clock::now() + kLookForChanges))) return;
       if (!watcher_->is_current()) return watcher_.reset();
-      watcher_->extend_deadline(kBetweenChanges);
+      watcher_->extend_deadline(kLookForChanges);
       const std::string version = watcher_->run("PRAGMA data_version", {}, Database::Result::kText).at(0).at(0).value();
       if (std::exchange(version_, version) != version) return;
     } while (Clock::now() < until);

@@ -95,7 +95,8 @@ void MemoryWatch::measure_and_look() {
     used = used_of(resident);
   }
   // If memory cannot be returned, because small blocks in use are between the free ones, it counts as in use. But
-  // threads that were asked for it have some time to return it.
+  // threads that were asked for it have some time to return it. Work may grow before it stops, so what may come back
+  // is only a half of what the process may take beyond its budget.
   const auto taken = [&] {
     const bool may_come_back = now < asked_ + kTimeToReturn && resident <= budget_.limit() / 20 * 21;
     return resident > budget_.limit() && !may_come_back ? resident : used;

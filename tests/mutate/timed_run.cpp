@@ -65,8 +65,12 @@ void run(const std::function<void(RunControl&)>& work, Shared& shared) {
 /// Looks at the progress of a run now and then, and keeps the longest time for which it stood.
 class ProgressWatch {
  public:
-  ProgressWatch(const RunControl& control, int workers)
-      : control_(control), workers_(std::max(workers, 1)), start_(now()), seen_(look()), since_(start_) {}
+  ProgressWatch(const RunControl& control, std::thread& run)
+      : control_(control),
+        has_clock_(pthread_getcpuclockid(run.native_handle(), &clock_) == 0),
+        start_(now()),
+        seen_(look()),
+        since_(start_) {}
 
   void look_again() {
     const Seen seen = look();
@@ -77,9 +81,10 @@ class ProgressWatch {
   }
   Stand longest_until_now() const {
     const Times end = now();
-    const Stand stand{since_.wall_s - start_.wall_s, end.wall_s - since_.wall_s,
-                      (end.busy_s - since_.busy_s) / workers_, seen_.first};
-    return stand.wall_s > longest_.wall_s ? stand : longest_;
+    const double busy_s = std::max(0.0, end.busy_s - since_.busy_s);
+    const Stand stand{since_.wall_s - start_.wall_s, end.wall_s - since_.wall_s, busy_s, seen_.first};
+    // Other work on the machine lengthens the time on the wall.
+    return stand.busy_s > longest_.busy_s ? stand : longest_;
   }
 
  private:
@@ -88,11 +93,12 @@ class ProgressWatch {
   };
   using Seen = std::pair<Stage, long>;
 
-  static Times now() { return {seconds_of(CLOCK_MONOTONIC), seconds_of(CLOCK_PROCESS_CPUTIME_ID)}; }
+  Times now() const { return {seconds_of(CLOCK_MONOTONIC), has_clock_ ? seconds_of(clock_) : 0}; }
   Seen look() const { return {control_.stage(), std::lround(control_.fraction() * 1e6)}; }
 
   const RunControl& control_;
-  int workers_;
+  clockid_t clock_{};
+  bool has_clock_;
   Times start_;
   Seen seen_;
   Times since_;
@@ -105,8 +111,8 @@ RunEnd run_watched(const std::function<void(RunControl&)>& work, double stop_aft
   const auto shared = std::make_shared<Shared>();
   const Clock::time_point start = Clock::now();
   const double start_process_s = seconds_of(CLOCK_PROCESS_CPUTIME_ID);
-  ProgressWatch progress(shared->control, workers);
   std::thread thread([work, shared] { run(work, *shared); });
+  ProgressWatch progress(shared->control, thread);
   std::unique_lock lock(shared->mutex);
   const auto is_over = [&] { return shared->is_over; };
   bool was_stopped = false;

@@ -22,7 +22,7 @@ enum class Ending {
 struct Stand {
   double after_s = 0;  ///< since the run began
   double wall_s = 0;
-  double busy_s = 0;  ///< the processor time of the process meanwhile, shared equally among the workers
+  double busy_s = 0;  ///< the processor time of the run's own thread meanwhile
   Stage stage = Stage::kQueued;
 };
 

@@ -59,6 +59,9 @@ class RawClient {
       const int segment = 536;
       ::setsockopt(socket_, IPPROTO_TCP, TCP_MAXSEG, &segment, sizeof segment);
     }
+    // The port is chosen on connecting. Otherwise each one could be used only once while old connections linger.
+    const int later = 1;
+    ::setsockopt(socket_, IPPROTO_IP, IP_BIND_ADDRESS_NO_PORT, &later, sizeof later);
     sockaddr_in address{};
     address.sin_family = AF_INET;
     ::inet_pton(AF_INET, from, &address.sin_addr);

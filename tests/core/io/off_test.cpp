@@ -20,13 +20,13 @@ using test::faces_of;
 
 const std::string kBody = "0 0 0\n1 0 0\n1 1 0\n0 1 0.1\n3 0 1 2\n4 0 1 2 3\n";
 
-ReadResult read_off_text(const std::string& content, const ReadLimits& limits = {}) {
+ReadResult read_as_off(const std::string& content, const ReadLimits& limits = {}) {
   return test::read_with(read_off, content, limits);
 }
 
 TEST(off_reader, polygons_come_as_listed_whatever_the_line_ends) {
   for (const char* end : {"\n", "\r\n", "\r"}) {
-    const ReadResult result = read_off_text(test::with_line_end(end, "OFF\n4 2 0\n" + kBody));
+    const ReadResult result = read_as_off(test::with_line_end(end, "OFF\n4 2 0\n" + kBody));
     EXPECT_TRUE(result.diagnostics.empty());
     EXPECT_EQ(faces_of(result.mesh), (std::vector<Face>{{0, 1, 2}, {0, 1, 2, 3}}));
     EXPECT_EQ(result.mesh.positions[VertexId(3)], (Vec3{0, 1, 0.1}));
@@ -34,19 +34,19 @@ TEST(off_reader, polygons_come_as_listed_whatever_the_line_ends) {
 }
 
 TEST(off_reader, comments_blank_lines_and_counts_may_stand_anywhere) {
-  const std::vector<Face> faces = faces_of(read_off_text("OFF\n4 2 0\n" + kBody).mesh);
+  const std::vector<Face> faces = faces_of(read_as_off("OFF\n4 2 0\n" + kBody).mesh);
   for (const char* head : {"OFF 4 2 0\n", "OFF 4 2\n", "# made by hand\n\nOFF # 3D\n#\n4 2 6 # counts\n",
                            "\xef\xbb\xbfOFF\n4 2 0\n", "  OFF  \n\t4  2\t0  \n"}) {
-    EXPECT_EQ(faces_of(read_off_text(head + kBody).mesh), faces) << head;
+    EXPECT_EQ(faces_of(read_as_off(head + kBody).mesh), faces) << head;
   }
   EXPECT_EQ(
-      faces_of(read_off_text("OFF\n4 2 0\n0 0 0 # \x01\n\n1 0 0\n# here\n1 1 0\n0 1 0\n3 0 1 2 # red\n4 0 1 2 3").mesh),
+      faces_of(read_as_off("OFF\n4 2 0\n0 0 0 # \x01\n\n1 0 0\n# here\n1 1 0\n0 1 0\n3 0 1 2 # red\n4 0 1 2 3").mesh),
       faces);
 }
 
 TEST(off_reader, padding_behind_the_text_is_told_and_left_out) {
   for (const std::string& padding : {std::string("\x1a"), std::string(9, '\0')}) {
-    const ReadResult result = read_off_text("OFF\n4 2 0\n" + kBody + padding);
+    const ReadResult result = read_as_off("OFF\n4 2 0\n" + kBody + padding);
     EXPECT_EQ(result.mesh.face_count(), 2u);
     ASSERT_EQ(result.diagnostics.size(), 1u);
     EXPECT_EQ(result.diagnostics[0].code, DiagnosticCode::kTrailingBytes);
@@ -57,14 +57,14 @@ TEST(off_reader, padding_behind_the_text_is_told_and_left_out) {
 TEST(off_reader, what_vertices_and_faces_carry_beyond_is_counted) {
   const std::string rest = "4 2 0\n0 0 0 9 9 9\n1 0 0 9 9 9\n1 1 0 9 9 9\n0 1 0 9 9 9\n3 0 1 2 255 0 0\n4 0 1 2 3\n";
   for (const char* mark : {"OFF", "COFF", "NOFF", "CNOFF", "STOFF", "STCNOFF"}) {
-    const ReadResult result = read_off_text(std::string(mark) + "\n" + rest);
+    const ReadResult result = read_as_off(std::string(mark) + "\n" + rest);
     ASSERT_EQ(result.diagnostics.size(), 2u) << mark;
     EXPECT_EQ(result.diagnostics[0].code, DiagnosticCode::kAttributeDropped);
     EXPECT_EQ(result.diagnostics[0].count, 4u);
     EXPECT_EQ(result.diagnostics[1].count, 1u);
   }
-  EXPECT_EQ(read_off_text("nOFF\n3\n" + rest).mesh.face_count(), 2u);
-  EXPECT_EQ(read_off_text("nOFF 3\n" + rest).mesh.face_count(), 2u);
+  EXPECT_EQ(read_as_off("nOFF\n3\n" + rest).mesh.face_count(), 2u);
+  EXPECT_EQ(read_as_off("nOFF 3\n" + rest).mesh.face_count(), 2u);
 }
 
 TEST(off_reader, what_is_wrong_is_told_with_its_line) {
@@ -118,7 +118,7 @@ std::string binary_off(const std::string& mark, int extra_values) {
 TEST(off_reader, binary_files_are_read_and_their_ends_checked) {
   for (const auto& [mark, extra] : {std::pair<std::string, int>("OFF", 0), {"NOFF", 3}, {"STCOFF", 6}}) {
     const std::string file = binary_off(mark, extra);
-    const ReadResult result = read_off_text(file);
+    const ReadResult result = read_as_off(file);
     EXPECT_EQ(faces_of(result.mesh), (std::vector<Face>{{0, 1, 2}}));
     EXPECT_EQ(result.mesh.positions[VertexId(2)], (Vec3{0, 1, 0.5}));
     EXPECT_EQ(result.diagnostics.size(), extra > 0 ? 2u : 1u);
@@ -136,7 +136,7 @@ TEST(off_writer, what_is_written_reads_back_bit_for_bit) {
   const std::string text = write_off(mesh, {"one\n4 4 4", "two"}, control);
   EXPECT_EQ(text.substr(0, text.find("-0")), "OFF\n3 1 0\n");
   EXPECT_TRUE(text.ends_with("3 2 0 1\n# one\n# 4 4 4\n# two\n")) << text;
-  const ReadResult back = read_off_text(text);
+  const ReadResult back = read_as_off(text);
   EXPECT_TRUE(back.diagnostics.empty());
   EXPECT_EQ(std::memcmp(back.mesh.positions.items().data(), mesh.positions.items().data(), 3 * sizeof(Vec3)), 0);
   EXPECT_EQ(faces_of(back.mesh), (std::vector<Face>{{2, 0, 1}}));

@@ -48,23 +48,23 @@ std::string binary_ply(ByteOrder order) {
   return file;
 }
 
-ReadResult read_ply_text(const std::string& content, const ReadLimits& limits = {}) {
+ReadResult read_as_ply(const std::string& content, const ReadLimits& limits = {}) {
   return test::read_with(read_ply, content, limits);
 }
 
 TEST(ply_reader, text_and_both_byte_orders_give_the_same_polygons) {
   for (const std::string& file : {text_ply(), binary_ply(ByteOrder::kLittle), binary_ply(ByteOrder::kBig)}) {
-    const ReadResult result = read_ply_text(file);
+    const ReadResult result = read_as_ply(file);
     EXPECT_TRUE(result.diagnostics.empty());
     EXPECT_EQ(faces_of(result.mesh), (std::vector<Face>{{0, 1, 2, 3}, {1, 4, 2}}));
     EXPECT_EQ(result.mesh.positions[VertexId(4)], (Vec3{2, 0, 0}));
   }
-  EXPECT_EQ(read_ply_text(text_ply()).mesh.positions[VertexId(3)].z, 0.1) << "numbers of text are doubles";
-  EXPECT_EQ(read_ply_text(binary_ply(ByteOrder::kBig)).mesh.positions[VertexId(3)].z, double{0.1f});
+  EXPECT_EQ(read_as_ply(text_ply()).mesh.positions[VertexId(3)].z, 0.1) << "numbers of text are doubles";
+  EXPECT_EQ(read_as_ply(binary_ply(ByteOrder::kBig)).mesh.positions[VertexId(3)].z, double{0.1f});
 }
 
 TEST(ply_reader, padding_behind_a_text_is_told_and_left_out) {
-  const ReadResult result = read_ply_text(text_ply() + std::string(3, '\0') + "\x1a");
+  const ReadResult result = read_as_ply(text_ply() + std::string(3, '\0') + "\x1a");
   EXPECT_EQ(result.mesh.face_count(), 2u);
   ASSERT_EQ(result.diagnostics.size(), 1u);
   EXPECT_EQ(result.diagnostics[0].code, DiagnosticCode::kTrailingBytes);
@@ -77,22 +77,22 @@ TEST(ply_reader, the_header_may_end_its_lines_in_any_way) {
   const std::size_t size = file.find("end_header\n") + 11;
   const std::string data = file.substr(size);
   for (const char* end : {"\n", "\r\n", "\r"}) {
-    EXPECT_EQ(read_ply_text(test::with_line_end(end, file.substr(0, size)) + data).mesh.face_count(), 2u);
-    EXPECT_EQ(read_ply_text(test::with_line_end(end, text_ply())).mesh.face_count(), 2u);
+    EXPECT_EQ(read_as_ply(test::with_line_end(end, file.substr(0, size)) + data).mesh.face_count(), 2u);
+    EXPECT_EQ(read_as_ply(test::with_line_end(end, text_ply())).mesh.face_count(), 2u);
   }
   std::string mixed = file;
   mixed.replace(size - 1, 1, "\r\n");
-  EXPECT_EQ(read_ply_text(mixed).mesh.face_count(), 2u) << "one that ends in CRLF among others";
+  EXPECT_EQ(read_as_ply(mixed).mesh.face_count(), 2u) << "one that ends in CRLF among others";
 }
 
 TEST(ply_reader, data_that_begins_like_a_line_end_is_data) {
   std::string file = binary_ply(ByteOrder::kLittle);
   const std::size_t size = file.find("end_header\n") + 11;
   file[size] = '\n';  // the first byte of x
-  const double x = read_ply_text(file).mesh.positions[VertexId(0)].x;
+  const double x = read_as_ply(file).mesh.positions[VertexId(0)].x;
   EXPECT_NE(x, 0);
   EXPECT_EQ(
-      read_ply_text(test::with_line_end("\r", file.substr(0, size)) + file.substr(size)).mesh.positions[VertexId(0)].x,
+      read_as_ply(test::with_line_end("\r", file.substr(0, size)) + file.substr(size)).mesh.positions[VertexId(0)].x,
       x);
 }
 
@@ -118,7 +118,7 @@ TEST(ply_reader, every_number_type_is_read) {
       for (const int value : {1, 2, 3, 4, 5, 6, 7, 8, 100}) add(value);
       append(file, std::uint16_t{3}, ByteOrder::kBig);
       for (const std::uint32_t i : {2u, 1u, 0u}) append(file, i, ByteOrder::kBig);
-      const PolygonMesh mesh = read_ply_text(file).mesh;
+      const PolygonMesh mesh = read_as_ply(file).mesh;
       EXPECT_EQ(mesh.positions[VertexId(2)], (Vec3{7, 8, 100})) << type;
       EXPECT_EQ(faces_of(mesh), (std::vector<Face>{{2, 1, 0}})) << type;
     }
@@ -146,7 +146,7 @@ TEST(ply_reader, unknown_elements_and_properties_are_skipped_and_counted) {
   f(.5f), binary += '\3', i(0), i(1), i(2), binary += '\2', f(0), f(0);
   i(0), i(1), i(1), i(2);
   for (const std::string& file : {text, binary}) {
-    const ReadResult result = read_ply_text(file);
+    const ReadResult result = read_as_ply(file);
     EXPECT_EQ(faces_of(result.mesh), (std::vector<Face>{{0, 1, 2}}));
     EXPECT_EQ(result.mesh.positions[VertexId(2)], (Vec3{0, 1, 0}));
     std::vector<std::uint64_t> counts;
@@ -165,7 +165,7 @@ TEST(ply_reader, whole_numbers_of_faces_by_the_names_of_labels_are_labels) {
       "element face 2\nproperty list uchar int vertex_indices\nproperty int group\nproperty uchar "
       "material\nend_header\n"
       "0 0 0\n1 0 0\n0 1 0\n3 0 1 2 7 1\n3 0 2 1 -4 1\n";
-  const PolygonMesh mesh = read_ply_text(file).mesh;
+  const PolygonMesh mesh = read_as_ply(file).mesh;
   EXPECT_EQ(label_of_faces(mesh.labels.group), (std::vector<std::string>{"the lid", "-4"}));
   EXPECT_EQ(label_of_faces(mesh.labels.material), (std::vector<std::string>{"1", "1"}));
   EXPECT_FALSE(mesh.labels.object.is_used());
@@ -225,12 +225,12 @@ TEST(ply_reader, binary_data_that_ends_early_or_goes_on_is_an_error_at_its_byte)
   for (std::size_t size = data; size < file.size(); ++size) {
     expect_error_at_byte(read_ply, file.substr(0, size), Code::kInvalidMesh, size);
   }
-  EXPECT_EQ(read_ply_text(file + "\n").diagnostics.at(0).code, DiagnosticCode::kTrailingBytes);
+  EXPECT_EQ(read_as_ply(file + "\n").diagnostics.at(0).code, DiagnosticCode::kTrailingBytes);
   expect_error_at_byte(read_ply, file + std::string(13, 'x'), Code::kInvalidMesh, file.size());
 }
 
 TEST(ply_reader, counts_are_compared_with_the_limits_before_anything_is_reserved) {
-  EXPECT_EQ(read_ply_text(text_ply(), {5, 2}).mesh.face_count(), 2u);
+  EXPECT_EQ(read_as_ply(text_ply(), {5, 2}).mesh.face_count(), 2u);
   EXPECT_EQ(test::error_of(read_ply, text_ply(), {4, 2}).code, Code::kMeshTooLarge);
   EXPECT_EQ(test::error_of(read_ply, text_ply(), {5, 1}).code, Code::kMeshTooLarge);
   const std::string many =
@@ -260,7 +260,7 @@ TEST(ply_writer, what_is_written_reads_back_bit_for_bit_with_its_labels) {
   mesh.labels.material.names = {"end_header"};
   mesh.labels.material.of_face.items() = {0, 0};
   RunControl control;
-  const ReadResult back = read_ply_text(write_ply(mesh, {"one\nend_header", "two"}, control));
+  const ReadResult back = read_as_ply(write_ply(mesh, {"one\nend_header", "two"}, control));
   EXPECT_TRUE(back.diagnostics.empty());
   ASSERT_EQ(back.mesh.vertex_count(), 3u);
   EXPECT_EQ(std::memcmp(back.mesh.positions.items().data(), mesh.positions.items().data(), 3 * sizeof(Vec3)), 0);

@@ -49,12 +49,12 @@ std::string text_facet(const std::string& vertices) {
 const std::string kFacet = text_facet("vertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n");
 const std::string kOther = text_facet("vertex 1 0 0\nvertex 1 1 0\nvertex 0 1 0\n");
 
-ReadResult read_stl_text(const std::string& content, const ReadLimits& limits = {}) {
+ReadResult read_as_stl(const std::string& content, const ReadLimits& limits = {}) {
   return test::read_with(read_stl, content, limits);
 }
 
 TEST(stl_reader, binary_triangles_come_as_listed_their_equal_vertices_joined) {
-  const ReadResult result = read_stl_text(binary_stl(kSquare));
+  const ReadResult result = read_as_stl(binary_stl(kSquare));
   EXPECT_TRUE(result.diagnostics.empty());
   EXPECT_EQ(faces_of(result.mesh), (std::vector<Face>{{0, 1, 2}, {0, 2, 3}}));
   ASSERT_EQ(result.mesh.vertex_count(), 4u);
@@ -64,28 +64,28 @@ TEST(stl_reader, binary_triangles_come_as_listed_their_equal_vertices_joined) {
 
 TEST(stl_reader, zeros_of_both_signs_are_one_place_and_the_first_one_stays) {
   const PolygonMesh mesh =
-      read_stl_text(binary_stl({{{{-0.0f, 0, 0}, {1, 0, 0}, {1, 1, 0}}}, {{{0, 0, 0}, {1, 1, 0}, {0, 1, 0}}}})).mesh;
+      read_as_stl(binary_stl({{{{-0.0f, 0, 0}, {1, 0, 0}, {1, 1, 0}}}, {{{0, 0, 0}, {1, 1, 0}, {0, 1, 0}}}})).mesh;
   EXPECT_EQ(mesh.vertex_count(), 4u);
   EXPECT_TRUE(std::signbit(mesh.positions[VertexId(0)].x));
 }
 
 TEST(stl_reader, a_binary_file_may_begin_with_solid) {
   for (const char* header : {"solid", "solid facet", "  solid part\n facet normal"}) {
-    EXPECT_EQ(faces_of(read_stl_text(binary_stl(kSquare, header)).mesh).size(), 2u) << header;
-    EXPECT_EQ(faces_of(read_stl_text(binary_stl(kSquare, header) + "\n").mesh).size(), 2u) << header;
+    EXPECT_EQ(faces_of(read_as_stl(binary_stl(kSquare, header)).mesh).size(), 2u) << header;
+    EXPECT_EQ(faces_of(read_as_stl(binary_stl(kSquare, header) + "\n").mesh).size(), 2u) << header;
   }
 }
 
 TEST(stl_reader, trailing_bytes_are_told_and_a_whole_record_more_is_an_error) {
   const std::string file = binary_stl(kSquare);
   for (const std::size_t extra : {1u, 49u}) {
-    const ReadResult result = read_stl_text(file + std::string(extra, 'x'));
+    const ReadResult result = read_as_stl(file + std::string(extra, 'x'));
     ASSERT_EQ(result.diagnostics.size(), 1u);
     EXPECT_EQ(result.diagnostics[0].code, DiagnosticCode::kTrailingBytes);
     EXPECT_EQ(result.diagnostics[0].count, extra);
   }
   expect_error_at_byte(read_stl, file + std::string(50, 'x'), Code::kInvalidMesh, 184);
-  EXPECT_EQ(read_stl_text(file + std::string(500, '\0')).diagnostics.at(0).count, 500u) << "padding";
+  EXPECT_EQ(read_as_stl(file + std::string(500, '\0')).diagnostics.at(0).count, 500u) << "padding";
 }
 
 TEST(stl_reader, binary_data_that_ends_early_is_an_error_at_its_end) {
@@ -108,7 +108,7 @@ TEST(stl_reader, a_coordinate_that_is_not_finite_is_an_error_at_its_vertex) {
 }
 
 TEST(stl_reader, attribute_bytes_are_dropped_and_counted) {
-  const ReadResult result = read_stl_text(binary_stl(kSquare, "", 0x7c1f));
+  const ReadResult result = read_as_stl(binary_stl(kSquare, "", 0x7c1f));
   ASSERT_EQ(result.diagnostics.size(), 1u);
   EXPECT_EQ(result.diagnostics[0].code, DiagnosticCode::kAttributeDropped);
   EXPECT_EQ(result.diagnostics[0].count, 2u);
@@ -119,7 +119,7 @@ TEST(stl_reader, text_is_read_in_doubles_whatever_its_case_blanks_and_line_ends)
       "\xef\xbb\xbfSolid a part\n\n  FACET normal 0 0 1\n\tOuter   Loop\nvertex 0.1 0 0\nVertex 1e0 .5 -0\n"
       "vertex +1 1. 0\n endloop foo\nendfacet bar baz\nendsolid whatever\n\n";
   for (const char* end : {"\n", "\r\n", "\r"}) {
-    const ReadResult result = read_stl_text(test::with_line_end(end, text));
+    const ReadResult result = read_as_stl(test::with_line_end(end, text));
     EXPECT_TRUE(result.diagnostics.empty());
     EXPECT_EQ(faces_of(result.mesh), (std::vector<Face>{{0, 1, 2}}));
     EXPECT_EQ(result.mesh.positions[VertexId(0)], (Vec3{0.1, 0, 0}));
@@ -132,7 +132,7 @@ TEST(stl_reader, padding_behind_a_text_is_told_and_left_out) {
   for (const std::string& padding : {std::string("\x1a"), std::string(900, '\0')}) {
     const std::string text = "solid a\n" + kFacet + "endsolid a\n" + padding;
     EXPECT_FALSE(is_binary_stl(text));
-    const ReadResult result = read_stl_text(text);
+    const ReadResult result = read_as_stl(text);
     EXPECT_EQ(result.mesh.face_count(), 1u);
     ASSERT_EQ(result.diagnostics.size(), 1u);
     EXPECT_EQ(result.diagnostics[0].code, DiagnosticCode::kTrailingBytes);
@@ -143,22 +143,22 @@ TEST(stl_reader, padding_behind_a_text_is_told_and_left_out) {
 TEST(stl_reader, a_facet_may_stand_on_one_line_and_its_normal_may_be_anything) {
   const std::string one_line =
       "facet normal nan - inf outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet";
-  EXPECT_EQ(read_stl_text("solid\n" + one_line + " endsolid\n").mesh.face_count(), 1u);
-  EXPECT_EQ(read_stl_text("solid\n" + one_line + " " + one_line + "\nendsolid").mesh.face_count(), 2u);
+  EXPECT_EQ(read_as_stl("solid\n" + one_line + " endsolid\n").mesh.face_count(), 1u);
+  EXPECT_EQ(read_as_stl("solid\n" + one_line + " " + one_line + "\nendsolid").mesh.face_count(), 2u);
   EXPECT_EQ(
-      read_stl_text("solid\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid")
+      read_as_stl("solid\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid")
           .mesh.face_count(),
       1u);
 }
 
 TEST(stl_reader, each_solid_is_an_object_even_where_two_have_one_name) {
   const PolygonMesh named =
-      read_stl_text("solid a\n" + kFacet + "endsolid\nsolid b\n" + kOther + kOther + "endsolid b\n").mesh;
+      read_as_stl("solid a\n" + kFacet + "endsolid\nsolid b\n" + kOther + kOther + "endsolid b\n").mesh;
   EXPECT_EQ(label_of_faces(named.labels.object), (std::vector<std::string>{"a", "b", "b"}));
   const PolygonMesh alike =
-      read_stl_text("solid\n" + kFacet + "endsolid\nsolid\nendsolid\nsolid\n" + kOther + "endsolid\n").mesh;
+      read_as_stl("solid\n" + kFacet + "endsolid\nsolid\nendsolid\nsolid\n" + kOther + "endsolid\n").mesh;
   EXPECT_EQ(alike.labels.object.of_face.items(), (std::vector<std::uint32_t>{0, 1}));
-  EXPECT_FALSE(read_stl_text("solid\n" + kFacet + "endsolid\n").mesh.labels.object.is_used());
+  EXPECT_FALSE(read_as_stl("solid\n" + kFacet + "endsolid\n").mesh.labels.object.is_used());
 }
 
 /// Returns the text with each letter in the other case.
@@ -173,22 +173,22 @@ TEST(stl_reader, what_ends_a_part_may_be_one_word_or_two_in_any_case) {
     for (const char* facet : {"endfacet", "end facet", "END  Facet", "end facet bar"}) {
       for (const char* solid : {"endsolid", "end solid", "End Solid part", "end solid end loop", "ENDSOLID facet"}) {
         const std::string text = "solid part\n" + lines + loop + "\n" + facet + "\n" + solid + "\n";
-        const PolygonMesh mesh = read_stl_text(text).mesh;
+        const PolygonMesh mesh = read_as_stl(text).mesh;
         EXPECT_EQ(faces_of(mesh), (std::vector<Face>{{0, 1, 2}})) << text;
-        EXPECT_EQ(read_stl_text(in_other_case(text)).mesh.face_count(), 1u) << text;
+        EXPECT_EQ(read_as_stl(in_other_case(text)).mesh.face_count(), 1u) << text;
       }
     }
   }
   const std::string one_line =
       "facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 end loop end facet";
-  EXPECT_EQ(read_stl_text("solid\n" + one_line + " " + one_line + " end solid\n").mesh.face_count(), 2u);
+  EXPECT_EQ(read_as_stl("solid\n" + one_line + " " + one_line + " end solid\n").mesh.face_count(), 2u);
 }
 
 TEST(stl_reader, a_solid_may_end_with_the_text_or_with_the_next_solid) {
   for (const char* end : {"\n", "\r\n", "\r"}) {
-    EXPECT_EQ(read_stl_text(test::with_line_end(end, "solid a\n" + kFacet)).mesh.face_count(), 1u);
+    EXPECT_EQ(read_as_stl(test::with_line_end(end, "solid a\n" + kFacet)).mesh.face_count(), 1u);
     const PolygonMesh two =
-        read_stl_text(test::with_line_end(end, "solid a\n" + kFacet + "solid b\n" + kOther + kOther)).mesh;
+        read_as_stl(test::with_line_end(end, "solid a\n" + kFacet + "solid b\n" + kOther + kOther)).mesh;
     EXPECT_EQ(label_of_faces(two.labels.object), (std::vector<std::string>{"a", "b", "b"}));
   }
 }
@@ -199,7 +199,7 @@ TEST(stl_reader, a_name_is_the_rest_of_its_line_whatever_it_holds) {
                                   std::string("two  words"), std::string("Geh\xc3\xa4use"), std::string("Geh\xe4use"),
                                   std::string("a\x01z"), std::string(300, '/'), std::string("vertex 1 2 3")}) {
     const PolygonMesh mesh =
-        read_stl_text("solid \t" + name + " \r\n" + kFacet + "endsolid " + name + "\nsolid\n" + kOther).mesh;
+        read_as_stl("solid \t" + name + " \r\n" + kFacet + "endsolid " + name + "\nsolid\n" + kOther).mesh;
     EXPECT_EQ(label_of_faces(mesh.labels.object), (std::vector<std::string>{name, ""}));
   }
 }
@@ -211,8 +211,8 @@ TEST(stl_reader, comments_and_lines_of_a_head_are_passed_over) {
       "facet normal 0 0 1 # up\n// here\nouter loop\nvertex 0 0 0 # origin\nvertex 1 0 0\n# now\nvertex 0 1 0 ; "
       "c\nendloop\n"
       "endfacet\n";
-  const PolygonMesh mesh = read_stl_text(comments + head + "solid a\n" + head + comments + facet + comments + facet +
-                                         "endsolid\n" + comments + "solid b\n" + head + facet + "endsolid\n# the end")
+  const PolygonMesh mesh = read_as_stl(comments + head + "solid a\n" + head + comments + facet + comments + facet +
+                                       "endsolid\n" + comments + "solid b\n" + head + facet + "endsolid\n# the end")
                                .mesh;
   EXPECT_EQ(label_of_faces(mesh.labels.object), (std::vector<std::string>{"a", "a", "b"}));
   // Elsewhere a line that begins with no keyword is a mistake.
@@ -254,7 +254,7 @@ TEST(stl_reader, text_out_of_order_or_cut_off_is_an_error_at_its_line) {
 
 TEST(stl_reader, limits_count_faces_and_different_vertices) {
   for (const std::string& file : {binary_stl(kSquare), "solid\n" + kFacet + kOther + "endsolid\n"}) {
-    EXPECT_EQ(read_stl_text(file, {4, 2}).mesh.face_count(), 2u);
+    EXPECT_EQ(read_as_stl(file, {4, 2}).mesh.face_count(), 2u);
     EXPECT_EQ(test::error_of(read_stl, file, {4, 1}).limit, 1u);
     EXPECT_EQ(test::error_of(read_stl, file, {3, 2}).limit, 3u);
     EXPECT_EQ(test::error_of(read_stl, file, {3, 2}).code, Code::kMeshTooLarge);
@@ -281,7 +281,7 @@ TEST(stl_writer, floats_are_written_as_they_are_and_normals_have_length_one) {
   EXPECT_NE(file.find("a summary"), std::string::npos);
   const auto number = [&](int i) { return load<float>(file.data() + 84 + 4 * i, ByteOrder::kLittle); };
   EXPECT_FLOAT_EQ(number(2), 1);
-  const PolygonMesh back = read_stl_text(file).mesh;
+  const PolygonMesh back = read_as_stl(file).mesh;
   EXPECT_EQ(back.positions, mesh.positions);
   EXPECT_TRUE(std::signbit(back.positions[VertexId(0)].y));
 }
