@@ -277,7 +277,7 @@ class Rounds {
     refiner->end_turn();
   }
 
-  /// A refiner is asked for this number of triangles at once if all triangles that are made are counted. Most make fewer.
+  /// A refiner is asked for this number of triangles at once if all triangles that are made are counted.
   static constexpr std::uint64_t kSlice = 1 << 16;
 
   /// Runs one turn. If there are too many triangles, it depends on the threads which turns come to their end.
