@@ -20,6 +20,8 @@ constexpr std::size_t kMaxFaces = 8;
 OpenEdges::OpenEdges(const Surface& surface, const Adjacency& edges, Which which, RunControl& control)
     : surface_(surface) {
   StopCheck check(control);
+  // Growing a list of millions copies it several times, and nobody could stop that.
+  edges_.reserve(edges.odd_edges().size());
   for (const EdgeId e : edges.odd_edges()) {
     check();
     const auto around = edges.half_edges(e);

@@ -112,6 +112,8 @@ class DatabaseDriver {
   virtual bool is_current(const Database&) const { return true; }
   /// The clause to append to a SELECT whose rows will be updated. It skips rows that another transaction has locked.
   virtual std::string_view skip_locked() const = 0;
+  /// True if a column of whole numbers may hold a fraction.
+  virtual bool keeps_fractions() const = 0;
   /// Statements that create the objects that only this kind of database needs, besides the common tables, in this
   /// version of the schema.
   virtual std::vector<std::string> schema_statements(std::int64_t version) const = 0;

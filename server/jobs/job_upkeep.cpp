@@ -78,7 +78,7 @@ void JobUpkeep::end_damaged() {
     const Rows rows = database_.run("DELETE FROM remeshd_job WHERE id IS NULL RETURNING state");
     done_.damaged += static_cast<int>(rows.size());
   });
-  for_each(std::string("SELECT id FROM remeshd_job WHERE ") + kDamagedJob, {}, &JobUpkeep::mend);
+  for_each(std::string("SELECT id FROM remeshd_job WHERE ") + damaged_job(), {}, &JobUpkeep::mend);
 }
 
 void JobUpkeep::mend(const std::string& id) {
@@ -102,7 +102,7 @@ void JobUpkeep::mend(const std::string& id) {
       ends +
       " THEN replace($2, '{job}', id) ELSE problem END, "
       "state = CASE WHEN " +
-      ends + " THEN 'failed' ELSE state END WHERE id = $3 AND " + kDamagedJob + " RETURNING state";
+      ends + " THEN 'failed' ELSE state END WHERE id = $3 AND " + damaged_job() + " RETURNING state";
   for (const Row& row : database_.run(
            sql.c_str(), {std::int64_t{rules_.result_ttl.count()}, std::string_view(problem), std::string_view(id)})) {
     if (row[0] == "failed") ++done_.damaged;

@@ -314,6 +314,7 @@ class PostgresDriver : public DatabaseDriver {
     return std::make_unique<PostgresDatabase>(login_, timeout_, deadline);
   }
   std::string_view skip_locked() const override { return " FOR UPDATE SKIP LOCKED"; }
+  bool keeps_fractions() const override { return false; }
 
   std::vector<std::string> schema_statements(std::int64_t version) const override {
     if (version == 1) {

@@ -63,7 +63,7 @@ const std::vector<std::vector<std::string>> kVersions{
         "ALTER TABLE remeshd_blob ADD COLUMN size bigint",      // of the whole blob; stands in its first row
         "DROP INDEX remeshd_job_waiting",
         "CREATE INDEX remeshd_job_waiting ON remeshd_job (coalesce(queued_ms, created_ms)) WHERE state = 'queued'",
-        std::string("CREATE INDEX remeshd_job_damaged ON remeshd_job (id) WHERE ") + kDamagedJob,
+        std::string("CREATE INDEX remeshd_job_damaged ON remeshd_job (id) WHERE ") + damaged_job(),
         // There is no index of the blobs: making it would read all of them, and nothing could be written meanwhile.
         std::string("CREATE INDEX remeshd_job_stored ON remeshd_job (owner, stored) WHERE ") + kJobWithBlobs,
     },

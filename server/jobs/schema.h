@@ -1,20 +1,31 @@
 /// The tables of the job store, and the migration of older versions.
 #pragma once
 
+#include <string>
+
 #include "server/jobs/database.h"
 
 namespace remesh::server::jobs {
 
 /// The condition for rows of jobs that nobody can have written: unknown states, and numbers that would overflow when
 /// they are counted up. An index finds them.
-inline constexpr const char* kDamagedJob =
-    "(id IS NULL OR state NOT IN ('queued', 'running', 'succeeded', 'failed', 'cancelled', 'expired')"
+inline constexpr const char* kOutOfRange =
+    "id IS NULL OR state NOT IN ('queued', 'running', 'succeeded', 'failed', 'cancelled', 'expired')"
     " OR memory NOT BETWEEN 0 AND 9000000000000000000 OR token NOT BETWEEN 0 AND 9000000000000000"
     " OR attempts NOT BETWEEN 0 AND 1000000 OR commits NOT BETWEEN 0 AND 1000000"
-    " OR version NOT BETWEEN 0 AND 9000000000000000 OR turn NOT BETWEEN -9000000000000000 AND 9000000000000000"
-    // SQLite stores fractions in columns of whole numbers.
-    " OR memory <> CAST(memory AS bigint) OR token <> CAST(token AS bigint) OR attempts <> CAST(attempts AS bigint)"
-    " OR commits <> CAST(commits AS bigint) OR version <> CAST(version AS bigint) OR turn <> CAST(turn AS bigint))";
+    " OR version NOT BETWEEN 0 AND 9000000000000000 OR turn NOT BETWEEN -9000000000000000 AND 9000000000000000";
+/// SQLite stores fractions in columns of whole numbers.
+inline constexpr const char* kFraction =
+    "memory <> CAST(memory AS bigint) OR token <> CAST(token AS bigint) OR attempts <> CAST(attempts AS bigint)"
+    " OR commits <> CAST(commits AS bigint) OR version <> CAST(version AS bigint) OR turn <> CAST(turn AS bigint)";
+/// The condition that a row is damaged. An index has this text.
+inline std::string damaged_job() { return std::string("(") + kOutOfRange + " OR " + kFraction + ")"; }
+/// The condition that a row is sound, in a database that may keep fractions or does not. PostgreSQL does not, and would
+/// expect that hardly any row passes the tests for them. It would then sort all rows instead of reading the first one
+/// of an index.
+inline std::string sound_job(bool keeps_fractions) {
+  return "NOT " + (keeps_fractions ? damaged_job() : std::string("(") + kOutOfRange + ")");
+}
 
 /// Assignments that count up columns of a row that may be damaged. A number that cannot be counted up begins anew.
 inline constexpr const char* kNextVersion =

@@ -19,7 +19,7 @@ std::chrono::milliseconds max_pause(const StoreRules& rules) {
 }
 
 std::int64_t signed_bytes(std::uint64_t bytes) {
-  constexpr std::uint64_t kMost = 9'000'000'000'000'000'000;  // see kDamagedJob
+  constexpr std::uint64_t kMost = 9'000'000'000'000'000'000;  // see kOutOfRange
   return static_cast<std::int64_t>(std::min(bytes, kMost));
 }
 
@@ -301,9 +301,9 @@ std::optional<Claim> SqlStore::claim_next(Database& database, std::string_view w
   const std::string sql =
       "UPDATE remeshd_job SET state = 'running', token = token + 1, attempts = attempts + 1, version = version + 1, "
       "worker = $1, stage = 'read', fraction = 0, started_ms = remeshd_now(), lease_ms = remeshd_now() + $2, "
-      "lease_length_ms = $2 WHERE id = (SELECT id FROM remeshd_job WHERE state = 'queued' AND memory <= $3 AND NOT " +
-      std::string(kDamagedJob) + " ORDER BY turn, created_ms, id LIMIT 1" + std::string(driver_->skip_locked()) +
-      ") RETURNING id, token, attempts, memory, request, version";
+      "lease_length_ms = $2 WHERE id = (SELECT id FROM remeshd_job WHERE state = 'queued' AND memory <= $3 AND " +
+      sound_job(driver_->keeps_fractions()) + " ORDER BY turn, created_ms, id LIMIT 1" +
+      std::string(driver_->skip_locked()) + ") RETURNING id, token, attempts, memory, request, version";
   Rows rows;
   try {
     rows = database.run(sql.c_str(),
@@ -325,9 +325,8 @@ std::optional<Claim> SqlStore::claim(std::string_view worker, std::uint64_t max_
 }
 
 std::optional<WaitingJob> SqlStore::next_in_turn(std::uint64_t max_memory) {
-  static const std::string sql =
-      std::string("SELECT id, memory FROM remeshd_job WHERE state = 'queued' AND memory <= $1 AND NOT ") + kDamagedJob +
-      " ORDER BY turn, created_ms, id LIMIT 1";
+  const std::string sql = "SELECT id, memory FROM remeshd_job WHERE state = 'queued' AND memory <= $1 AND " +
+                          sound_job(driver_->keeps_fractions()) + " ORDER BY turn, created_ms, id LIMIT 1";
   return with_database("look", Access::kRead, [&](Database& database) -> std::optional<WaitingJob> {
     const Rows rows = database.run(sql.c_str(), {signed_bytes(max_memory)});
     if (rows.empty()) return std::nullopt;

@@ -258,6 +258,7 @@ class SqliteDriver : public DatabaseDriver {
     return static_cast<const SqliteDatabase&>(database).is_current();
   }
   std::string_view skip_locked() const override { return ""; }
+  bool keeps_fractions() const override { return true; }
   std::vector<std::string> schema_statements(std::int64_t version) const override {
     if (version != 1) return {};
     return {"CREATE TABLE remeshd_clock (boot text NOT NULL, base_ms bigint NOT NULL)"};

@@ -294,6 +294,7 @@ class FullDriver final : public DatabaseDriver {
     return std::make_unique<FullDatabase>(deadline);
   }
   std::string_view skip_locked() const override { return ""; }
+  bool keeps_fractions() const override { return true; }
   std::vector<std::string> schema_statements(std::int64_t) const override { return {}; }
   bool has_table(Database&, std::string_view) const override { return true; }
   void lock_schema(Database&) const override {}

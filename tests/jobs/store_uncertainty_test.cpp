@@ -98,6 +98,7 @@ class LossyDriver final : public DatabaseDriver {
     return std::make_unique<LossyDatabase>(inner_->connect(), lost_, deadline);
   }
   std::string_view skip_locked() const override { return inner_->skip_locked(); }
+  bool keeps_fractions() const override { return inner_->keeps_fractions(); }
   std::vector<std::string> schema_statements(std::int64_t version) const override {
     return inner_->schema_statements(version);
   }
