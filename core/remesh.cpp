@@ -54,7 +54,7 @@ namespace remesh {
 namespace {
 
 /// The outcome of an attempt at the surface.
-enum class Outcome {
+enum class AttemptOutcome {
   kVerified,          ///< the result passed verification
   kTooManyFaces,      ///< refinement made more faces than are allowed
   kOffsetsChanged,    ///< curved surfaces have to be moved by other offsets
@@ -70,27 +70,27 @@ enum class Step { kPrepare, kPartition, kTriangulate, kRefine, kFinish };
 /// The table of what is tried after each outcome. A decision (in GoalRefinement, Ladder or MendingLimits) holds for all
 /// later attempts, and each of the three can make only a limited number of decisions, so this ends.
 struct Retry {
-  Outcome outcome;
+  AttemptOutcome outcome;
   Step next;
 };
 constexpr std::array kRetries{
-    Retry{Outcome::kVerified, Step::kFinish},
+    Retry{AttemptOutcome::kVerified, Step::kFinish},
     // Refine again with a smaller budget. The patches and their triangles are used again.
-    Retry{Outcome::kTooManyFaces, Step::kRefine},
+    Retry{AttemptOutcome::kTooManyFaces, Step::kRefine},
     // Join the facets again, and move the curved surfaces outwards by better offsets, or not at all.
-    Retry{Outcome::kOffsetsChanged, Step::kPartition},
+    Retry{AttemptOutcome::kOffsetsChanged, Step::kPartition},
     // Refine again, but leave the patches that failed as they are. The patches and their triangles are used again.
-    Retry{Outcome::kRefinementFailed, Step::kRefine},
+    Retry{AttemptOutcome::kRefinementFailed, Step::kRefine},
     // Refine the patches that have never failed. The result without any refinement is right.
-    Retry{Outcome::kRestUnrefined, Step::kRefine},
+    Retry{AttemptOutcome::kRestUnrefined, Step::kRefine},
     // Split the patches that failed under a tighter tolerance, in the end into single faces (Ladder). The prepared
     // surface is used again, and so are the regions of all other faces.
-    Retry{Outcome::kPatchesFailed, Step::kPartition},
+    Retry{AttemptOutcome::kPatchesFailed, Step::kPartition},
     // Mend again, but copy the faces that failed verbatim. Nothing is used again but that decision.
-    Retry{Outcome::kFacesFailed, Step::kPrepare},
+    Retry{AttemptOutcome::kFacesFailed, Step::kPrepare},
 };
 
-Step step_after(Outcome outcome) {
+Step step_after(AttemptOutcome outcome) {
   return std::find_if(kRetries.begin(), kRetries.end(), [&](const Retry& r) { return r.outcome == outcome; })->next;
 }
 
@@ -301,7 +301,7 @@ class Run {
   }
 
   /// Goes from the patches' triangles to a verdict.
-  Outcome attempt() {
+  AttemptOutcome attempt() {
     if (!input_intersections_) find_input_intersections(Triangulated(surface(), control_));
     refiner_->begin_attempt();
     watch_.enter(Stage::kAssembly);
@@ -315,17 +315,17 @@ class Run {
     if (!keep_volumes()) {
       // The patches may be others after this. What is known of these must not be taken for theirs.
       refiner_->forget_patches();
-      return Outcome::kOffsetsChanged;
+      return AttemptOutcome::kOffsetsChanged;
     }
     watch_.enter(Stage::kAssembly);
     assemble(candidate_, with_cuts(), asked_goals(), control_);
-    if (refiner_->is_over_budget(candidate_.assembled.faces.size())) return Outcome::kTooManyFaces;
+    if (refiner_->is_over_budget(candidate_.assembled.faces.size())) return AttemptOutcome::kTooManyFaces;
     refuse_if_too_large();
     check_candidate();
     if (report_.verified.all_true()) {
-      if (!refiner_->goes_on_with_the_rest()) return Outcome::kVerified;
+      if (!refiner_->goes_on_with_the_rest()) return AttemptOutcome::kVerified;
       freeze_marked(has_failed_);
-      return Outcome::kRestUnrefined;
+      return AttemptOutcome::kRestUnrefined;
     }
     mark_faces(report_.verified.failed_patches, has_failed_);
     for (const PatchId p : report_.verified.failed_patches) failed.push_back({p, PatchReason::kVerificationFailed});
@@ -337,7 +337,7 @@ class Run {
     if (curved_at_fault(failed).empty() &&
         (refiner_->freeze(report_.verified.failed_patches, partition_.patches.count()) ||
          refiner_->gives_up_the_rest()))
-      return Outcome::kRefinementFailed;
+      return AttemptOutcome::kRefinementFailed;
     return step_up(failed);
   }
 
@@ -474,19 +474,20 @@ class Run {
   }
 
   /// Takes the patches that failed a step up the ladder. If curved ones may be at fault, they take a step of their own.
-  Outcome step_up(const std::vector<FailedPatch>& failed) {
+  AttemptOutcome step_up(const std::vector<FailedPatch>& failed) {
     keep_frozen();
     refiner_->thaw();
     watch_.enter(Stage::kPatches);
     if (const std::vector<PatchId> curved = curved_at_fault(failed); !curved.empty()) {
       curves_.step_up(curved, partition_.patches);
-      return Outcome::kPatchesFailed;
+      return AttemptOutcome::kPatchesFailed;
     }
     const std::vector<FaceId> exhausted =
         ladder_->step(partition_.patches, partition_.loops, adjacency(), failed, regions_);
-    if (exhausted.empty() || exhausted.size() != partition_.face_count_of(failed)) return Outcome::kPatchesFailed;
+    if (exhausted.empty() || exhausted.size() != partition_.face_count_of(failed))
+      return AttemptOutcome::kPatchesFailed;
     keep_verbatim(exhausted);
-    return Outcome::kFacesFailed;
+    return AttemptOutcome::kFacesFailed;
   }
 
   /// Remembers which faces are frozen if it took much work to find them.

@@ -33,7 +33,7 @@ std::vector<Result> map_blocks(std::size_t n, std::size_t size, RunControl& cont
     return results;
   }
   for_all(std::size_t{0}, results.size(), [&](std::size_t block) {
-    control.check();
+    control.check_and_move();
     results[block] = body(block * size, std::min(n, (block + 1) * size));
   });
   return results;
@@ -48,7 +48,7 @@ void for_blocks(std::size_t n, std::size_t size, RunControl& control, const Body
     return;
   }
   for_all(std::size_t{0}, (n + size - 1) / size, [&](std::size_t block) {
-    control.check();
+    control.check_and_move();
     body(block * size, std::min(n, (block + 1) * size));
   });
 }

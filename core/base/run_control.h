@@ -12,7 +12,8 @@
 namespace remesh {
 
 /// State that the computing thread shares with the threads that watch it. All members may be called from any thread.
-/// Work calls `check()` so often (every few thousand elements) that a request to stop takes effect within 100 ms.
+/// Work calls `check()`, or `check_and_move()`, so often (every few thousand elements) that a request to stop takes
+/// effect within 100 ms.
 class RunControl {
  public:
   using Clock = std::chrono::steady_clock;
@@ -30,6 +31,11 @@ class RunControl {
     // A thread counts its checks from run to run, which makes no difference to any of them.
     thread_local std::uint32_t checks = 0;
     if (++checks % kChecksPerMove == 0) moves_.fetch_add(1, std::memory_order_relaxed);
+  }
+  /// Does the same, and always moves the progress. Work that does thousands of items between two checks calls this.
+  void check_and_move() const {
+    check();
+    moves_.fetch_add(1, std::memory_order_relaxed);
   }
 
   /// Enters a stage. Progress starts again at 0. Checks for cancellation.
@@ -63,7 +69,7 @@ class RunControl {
   const MemoryBound& memory() const { return memory_; }
 
  private:
-  /// Progress moves once in so many checks of a thread. Work checks every few microseconds to milliseconds.
+  /// Progress moves once in so many calls of `check` by a thread, since some work calls it for each item.
   static constexpr std::uint32_t kChecksPerMove = 16;
   /// All moves together are at most this share of the progress that is left, and half of that after so many moves.
   static constexpr double kShareOfMoves = 0.1, kHalfOfMoves = 16000, kNearlyAll = 0.99;

@@ -20,7 +20,7 @@ class StopCheck {
   void operator()() {
     if (--left_ != 0) return;
     left_ = kCalls;
-    control_.check();
+    control_.check_and_move();
   }
 
  private:

@@ -50,7 +50,7 @@ AxialBounds::AxialBounds(const TriangleTree& tree, std::span<const Vec3> positio
   std::size_t faces_seen = 0;
   arcs_ = tree.joined<Arc>(
       [&](std::size_t slot) {
-        if (++faces_seen % kFacesBetweenChecks == 0) control.check();
+        if (++faces_seen % kFacesBetweenChecks == 0) control.check_and_move();
         return arc_of(faces[tree.face(slot).value]);
       },
       joined, control);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/base/blocks.h"
+#include "core/base/ids.h"
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
 #include "core/geometry/slot_tree.h"
@@ -126,10 +127,14 @@ class BoxTree {
     entry.tag.join(other.tag);
   }
 
+  // All threads fill these. To clear millions of them first would take a while in which nobody could stop the work.
+  template <class T>
+  using Unset = std::vector<T, DefaultInit<T>>;
+
   SlotTree slots_;
-  std::vector<Entry> entries_;         ///< by slot
-  std::vector<std::uint32_t> number_;  ///< by slot
-  std::vector<Entry> nodes_;           ///< stored level after level
+  Unset<Entry> entries_;         ///< by slot
+  Unset<std::uint32_t> number_;  ///< by slot
+  Unset<Entry> nodes_;           ///< stored level after level
 };
 
 template <class Tag>
@@ -156,7 +161,7 @@ void BoxTree<Tag>::sort(std::span<const Entry> entries, RunControl& control) {
     std::array<float, 3> centre;  ///< twice the box's centre
     std::uint32_t number;
   };
-  std::vector<Place> places(size());
+  Unset<Place> places(size());
   for_blocks(size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       for (int axis = 0; axis < 3; ++axis) places[i].centre[axis] = entries[i].box.min[axis] + entries[i].box.max[axis];

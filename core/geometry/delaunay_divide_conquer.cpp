@@ -140,7 +140,7 @@ class DivideAndConquer {
 
     std::uint32_t base = lower_tangent(part, left.last, right.first);
     for (std::uint32_t step = 1;; ++step) {
-      if (step % kCheckInterval == 0) control_.check();
+      if (step % kCheckInterval == 0) control_.check_and_move();
       // The base runs from right to left. The next triangle stands on it, and its apex is a neighbour of one of the
       // base's ends.
       const std::uint32_t left_point = origin(sym(base)), right_point = origin(base);
@@ -273,7 +273,7 @@ class DivideAndConquer {
       return slot[g] != kOutside && origin(sym(g)) > origin(g) && origin(sym(edges_[g].next)) > origin(g);
     };
     for (std::uint32_t p = 0; p < n; ++p) {
-      if (p % kCheckInterval == 0) control_.check();
+      if (p % kCheckInterval == 0) control_.check_and_move();
       // The neighbours that are after p in order lie in a half-plane, so the triangles to be made at p are one run
       // around it.
       std::uint32_t g = edge_at[p];

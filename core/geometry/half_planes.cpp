@@ -68,7 +68,7 @@ std::vector<std::uint32_t> group_by_half_plane(const Vec3& from, const Vec3& to,
   for (const Page& page : pages) placed.push_back({page, half_planes.part_of(positions[page.apex.value])});
   std::uint32_t comparisons = 0;
   const auto order = [&](const Placed& a, const Placed& b) {
-    if (++comparisons % kComparisonsBetweenChecks == 0) control.check();
+    if (++comparisons % kComparisonsBetweenChecks == 0) control.check_and_move();
     if (a.part != b.part) return a.part < b.part ? 1 : -1;
     const bool is_one_half_plane = a.part != HalfPlanes::kUpper && a.part != HalfPlanes::kLower;
     return is_one_half_plane ? 0 : half_planes.order(positions[a.page.apex.value], positions[b.page.apex.value]);

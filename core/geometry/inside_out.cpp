@@ -141,7 +141,7 @@ class Judging {
     const auto& nests = nesting_.nests();
     std::vector<std::uint32_t> innermost(nests.size());
     for (std::size_t n = 0; n < nests.size(); ++n) {
-      if (n % kItemsPerBlock == 0) control_.check();
+      if (n % kItemsPerBlock == 0) control_.check_and_move();
       const std::uint32_t around = nests[n].around == kNone ? kNone : innermost[nests[n].around];
       std::uint32_t outer = around;
       for (const std::uint32_t shell : from_outside(nests[n].shells, outer)) {

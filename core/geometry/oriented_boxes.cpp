@@ -117,7 +117,7 @@ OrientedBoxes::Box OrientedBoxes::box_of(const TriangleTree& tree, std::size_t n
   least.fill(HUGE_VAL);
   most.fill(-HUGE_VAL);
   for (std::size_t slot = first; slot < last; ++slot) {
-    if ((slot - first) % kSlotsBetweenChecks == 0) control.check();
+    if ((slot - first) % kSlotsBetweenChecks == 0) control.check_and_move();
     for (const Vec3& p : corners(slot))
       for (std::size_t i = 0; i < 3; ++i) {
         const double along = dot(box.axes[i], p - origin);

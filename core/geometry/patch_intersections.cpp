@@ -11,6 +11,7 @@
 #include "core/base/blocks.h"
 #include "core/base/largest_coordinate.h"
 #include "core/base/loop_progress.h"
+#include "core/base/pages.h"
 #include "core/base/stoppable.h"
 #include "core/geometry/pair_search.h"
 #include "core/geometry/predicates_3d.h"
@@ -374,7 +375,9 @@ class Excerpt {
     }
     const auto left =
         select_ids<VertexId>(is_left.size(), kPatchBlock, control, [&](std::size_t v) { return is_left[v] != 0; });
+    reserve_pages(number_, is_left.size(), control);
     number_.resize(is_left.size());
+    reserve_pages(positions_, left.size(), control);
     positions_.resize(left.size());
     for_blocks(left.size(), kPatchBlock, control, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
@@ -469,7 +472,7 @@ class Meetings {
     std::uint32_t looks = 0;
     for (const std::uint32_t a : meeting.first(other))
       for (const std::uint32_t b : meeting.subspan(other)) {
-        if (++looks % kTestsBetweenChecks == 0) control_.check();
+        if (++looks % kTestsBetweenChecks == 0) control_.check_and_move();
         ++found.steps;
         if (!do_meet(parts_[a].box, parts_[b].box)) continue;
         found.steps += kStepsPerTest;
@@ -497,7 +500,7 @@ class Meetings {
     gather_pairs(few.size(), kPartsPerTask, found, [&](std::size_t i, FoundInTurn& in_turn, std::size_t room) {
       std::uint32_t looks = 0;
       const auto look = [&] {
-        if (++looks % kTestsBetweenChecks == 0) control_.check();
+        if (++looks % kTestsBetweenChecks == 0) control_.check_and_move();
         ++in_turn.steps;
       };
       tree.visit_meeting(

@@ -318,7 +318,7 @@ class Search {
       const auto [from, to] = at_edge_[begin].first;
       pages.clear();
       for (std::size_t i = begin; i < end; ++i) {
-        if (i % kFacesBetweenChecks == 0) control_.check();
+        if (i % kFacesBetweenChecks == 0) control_.check_and_move();
         // A face without a third corner is the edge itself, and meets the others only in what they share.
         for (const VertexId v : faces_[at_edge_[i].second.value])
           if (v != from && v != to) pages.push_back({v, at_edge_[i].second});
@@ -336,7 +336,7 @@ class Search {
         gather_pairs(faces.size(), kFacesPerTask, search_, [&](std::size_t i, FoundInTurn& found, std::size_t room) {
           std::uint32_t tests = 0;
           for (std::size_t j = i + 1; j < faces[i].group_end && found.pairs.size() <= room; ++j) {
-            if (++tests % kFacesBetweenChecks == 0) control_.check();
+            if (++tests % kFacesBetweenChecks == 0) control_.check_and_move();
             const FaceId f = faces[i].face, g = faces[j].face;
             const Hubs shared = shared_hubs(f, g);
             if (HubEdge(shared[0], shared[1]) == faces[i].edge && do_count(f, g)) found.pairs.push_back({f, g});
@@ -356,7 +356,7 @@ class Search {
     std::vector<Triangle> arcs, faces;
     bool are_wide = false;
     for (std::size_t i = begin; i < end; ++i) {
-      if (i % kFacesBetweenChecks == 0) control_.check();
+      if (i % kFacesBetweenChecks == 0) control_.check_and_move();
       faces.push_back(faces_[at_hub_[i].second.value]);
       const auto arc = around_arc(hub, faces.back());
       are_wide = are_wide || !arc;

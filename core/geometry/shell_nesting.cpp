@@ -233,7 +233,7 @@ void ShellNesting::group_by_place() {
   if (has_alike) make_faces();
   std::optional<Samples> samples_of_last;
   for (std::size_t i = 0; i < solids.size(); ++i) {
-    if (i % kTrianglesBetweenChecks == 0) control_.check();
+    if (i % kTrianglesBetweenChecks == 0) control_.check_and_move();
     std::optional<Samples> samples;
     if (is_like_last(i) || (i + 1 < solids.size() && is_like_last(i + 1))) samples = samples_of(solids[i]);
     // Shells in the same place have the same outermost vertices, however they are triangulated.
@@ -265,7 +265,7 @@ std::vector<std::uint32_t> ShellNesting::nests_in_boxes() const {
   using Tree = BoxTree<FirstNest>;
   std::vector<Tree::Entry> entries(nests_.size());
   for (std::uint32_t n = 0; n < nests_.size(); ++n) {
-    if (n % kTrianglesBetweenChecks == 0) control_.check();
+    if (n % kTrianglesBetweenChecks == 0) control_.check_and_move();
     entries[n].box.add(boxes_[n].min);
     entries[n].box.add(boxes_[n].max);
     entries[n].tag.nest = n;
@@ -287,7 +287,7 @@ std::vector<std::uint32_t> ShellNesting::nests_in_boxes() const {
 void ShellNesting::make_tree() {
   std::vector<Triangle> triangles;
   for (std::uint32_t f = 0; f < shells_.of_face.size(); ++f) {
-    if (f % kTrianglesBetweenChecks == 0) control_.check();
+    if (f % kTrianglesBetweenChecks == 0) control_.check_and_move();
     const std::uint32_t shell = shells_.of_face[f];
     if (nest_of_[shell] == kNone || nests_[nest_of_[shell]].shells[0] != shell) continue;
     triangles.push_back(triangle(f));
@@ -312,7 +312,7 @@ ShellNesting::Samples ShellNesting::samples_of(std::uint32_t shell) const {
   std::array<Middle, 7> middles;
   std::size_t looks = 0;
   for (const std::uint32_t f : (*faces_)[shell]) {
-    if (looks++ % kTrianglesBetweenChecks == 0) control_.check();
+    if (looks++ % kTrianglesBetweenChecks == 0) control_.check_and_move();
     const Corners3 t = corners3(f);
     for (std::size_t i = 0; i < 3; ++i) {
       for (std::size_t d = 0; d < kDirections.size(); ++d)
@@ -364,7 +364,7 @@ bool ShellNesting::is_touching(const Vec3& p, double reach, std::uint32_t nest) 
   bool is_touching = false;
   std::size_t looks = 0;
   tree_->visit_meeting({p - margin, p + margin}, 0, [&](std::size_t slot) {
-    if (++looks % kTrianglesBetweenChecks == 0) control_.check();
+    if (++looks % kTrianglesBetweenChecks == 0) control_.check_and_move();
     const auto [f, other] = faces_of_tree_[tree_->face(slot).value];
     if (!may_contain(other, nest)) return true;
     const Corners3 t = corners3(f);
@@ -400,7 +400,7 @@ ShellNesting::Link ShellNesting::nearest(const Vec3& p, double tie, std::uint32_
     is_last = !(p.x - reach > end_) || !(reach > 0);
     const double begin = is_last ? end_ : p.x - reach;
     tree_->visit_meeting({Vec3{begin, p.y, p.z}, p}, 0, [&](std::size_t slot) {
-      if (++looks % kTrianglesBetweenChecks == 0) control_.check();
+      if (++looks % kTrianglesBetweenChecks == 0) control_.check_and_move();
       const auto [f, other] = faces_of_tree_[tree_->face(slot).value];
       if (other == nest || !(tellers == Tellers::kAll ? may_tell(other, nest) : may_contain(other, nest))) return true;
       // There may be a nearer face outside the box.
@@ -445,7 +445,7 @@ std::vector<std::uint32_t> ShellNesting::crossed_by(std::uint32_t nest) const {
                Box3 box;
                for (const Vec3& p : s) box.add(p);
                tree_->visit_meeting(box, 0, [&](std::size_t slot) {
-                 if (++looks % kTrianglesBetweenChecks == 0) control_.check();
+                 if (++looks % kTrianglesBetweenChecks == 0) control_.check_and_move();
                  const auto [f, other] = faces_of_tree_[tree_->face(slot).value];
                  if (other == nest || (!found.empty() && found.back() == other)) return true;
                  const Corners3 t = corners3(f);

@@ -105,7 +105,7 @@ class ShellSearch {
   void for_odd_edges(const Visit& visit) const {
     std::size_t looks = 0;
     for (const EdgeId e : edges_.odd_edges()) {
-      if (looks++ % kLooksBetweenChecks == 0) control_.check();
+      if (looks++ % kLooksBetweenChecks == 0) control_.check_and_move();
       const auto around = edges_.half_edges(e);
       if (!is_point(e)) visit(around);
       looks += around.size();

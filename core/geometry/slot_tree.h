@@ -100,7 +100,7 @@ void split_widest(std::span<Item> items, std::size_t middle, const CentreOf& cen
   std::uint32_t comparisons = 0;
   std::nth_element(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(middle), items.end(),
                    [&](const Item& a, const Item& b) {
-                     if (++comparisons % (1u << 16) == 0) control.check();
+                     if (++comparisons % (1u << 16) == 0) control.check_and_move();
                      const Coordinate x = centre_of(a)[widest], y = centre_of(b)[widest];
                      return x != y ? x < y : tie_of(a) < tie_of(b);
                    });

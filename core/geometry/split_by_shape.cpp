@@ -134,13 +134,13 @@ void split_by_shape(std::span<ShapedItem> items, std::size_t middle, RunControl&
   const bool is_by_place = by_place.ratio >= by_reach.ratio;
   const Vec3 along = is_by_place ? by_place.along : by_reach.along;
   for (std::size_t i = 0; i < items.size(); ++i) {
-    if (i % kItemsBetweenChecks == 0) control.check();
+    if (i % kItemsBetweenChecks == 0) control.check_and_move();
     items[i].key = dot(along, scale * (is_by_place ? items[i].centre : items[i].reach));
   }
   std::uint32_t comparisons = 0;
   std::nth_element(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(middle), items.end(),
                    [&](const ShapedItem& a, const ShapedItem& b) {
-                     if (++comparisons % kItemsBetweenChecks == 0) control.check();
+                     if (++comparisons % kItemsBetweenChecks == 0) control.check_and_move();
                      return a.key != b.key ? a.key < b.key : a.face < b.face;
                    });
 }

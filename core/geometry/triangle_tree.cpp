@@ -36,7 +36,7 @@ class Groups {
     if (of_face.empty()) return;
     std::vector<Box3> boxes;
     for (const Item& item : items) {
-      if (item.face.value % kFacesBetweenChecks == 0) control.check();
+      if (item.face.value % kFacesBetweenChecks == 0) control.check_and_move();
       if (!is_in_group(item)) continue;
       const std::uint32_t group = of_face_[item.face.value];
       if (group >= boxes.size()) boxes.resize(group + 1);

@@ -78,7 +78,7 @@ class SideChoice {
 
   void cross_edge(Piece& piece, std::uint32_t pair, std::uint32_t h) {
     for (const std::uint32_t g : edges_.half_edges(edges_.edge_of(h))) {
-      if (looks_++ % kLooks == 0) control_.check();
+      if (looks_++ % kLooks == 0) control_.check_and_move();
       const FaceId f = edges_.face_of(g);
       const bool do_agree = edges_.from(g) == edges_.to(h);
       const std::uint32_t other = pair_of_[f.value];

@@ -83,7 +83,7 @@ BodyLabels labels_of_patches(const FaceLabels& labels, const Surface& surface, c
   for (std::size_t p = 0; p < patches.count(); ++p) {
     of_patch.clear();
     for (const FaceId f : patches.faces_of(PatchId(p))) {
-      if (looks++ % kItemsPerBlock == 0) control.check();
+      if (looks++ % kItemsPerBlock == 0) control.check_and_move();
       const std::uint32_t number = numbers[surface.face_source[f]];
       if (of_patch.empty() || of_patch.back() != number) of_patch.push_back(number);
     }

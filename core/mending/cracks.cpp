@@ -7,6 +7,7 @@
 
 #include "core/base/blocks.h"
 #include "core/base/diagnostic.h"
+#include "core/base/ids.h"
 #include "core/base/loop_progress.h"
 #include "core/base/stoppable.h"
 #include "core/geometry/box_tree.h"
@@ -91,15 +92,17 @@ class Alongside {
  public:
   Alongside(const Surface& surface, const OpenEdges& open, double tolerance, RunControl& control)
       : surface_(surface), open_(open), tolerance_(tolerance), control_(control) {
-    std::vector<Tree::Entry> entries(open.size());
-    StopCheck check(control);
-    for (std::size_t i = 0; i < open.size(); ++i) {
-      check();
-      for (const VertexId v : {open[i].from, open[i].to}) {
-        entries[i].box.add(surface.local[v]);
-        entries[i].tag.box.add(surface.local[v]);
+    std::vector<Tree::Entry, DefaultInit<Tree::Entry>> entries(open.size());
+    for_blocks(open.size(), kItemsPerBlock, control, [&](std::size_t i, std::size_t end) {
+      for (; i < end; ++i) {
+        Tree::Entry entry;
+        for (const VertexId v : {open[i].from, open[i].to}) {
+          entry.box.add(surface.local[v]);
+          entry.tag.box.add(surface.local[v]);
+        }
+        entries[i] = entry;
       }
-    }
+    });
     tree_ = Tree(entries, control);
   }
 

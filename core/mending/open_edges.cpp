@@ -6,6 +6,8 @@
 #include <numbers>
 #include <tuple>
 
+#include "core/base/blocks.h"
+#include "core/base/ids.h"
 #include "core/base/stoppable.h"
 #include "core/geometry/projection.h"
 
@@ -66,12 +68,15 @@ OpenEdges::OpenEdges(const Surface& surface, const Adjacency& edges, Which which
     }
     measure(edge, twice_area, extent);
   }
-  std::vector<Tree::Entry> entries(edges_.size());
-  for (std::size_t i = 0; i < edges_.size(); ++i) {
-    check();
-    entries[i].box.add(middle(i));
-    entries[i].tag.box.add(middle(i));
-  }
+  std::vector<Tree::Entry, DefaultInit<Tree::Entry>> entries(edges_.size());
+  for_blocks(edges_.size(), kItemsPerBlock, control, [&](std::size_t i, std::size_t end) {
+    for (; i < end; ++i) {
+      Tree::Entry entry;
+      entry.box.add(middle(i));
+      entry.tag.box.add(middle(i));
+      entries[i] = entry;
+    }
+  });
   tree_ = Tree(entries, control);
 }
 

@@ -79,7 +79,7 @@ class OpenEdges {
           {excess(box.min.x, box.max.x, at.x), excess(box.min.y, box.max.y, at.y), excess(box.min.z, box.max.z, at.z)});
     };
     tree_.search(best, bound, [&](std::size_t slot) {
-      if (++visits % kBetweenChecks == 0) control.check();
+      if (++visits % kBetweenChecks == 0) control.check_and_move();
       visit(tree_.number(slot));
     });
     return visits;

@@ -194,7 +194,7 @@ class Search {
   void find_boundary() {
     std::uint32_t looks = 0;
     for (const EdgeId e : edges_.odd_edges()) {
-      if (looks++ % 4096 == 0) control_.check();
+      if (looks++ % 4096 == 0) control_.check_and_move();
       const std::uint32_t h = edges_.half_edges(e)[0];
       if (edges_.half_edges(e).size() > 1 || edges_.from(h) == edges_.to(h)) continue;
       vertices_.insert(vertices_.end(), {edges_.from(h), edges_.to(h)});
@@ -219,7 +219,7 @@ class Search {
     Looks looks;
     const auto bound = [&](const VertexTree::Entry& entry) {
       const Box3& box = entry.tag.box;
-      if (++looks.nodes % 4096 == 0) control_.check();
+      if (++looks.nodes % 4096 == 0) control_.check_and_move();
       const bool is_of_interest =
           is_near(a, b, tolerance_, box) && !is_within(a, tolerance_, box) && !is_within(b, tolerance_, box);
       return is_of_interest ? 0 : HUGE_VAL;
@@ -260,7 +260,7 @@ class Search {
     FaceId last;
     std::size_t looks = 0;
     const auto is_own = [&](const Junction& j) {
-      if (++looks % 4096 == 0) control_.check();
+      if (++looks % 4096 == 0) control_.check_and_move();
       if (j.face != last) {
         last = j.face;
         const auto loop = surface_.face(j.face);
@@ -331,7 +331,7 @@ std::vector<std::uint32_t> twisting_junctions(const Surface& surface, const Spli
   Sides sides(split.faces.face_count());
   std::vector<std::pair<double, EdgeId>> new_edges;
   for (std::uint32_t e = 0; e < edges.edge_count(); ++e) {
-    if (e % 4096 == 0) control.check();
+    if (e % 4096 == 0) control.check_and_move();
     const auto around = edges.half_edges(EdgeId(e));
     if (around.size() != 2) continue;
     const std::uint32_t h = around[0], other = around[1];
@@ -344,7 +344,7 @@ std::vector<std::uint32_t> twisting_junctions(const Surface& surface, const Spli
   std::vector<std::uint32_t> twisting;
   std::uint32_t looks = 0;
   for (const auto& [minus_length, e] : new_edges) {
-    if (looks++ % 4096 == 0) control.check();
+    if (looks++ % 4096 == 0) control.check_and_move();
     const auto around = edges.half_edges(e);
     const Sides::Side a = sides.of(edges.face_of(around[0])), b = sides.of(edges.face_of(around[1]));
     const bool is_opposite = runs_one_way(around);

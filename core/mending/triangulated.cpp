@@ -36,7 +36,7 @@ Triangulated::Triangulated(const Surface& surface, RunControl& control, double t
     : surface_(&surface), are_split_(surface.corners.size() != 3 * surface.face_count()) {
   if (!are_split_) return;
   for (std::uint32_t i = 0; i < surface.face_count(); ++i) {
-    if (i % kItemsPerBlock == 0) control.check();
+    if (i % kItemsPerBlock == 0) control.check_and_move();
     double area = 0;
     const PolygonKind kind = visit_triangles(
         surface, FaceId(i), control,

@@ -78,7 +78,7 @@ class Unifying {
     piece_.assign(1, seed);
     side_[seed.value] = 0;
     for (std::size_t i = 0; i < piece_.size(); ++i) {
-      if (i % 4096 == 0) control_.check();
+      if (i % 4096 == 0) control_.check_and_move();
       const FaceId f = piece_[i];
       for (std::uint32_t h = surface_.face_begin[f.value]; h < surface_.face_begin[f.value + 1]; ++h) {
         const std::uint32_t other = other_of_two(h);

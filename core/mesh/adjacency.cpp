@@ -97,7 +97,7 @@ std::uint32_t Adjacency::sort_part(std::size_t first, std::size_t vertices, std:
   std::vector<std::uint16_t, DefaultInit<std::uint16_t>> bucket(half_edges.size());
   static_assert(2 * kVertices <= 1 << 16);
   for (std::size_t i = 0; i < half_edges.size(); ++i) {
-    if (i % kBetweenChecks == 0) control.check();
+    if (i % kBetweenChecks == 0) control.check_and_move();
     const std::uint32_t h = half_edges[i];
     const VertexId a = from(h), b = to(h);
     gathered[i] = std::uint64_t{std::max(a, b).value} << 32 | h;
@@ -106,7 +106,7 @@ std::uint32_t Adjacency::sort_part(std::size_t first, std::size_t vertices, std:
   }
   std::partial_sum(place.begin(), place.end(), place.begin());
   for (std::size_t i = 0; i < gathered.size(); ++i) {
-    if (i % kBetweenChecks == 0) control.check();
+    if (i % kBetweenChecks == 0) control.check_and_move();
     keys[place[bucket[i]]++] = gathered[i];
   }
   std::uint32_t edges = 0;
@@ -159,7 +159,7 @@ std::vector<EdgeId> Adjacency::number_edges(std::uint32_t edge, std::uint32_t be
   };
   std::vector<EdgeId> odd;
   for (std::uint32_t next = begin; begin < end; begin = next, ++edge) {
-    if (edge % kBetweenChecks == 0) control.check();
+    if (edge % kBetweenChecks == 0) control.check_and_move();
     edge_begin_[edge] = begin;
     next = begin + 2;
     if (twin_[half_edges_[begin]] != kNone) continue;  // the usual case: the edge has just these two half-edges

@@ -88,7 +88,7 @@ class PinchSearch {
     StopCheck check(control_);
     const auto corner_at = [&](std::uint32_t h, VertexId v) { return edges_.from(h) == v ? h : edges_.next(h); };
     for (std::uint32_t e = 0; e < edges_.edge_count(); ++e) {
-      if (e % kItemsPerBlock == 0) control_.check();
+      if (e % kItemsPerBlock == 0) control_.check_and_move();
       const auto around = edges_.half_edges(EdgeId(e));
       for (const VertexId v : {edges_.from(around[0]), edges_.to(around[0])}) {
         if (!is_odd[v.value]) continue;

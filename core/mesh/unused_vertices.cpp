@@ -20,7 +20,7 @@ void drop_unused_vertices(Surface& surface, RunControl& control) {
   positions.reserve(surface.vertex_count());
   std::uint32_t used = 0;
   for (std::uint32_t v = 0; v < renumbered.size(); ++v) {
-    if (v % kBetweenChecks == 0) control.check();
+    if (v % kBetweenChecks == 0) control.check_and_move();
     if (!renumbered[v].is_valid()) continue;
     renumbered[v] = VertexId(used);
     positions.push_back(surface.positions[VertexId(v)]);

@@ -134,7 +134,7 @@ class FloatRounding {
     std::vector<UnrefinedReason> reason(faces.size(), UnrefinedReason::kOutputRounding);
     std::vector<std::uint8_t> misses_sizes(faces.size(), 0);
     for (std::size_t i = 0; i < before.faces.size(); ++i) {
-      if (i % kItemsPerBlock == 0) control_.check();
+      if (i % kItemsPerBlock == 0) control_.check_and_move();
       const FaceId f = before.faces[i];
       if (f.value >= faces.size()) continue;  // the check reports this as malformed
       reason[f.value] = before.reasons[i];

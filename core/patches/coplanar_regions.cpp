@@ -264,7 +264,7 @@ class Growth {
     for (std::size_t layer_begin = 0; layer_begin < found.size();) {
       const std::size_t layer_end = found.size();
       for (std::size_t i = layer_begin; i < layer_end; ++i) {
-        if (i % 4096 == 0) control_.check();
+        if (i % 4096 == 0) control_.check_and_move();
         for_each_free_neighbour(FaceId(found[i]), walk, [&](FaceId g) {
           if (trials_[g.value] >= kMaxTrials || !rule_.fits(g, plane, tol)) return;
           stamp_[g.value] = walk.now;
@@ -291,7 +291,7 @@ class Growth {
   void grow_in_plane(FaceId seed, const Plane& plane, double tol, Walk& walk) {
     begin_growth(seed, walk);
     for (std::size_t i = 0; i < walk.found.size(); ++i) {
-      if (i % 4096 == 0) control_.check();
+      if (i % 4096 == 0) control_.check_and_move();
       for_each_free_neighbour(FaceId(walk.found[i]), walk, [&](FaceId g) {
         if (!rule_.fits(g, plane, tol)) return;
         stamp_[g.value] = walk.now;

@@ -63,7 +63,7 @@ bool for_each_edge_on_a_diagonal(const Surface& surface, const Triangulated& fac
   const std::vector<Diagonal> diagonals = diagonals_of(surface, faces, control);
   if (diagonals.empty()) return true;
   for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
-    if (f % kItemsPerBlock == 0) control.check();
+    if (f % kItemsPerBlock == 0) control.check_and_move();
     const auto loop = surface.face(FaceId(f));
     for (std::size_t i = 0; i < loop.size(); ++i) {
       const auto [low, high] = std::minmax({loop[i], loop[i + 1 == loop.size() ? 0 : i + 1]});

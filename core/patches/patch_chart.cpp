@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/base/blocks.h"
+#include "core/base/pages.h"
 #include "core/base/stoppable.h"
 
 namespace remesh {
@@ -84,6 +85,7 @@ PatchCharts::PatchCharts(const Surface& surface, const PatchSet& patches, const 
     curved_at_ = curved->at;
     for (const CurvedPatch& patch : curved->curved) curved_.emplace_back(patch);
   }
+  reserve_pages(stored_at_.items(), patches.count(), control);
   stored_at_.resize(patches.count(), kNone);
   triangle_kind_.resize(patches.count());
   std::uint32_t stored = 0;
@@ -101,7 +103,9 @@ bool PatchCharts::is_triangle(PatchId p) const {
 }
 
 IdVector<PatchId, Frame> PatchCharts::planes(RunControl& control) const {
-  IdVector<PatchId, Frame> frames(size());
+  IdVector<PatchId, Frame> frames;
+  reserve_pages(frames.items(), size(), control);
+  frames.resize(size());
   for_blocks(size(), kItemsPerBlock, control, [&](std::size_t p, std::size_t end) {
     for (; p < end; ++p) {
       const std::uint32_t at = stored_at_[PatchId(p)];

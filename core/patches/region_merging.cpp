@@ -137,7 +137,7 @@ class Merging {
     }
     if (contents_.size() == first) return;
     for (FaceId f(0); f.value < surface_.face_count(); ++f.value) {
-      if (f.value % kMergeBlock == 0) control_.check();
+      if (f.value % kMergeBlock == 0) control_.check_and_move();
       const RegionId r = regions_.of_face[f];
       if (r.value < first_region_) continue;
       const Piece& piece = pieces_[r.value - first_region_];
@@ -238,7 +238,7 @@ class Merging {
 
   bool add_all(const std::vector<FaceId>& faces, const Plane& plane, double band, Lie& lie) const {
     for (std::size_t i = 0; i < faces.size(); ++i) {
-      if (i % kMergeBlock == kMergeBlock - 1) control_.check();
+      if (i % kMergeBlock == kMergeBlock - 1) control_.check_and_move();
       if (!add(faces[i], plane, band, lie)) return false;
     }
     return true;
@@ -250,7 +250,7 @@ class Merging {
     std::array<std::pair<double, FaceId>, 3> farthest;
     farthest.fill({-HUGE_VAL, FaceId()});
     for (std::size_t i = 0; i < content.faces.size(); ++i) {
-      if (i % kMergeBlock == kMergeBlock - 1) control_.check();
+      if (i % kMergeBlock == kMergeBlock - 1) control_.check_and_move();
       const FaceId f = content.faces[i];
       double low = HUGE_VAL, high = -HUGE_VAL;
       for (const VertexId v : surface_.face(f)) {
@@ -299,7 +299,7 @@ class Merging {
     }
     double deviation = 0;
     for (std::size_t i = 0; i < content.faces.size(); ++i) {
-      if (i % kMergeBlock == kMergeBlock - 1) control_.check();
+      if (i % kMergeBlock == kMergeBlock - 1) control_.check_and_move();
       regions_.of_face[content.faces[i]] = RegionId(first_region_ + r);
       deviation = std::max(deviation, rule_.distance(content.faces[i], plane_of(r)));
     }

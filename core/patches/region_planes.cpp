@@ -11,7 +11,7 @@ namespace remesh {
 namespace {
 
 /// For fewer faces than this, growing and merging costs less than fitting a plane to their corners.
-constexpr std::size_t kFewFaces = 32;
+constexpr std::size_t kFacesForCorners = 32;
 
 constexpr std::size_t kSumBlock = 4096;
 
@@ -38,7 +38,7 @@ std::optional<FittedPlane> RegionPlanes::of_all(FaceId seed, std::span<const std
   const double band = kBand * rule_.tolerance(seed);
   Plane plane = fit.plane();
   std::optional<Extent> extent = extent_if_all_fit(island, plane, band);
-  if (!extent && island.size() >= kFewFaces && move_to_corners(plane, island, band))
+  if (!extent && island.size() >= kFacesForCorners && move_to_corners(plane, island, band))
     extent = extent_if_all_fit(island, plane, band);
   return extent ? std::optional(FittedPlane{plane, *extent}) : std::nullopt;
 }

@@ -28,66 +28,68 @@ Key key_of(const PatchMesh& patch, std::uint32_t half_edge) {
   return key_of(patch, patch.mesh.from(half_edge), patch.mesh.to(half_edge));
 }
 
-struct Use {
+struct ChordUse {
   Key key;
   /// True if the edge is inside its patch. Boundary edges sort first.
   bool is_inside;
   PatchId patch;
   std::uint32_t half_edge;  ///< number in the patch's mesh; valid until that changes
 
-  friend bool operator<(const Use& a, const Use& b) {
+  friend bool operator<(const ChordUse& a, const ChordUse& b) {
     return std::tie(a.key, a.is_inside, a.patch) < std::tie(b.key, b.is_inside, b.patch);
   }
 };
 
-using Uses = std::vector<Use, DefaultInit<Use>>;
+using ChordUses = std::vector<ChordUse, DefaultInit<ChordUse>>;
 
 /// Returns the edges whose two ends are vertices below `vertex_end` and for which `is_wanted` is true. Each occurs once
 /// per patch. They are sorted.
 template <class IsWanted>
-Uses edge_uses(const PatchMeshes& meshes, std::size_t vertex_end, RunControl& control, const IsWanted& is_wanted) {
-  const auto blocks = map_blocks<std::vector<Use>>(meshes.size(), 64, control, [&](std::size_t p, std::size_t end) {
-    std::vector<Use> uses;
-    for (; p < end; ++p) {
-      const PatchMesh& patch = meshes[PatchId(p)];
-      for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
-        const std::uint32_t twin = patch.mesh.twin(h);
-        if (twin != Triangulation2d::kNoHalfEdge && twin < h) continue;
-        const Key key = key_of(patch, h);
-        if (!key.second.is_valid() || key.second.value >= vertex_end) continue;
-        const bool is_inside =
-            twin != Triangulation2d::kNoHalfEdge && (!patch.mesh.is_constrained(h) || patch.is_reserved(h));
-        if (is_wanted(key, is_inside)) uses.push_back({key, is_inside, PatchId(p), h});
-      }
-    }
-    return uses;
-  });
+ChordUses edge_uses(const PatchMeshes& meshes, std::size_t vertex_end, RunControl& control, const IsWanted& is_wanted) {
+  const auto blocks =
+      map_blocks<std::vector<ChordUse>>(meshes.size(), 64, control, [&](std::size_t p, std::size_t end) {
+        std::vector<ChordUse> uses;
+        for (; p < end; ++p) {
+          const PatchMesh& patch = meshes[PatchId(p)];
+          for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
+            const std::uint32_t twin = patch.mesh.twin(h);
+            if (twin != Triangulation2d::kNoHalfEdge && twin < h) continue;
+            const Key key = key_of(patch, h);
+            if (!key.second.is_valid() || key.second.value >= vertex_end) continue;
+            const bool is_inside =
+                twin != Triangulation2d::kNoHalfEdge && (!patch.mesh.is_constrained(h) || patch.is_reserved(h));
+            if (is_wanted(key, is_inside)) uses.push_back({key, is_inside, PatchId(p), h});
+          }
+        }
+        return uses;
+      });
   return sorted_by_key(
-      concatenate<Use>(blocks, control), vertex_end, [](const Use& use) { return use.key.first.value; }, control);
+      concatenate<ChordUse>(blocks, control), vertex_end, [](const ChordUse& use) { return use.key.first.value; },
+      control);
 }
 
-Uses edge_uses(const PatchMeshes& meshes, std::size_t vertex_end, RunControl& control) {
+ChordUses edge_uses(const PatchMeshes& meshes, std::size_t vertex_end, RunControl& control) {
   return edge_uses(meshes, vertex_end, control, [](const Key&, bool) { return true; });
 }
 
-std::vector<Chord> chords_of(const Uses& uses, RunControl& control) {
+std::vector<Chord> chords_of(const ChordUses& uses, RunControl& control) {
   std::vector<Chord> chords;
   for (std::size_t i = 1; i < uses.size(); ++i) {
-    if (i % 4096 == 0) control.check();
+    if (i % 4096 == 0) control.check_and_move();
     // One patch never has two equal edges inside it. So an equal predecessor belongs to another patch or to a boundary.
     if (uses[i].is_inside && uses[i].key == uses[i - 1].key) chords.push_back({uses[i].patch, uses[i].half_edge});
   }
   return chords;
 }
 
-bool is_used(const Uses& uses, const Key& key) {
-  const auto found = std::lower_bound(uses.begin(), uses.end(), Use{key, false, PatchId(0), 0});
+bool is_used(const ChordUses& uses, const Key& key) {
+  const auto found = std::lower_bound(uses.begin(), uses.end(), ChordUse{key, false, PatchId(0), 0});
   return found != uses.end() && found->key == key;
 }
 
 /// Flips the edge away and constrains the new one, so that the flips which make the triangles around it Delaunay keep
 /// it. Returns false, with nothing changed, if the edge cannot be flipped or the new edge is in use already.
-bool flip_away(PatchMesh& patch, std::uint32_t h, const Uses& uses, RunControl& control) {
+bool flip_away(PatchMesh& patch, std::uint32_t h, const ChordUses& uses, RunControl& control) {
   if (patch.mesh.is_constrained(h)) return false;
   const std::uint32_t g = patch.mesh.twin(h);
   const std::uint32_t a = patch.mesh.from(h), b = patch.mesh.to(h), c = patch.mesh.apex(h), d = patch.mesh.apex(g);
@@ -179,20 +181,20 @@ std::vector<Chord> find_chords(const PatchMeshes& meshes, std::size_t vertex_end
   if (meshes.size() < 2) return {};
   // Only few edges inside patches join two such vertices, and only edges with the same two ends can be equal to one of
   // them. So boundary edges are collected only between the ends of these few edges.
-  Uses uses = edge_uses(meshes, vertex_end, control, [](const Key&, bool is_inside) { return is_inside; });
+  ChordUses uses = edge_uses(meshes, vertex_end, control, [](const Key&, bool is_inside) { return is_inside; });
   if (uses.empty()) return {};
   std::vector<std::uint8_t> is_end(vertex_end, 0);
   StopCheck check(control);
-  for (const Use& use : uses) {
+  for (const ChordUse& use : uses) {
     check();
     is_end[use.key.first.value] = is_end[use.key.second.value] = 1;
   }
-  const Uses boundary = edge_uses(meshes, vertex_end, control, [&](const Key& key, bool is_inside) {
+  const ChordUses boundary = edge_uses(meshes, vertex_end, control, [&](const Key& key, bool is_inside) {
     return !is_inside && is_end[key.first.value] != 0 && is_end[key.second.value] != 0;
   });
   const auto middle = static_cast<std::ptrdiff_t>(uses.size());
   uses.insert(uses.end(), boundary.begin(), boundary.end());
-  std::inplace_merge(uses.begin(), uses.begin() + middle, uses.end(), [&](const Use& a, const Use& b) {
+  std::inplace_merge(uses.begin(), uses.begin() + middle, uses.end(), [&](const ChordUse& a, const ChordUse& b) {
     check();
     return a < b;
   });
@@ -207,7 +209,7 @@ bool flip_chords(PatchMeshes& meshes, std::size_t vertex_end, RunControl& contro
   // constrained. The number of passes is limited, because this may go on forever.
   constexpr int kMaxPasses = 8;
   for (int pass = 0;; ++pass) {
-    const Uses uses = edge_uses(meshes, vertex_end, control);
+    const ChordUses uses = edge_uses(meshes, vertex_end, control);
     bool is_settled = true;
     StopCheck check(control);
     for (PatchMesh& patch : meshes) {

@@ -21,7 +21,7 @@ namespace {
 constexpr double kSharp = 0.7;
 /// A corner is not cut in this way if a corner beside it is sharper by more than this factor. Otherwise one sliver in a
 /// fan would cause the whole fan to be cut as finely as itself.
-constexpr double kAlike = 2;
+constexpr double kAlikeWidths = 2;
 /// Sides that are farther apart than this multiple of the size are no longer near each other: a row of the largest
 /// triangles has some room between them.
 constexpr double kFarApart = 0.85;
@@ -265,7 +265,7 @@ CornerShells::CornerShells(const SegmentTable& table, std::vector<Corner> corner
         sides.begin());
   };
   std::erase_if(corners, [&](const Corner& c) {
-    return width_of(c.angle) > kAlike * std::min(sides[slot(c.end)].width, sides[slot(c.other)].width);
+    return width_of(c.angle) > kAlikeWidths * std::min(sides[slot(c.end)].width, sides[slot(c.other)].width);
   });
   sides = sides_of(corners, table, control);
   std::vector<Pair> pairs;

@@ -1,4 +1,5 @@
 #include "core/refinement/edge_sizes.h"
+#include "core/refinement/min_spacing.h"
 
 #include <algorithm>
 #include <array>
@@ -33,8 +34,8 @@ constexpr double kCutShare = 0.7;
 constexpr double kOverFloor = 1.4;
 /// An edge is cut at all if so many pieces are expected.
 constexpr double kAnyPieces = 1.3;
-/// The floor is this fraction of the features, and this many roundings at least (see segment_table.cpp).
-constexpr double kFloorShare = 0x1p-6, kRoundings = 0x1p10;
+/// The floor is this many roundings at least (see segment_table.cpp).
+constexpr double kRoundings = 0x1p10;
 /// No more triangles around an edge are looked at.
 constexpr std::size_t kTriangles = 24;
 /// A length is changed only if it becomes smaller by more than this factor.

@@ -348,7 +348,7 @@ void GapSearch::Index::find_triangles(const PatchSet& patches, const Triangulate
   triangle_begin_.reserve(patches.count() + 1);
   triangle_begin_.push_back(0);
   for (std::size_t p = 0; p < patches.count(); ++p) {
-    if (p % 1024 == 0) control.check();
+    if (p % 1024 == 0) control.check_and_move();
     const PatchMesh* patch = triangulated != nullptr ? &triangulated->meshes[PatchId(p)] : nullptr;
     // The triangles of a curved patch may lie far from its surface before it is refined. Its facets do not.
     if (patch == nullptr || patch->mesh.triangle_count() == 0 || remesh::is_curved(*triangulated, PatchId(p))) {
@@ -394,7 +394,7 @@ void GapSearch::Index::find_solids(const Adjacency& adjacency, const PatchSet& p
   UnionFind components(patches.count());
   std::vector<std::uint8_t> is_open(patches.count(), 0);
   for (std::size_t e = 0; e < adjacency.edge_count(); ++e) {
-    if (e % 65536 == 0) control.check();
+    if (e % 65536 == 0) control.check_and_move();
     const auto around = adjacency.half_edges(EdgeId(e));
     const PatchId first = patches.of_face[adjacency.face_of(around[0])];
     for (const std::uint32_t h : around) components.join(first.value, patches.of_face[adjacency.face_of(h)].value);

@@ -118,7 +118,7 @@ std::span<const LocalFeature> LocalFeatures::of(const PatchMesh& patch, const Pa
   features_.clear();
   seen_.assign(mesh.triangle_count(), Mesh::kNoHalfEdge);
   for (std::size_t i = 0; i < sides.size(); ++i) {
-    if (i % 256 == 0) control.check();
+    if (i % 256 == 0) control.check_and_move();
     const std::uint32_t h = sides[i];
     const std::uint32_t next = next_at_start(mesh, h);
     features_.push_back(

@@ -3,6 +3,11 @@
 
 namespace remesh {
 
+/// The floor is this share of the features at a place, if nothing else raises it. If it were larger, refinement of
+/// input angles near the bound would end in `size_floor`; if it were smaller, refinement would make more faces before
+/// it gives up where the bound cannot be reached.
+inline constexpr double kFloorShare = 0x1p-6;
+
 /// The smallest distance from a vertex at which a new point may be put. Every vertex has such a distance. It is called
 /// the vertex's floor.
 struct MinSpacing {

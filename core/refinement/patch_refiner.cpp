@@ -133,7 +133,7 @@ bool PatchRefiner::split_edges(std::span<const std::uint32_t> half_edges, RunCon
   PatchEditor editor(sizes_, patch_, *scratch_);
   bool is_any = false;
   for (std::size_t i = 0; i < edges.size(); ++i) {
-    if (i % 256 == 0) control.check();
+    if (i % 256 == 0) control.check_and_move();
     const auto& [h, from, to] = edges[i];
     if (!mesh.is_live(h / 3) || mesh.from(h) != from || mesh.to(h) != to || mesh.is_constrained(h)) continue;
     const Vec2 middle = sizes_.chart().on_grid(0.5 * (mesh.point(from) + mesh.point(to)));

@@ -12,13 +12,11 @@
 #include "core/base/small_blocks.h"
 #include "core/base/stoppable.h"
 #include "core/refinement/even_fill.h"
+#include "core/refinement/min_spacing.h"
 #include "core/triangulation/patch_triangulation.h"
 
 namespace remesh {
 namespace {
-
-/// The floor of a vertex inside a patch is this share of a length there.
-constexpr double kFloorShare = 0x1p-6;
 
 /// A piece of the boundary lies between two vertices. The patch is on its left.
 struct Piece {

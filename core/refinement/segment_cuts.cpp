@@ -11,7 +11,7 @@
 namespace remesh {
 namespace {
 
-constexpr std::size_t kSegmentsPerTask = 1024;
+constexpr std::size_t kSegmentsPerBlock = 1024;
 
 /// Counts the patches beside a segment. Sides of one patch stand together.
 std::size_t count_patches(std::span<const SegmentSide> sides) {
@@ -30,7 +30,7 @@ void SegmentCuts::begin(const SizeField& sizes, std::uint64_t max_triangles, std
   const std::uint64_t max_cuts = max_kept == kNoFaceLimit ? kNoFaceLimit : max_kept + 1;
   std::atomic<std::uint64_t> of_sides = 0, of_messages = 0;
   IdVector<SegmentId, std::uint32_t> counts(segments_.size());
-  for_blocks(segments_.size(), kSegmentsPerTask, control_, [&](std::size_t from, std::size_t to) {
+  for_blocks(segments_.size(), kSegmentsPerBlock, control_, [&](std::size_t from, std::size_t to) {
     for (SegmentId s(from); s.value < to; ++s.value) {
       control_.check();
       std::vector<double> cuts = segments_.size_cuts(s, sizes, max_cuts);
@@ -53,7 +53,7 @@ void SegmentCuts::begin(const SizeField& sizes, std::uint64_t max_triangles, std
 /// Leaves this share of the pieces of each segment. The other half of the triangles is for what patches do inside.
 void SegmentCuts::thin_out(const SizeField& sizes, std::uint64_t max_cuts, IdVector<SegmentId, std::uint32_t>& counts,
                            double share) {
-  for_blocks(segments_.size(), kSegmentsPerTask, control_, [&](std::size_t from, std::size_t to) {
+  for_blocks(segments_.size(), kSegmentsPerBlock, control_, [&](std::size_t from, std::size_t to) {
     for (SegmentId s(from); s.value < to; ++s.value) {
       control_.check();
       const std::size_t pieces = std::size_t{counts[s]} + 1;

@@ -1,4 +1,5 @@
 #include "core/refinement/segment_table.h"
+#include "core/refinement/min_spacing.h"
 
 #include <tbb/blocked_range.h>
 
@@ -10,6 +11,8 @@
 
 #include "core/base/blocks.h"
 #include "core/base/grouping.h"
+#include "core/base/ids.h"
+#include "core/base/pages.h"
 #include "core/base/stoppable.h"
 #include "core/refinement/column_cuts.h"
 #include "core/refinement/local_features.h"
@@ -22,11 +25,6 @@ namespace {
 /// Segments that meet under a smaller angle in a patch are cut on common shells. It is a little less than 60 degrees,
 /// because equilateral facets do not need shells.
 constexpr double kSmallAngle = (60 - 1e-6) * std::numbers::pi / 180;
-
-/// The floor of a segment is this fraction of its feature size. If it were larger, refinement of input angles near the
-/// bound would end in `size_floor`; if it were smaller, refinement would make more faces before it gives up where the
-/// bound cannot be reached.
-constexpr double kFloorShare = 0x1p-6;
 
 /// Vertices keep this distance from features, in roundings of their coordinates. With it, no rounded point changes
 /// sides.
@@ -41,39 +39,40 @@ constexpr std::size_t kSegments = 1024;
 /// Returns the largest shell base * 2^k that is at most `most`.
 double shell(double base, double most) { return std::ldexp(base, std::ilogb(most / base)); }
 
-struct Use {
+struct SegmentUse {
   VertexId from, to;
   PatchId patch;
   std::uint32_t half_edge;
 
   auto key() const { return std::tie(from, to); }
-  friend bool operator<(const Use& a, const Use& b) {
+  friend bool operator<(const SegmentUse& a, const SegmentUse& b) {
     return std::tie(a.from, a.to, a.patch, a.half_edge) < std::tie(b.from, b.to, b.patch, b.half_edge);
   }
 };
 
-using Uses = std::vector<Use, DefaultInit<Use>>;
+using SegmentUses = std::vector<SegmentUse, DefaultInit<SegmentUse>>;
 
 /// Returns the constrained half-edges that bound a patch. Edges that were only constrained for the chord rule are left
 /// out.
-Uses segment_uses(const Surface& surface, const PatchMeshes& meshes, RunControl& control) {
-  const auto blocks = map_blocks<std::vector<Use>>(meshes.size(), 256, control, [&](std::size_t p, std::size_t end) {
-    std::vector<Use> uses;
-    for (; p < end; ++p) {
-      const PatchMesh& patch = meshes[PatchId(p)];
-      for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
-        if (!patch.mesh.is_constrained(h) || patch.is_reserved(h)) continue;
-        VertexId a = patch.vertices[patch.mesh.from(h)], b = patch.vertices[patch.mesh.to(h)];
-        if (surface.positions[b] < surface.positions[a]) std::swap(a, b);
-        uses.push_back({a, b, PatchId(p), h});
-      }
-    }
-    return uses;
-  });
+SegmentUses segment_uses(const Surface& surface, const PatchMeshes& meshes, RunControl& control) {
+  const auto blocks =
+      map_blocks<std::vector<SegmentUse>>(meshes.size(), 256, control, [&](std::size_t p, std::size_t end) {
+        std::vector<SegmentUse> uses;
+        for (; p < end; ++p) {
+          const PatchMesh& patch = meshes[PatchId(p)];
+          for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
+            if (!patch.mesh.is_constrained(h) || patch.is_reserved(h)) continue;
+            VertexId a = patch.vertices[patch.mesh.from(h)], b = patch.vertices[patch.mesh.to(h)];
+            if (surface.positions[b] < surface.positions[a]) std::swap(a, b);
+            uses.push_back({a, b, PatchId(p), h});
+          }
+        }
+        return uses;
+      });
   // Sorting by the first end separates most uses, because few share one.
   return sorted_by_key(
-      concatenate<Use>(blocks, control), surface.vertex_count(), [](const Use& use) { return use.from.value; },
-      control);
+      concatenate<SegmentUse>(blocks, control), surface.vertex_count(),
+      [](const SegmentUse& use) { return use.from.value; }, control);
 }
 
 double magnitude(const Vec3& p) { return std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)}); }
@@ -111,7 +110,7 @@ SegmentTable::SegmentTable(const Surface& surface, const TriangulatedPatches& tr
                            RunControl& control)
     : surface_(surface), min_edge_length_(goals.min_edge_length) {
   const PatchMeshes& meshes = triangulated.meshes;
-  const Uses uses = segment_uses(surface, meshes, control);
+  const SegmentUses uses = segment_uses(surface, meshes, control);
   const auto for_each_segment = [&](const auto& visit) {
     for_blocks(segments_.size(), kSegments, control, [&](std::size_t s, std::size_t end) {
       for (; s < end; ++s) visit(SegmentId(s), segments_[SegmentId(s)]);
@@ -119,8 +118,10 @@ SegmentTable::SegmentTable(const Surface& surface, const TriangulatedPatches& tr
   };
   begin_ = select_ids<std::uint32_t>(uses.size(), kItemsPerBlock, control,
                                      [&](std::size_t i) { return i == 0 || uses[i].key() != uses[i - 1].key(); });
+  reserve_pages(segments_.items(), begin_.size(), control);
   segments_.resize(begin_.size());
   begin_.push_back(static_cast<std::uint32_t>(uses.size()));
+  reserve_pages(sides_, uses.size(), control);
   sides_.resize(uses.size());
   for_each_segment([&](SegmentId s, BoundarySegment& segment) {
     segment.from = uses[begin_[s.value]].from;
@@ -149,7 +150,9 @@ SegmentTable::SegmentTable(const Surface& surface, const TriangulatedPatches& tr
     std::uint32_t next;  ///< index of the next side
     double grid_step;    ///< a step of the patch's grid, in model units
   };
-  std::vector<Seen> seen(sides_.size());
+  std::vector<Seen> seen;
+  reserve_pages(seen, sides_.size(), control);
+  seen.resize(sides_.size());
   for_all(tbb::blocked_range<std::size_t>(0, meshes.size(), 64), [&](const auto& range) {
     LocalFeatures local_features;
     std::vector<std::uint32_t> half_edges, side_of;
@@ -176,9 +179,16 @@ SegmentTable::SegmentTable(const Surface& surface, const TriangulatedPatches& tr
   // Join the ends of segments that meet under a small angle in some patch to clusters.
   const auto end_count = static_cast<std::uint32_t>(2 * segments_.size());
   clusters_ = UnionFind(end_count);
-  std::vector<double> sharpest(end_count, std::numbers::pi / 2);
+  const auto values_of_ends = [&](double value) {
+    std::vector<double> values;
+    reserve_pages(values, end_count, control);
+    values.resize(end_count, value);
+    return values;
+  };
+  std::vector<double> sharpest = values_of_ends(std::numbers::pi / 2);
+  reserve_pages(feature_, segments_.size(), control);
   feature_.resize(segments_.size());
-  std::vector<double> roundings(segments_.size());
+  std::vector<double, DefaultInit<double>> roundings(segments_.size());
   for_each_segment([&](SegmentId s, const BoundarySegment& segment) {
     double &nearest = feature_[s.value], &rounding = roundings[s.value];
     nearest = segment.length;
@@ -206,7 +216,7 @@ SegmentTable::SegmentTable(const Surface& surface, const TriangulatedPatches& tr
     corners_.push_back({here, there, seen[i].angle});
     for (const SegmentEnd end : {here, there}) sharpest[end.index()] = std::min(sharpest[end.index()], seen[i].angle);
   }
-  std::vector<double> shortest(end_count, HUGE_VAL);
+  std::vector<double> shortest = values_of_ends(HUGE_VAL);
   std::vector<std::uint32_t> members(end_count, 0);
   for (std::uint32_t e = 0; e < end_count; ++e) {
     check();

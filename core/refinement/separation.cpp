@@ -75,7 +75,7 @@ bool separate_new_vertices(const Surface& surface, TriangulatedPatches& triangul
   PatchMeshes& meshes = triangulated.meshes;
   bool is_any = false;
   for (std::size_t p = 0; p < meshes.size(); ++p) {
-    if (p % 1024 == 0) control.check();
+    if (p % 1024 == 0) control.check_and_move();
     PatchMesh& patch = meshes[PatchId(p)];
     const auto is_twin = [&](VertexId v) { return v.value >= first_inner && before[v.value] > 0; };
     if (std::none_of(patch.vertices.begin(), patch.vertices.end(), is_twin)) continue;

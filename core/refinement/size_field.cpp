@@ -35,10 +35,10 @@ constexpr double kCoarse = 0x1p-6;
 thread_local std::size_t last_found = 0;
 
 /// This is a convex piece of a triangle: the part of it inside a box.
-class Piece {
+class ClippedTriangle {
  public:
   /// Input: With two axes, the box has no end along z.
-  Piece(const Corners3& triangle, const Box3& box, int axes) {
+  ClippedTriangle(const Corners3& triangle, const Box3& box, int axes) {
     for (const Vec3& p : triangle) corners_[size_++] = p;
     for (int axis = 0; axis < axes; ++axis) {
       clip(axis, 1, box.min[axis]);
@@ -168,7 +168,7 @@ void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool m
   Box3 box;
   for (const std::uint32_t t : cell.triangles) {
     control_.check();
-    const Piece piece(corners(triangles[t], axes), cell.box, axis_count);
+    const ClippedTriangle piece(corners(triangles[t], axes), cell.box, axis_count);
     const auto around = piece.corners();
     if (around.empty()) continue;
     Part part{t, {}};
@@ -299,7 +299,7 @@ void SizeField::Sampler::sample_gaps(const GapSearch& gaps, std::uint64_t earlie
 void SizeField::Sampler::sample_segments(std::span<const std::array<VertexId, 2>> segments) {
   std::size_t count = 0;
   for (const auto& [v, w] : segments) {
-    if (++count % 4096 == 0) control_.check();
+    if (++count % 4096 == 0) control_.check_and_move();
     const Vec3 &a = surface_.local[v], &b = surface_.local[w];
     const double length = norm(b - a);
     if (length >= largest_) continue;

@@ -31,7 +31,7 @@ class TracedSegments {
     if (!charts.has_curved()) return;
     at_.reserve(count);
     for (std::size_t s = 0; s < count; ++s) {
-      if (s % 1024 == 0) control.check();
+      if (s % 1024 == 0) control.check_and_move();
       add(segment_of(SegmentId(s)), charts);
     }
   }

@@ -56,7 +56,7 @@ Outcome carving(std::span<const Segment> loop_edges, Triangulation2d& mesh, RunC
     }
   };
   for (std::uint32_t h = 0; h < half_edges && consistent; ++h) {
-    if (h % 4096 == 0) control.check();
+    if (h % 4096 == 0) control.check_and_move();
     if (mesh.is_constrained(h)) {
       const bool forwards = is_loop_edge(mesh.from(h), mesh.to(h));
       set(h / 3, forwards ? kInside : kOutside);

@@ -108,7 +108,7 @@ class Recovery {
       const std::uint32_t g = mesh_.twin(h);  // runs from left to right
       const std::uint32_t apex = mesh_.apex(g);
       cavity_.push_back(g / 3);
-      if (cavity_.size() % 4096 == 0) control_.check();
+      if (cavity_.size() % 4096 == 0) control_.check_and_move();
       const int s = apex == v ? 0 : side(u, v, apex);
       if (apex == v || s > 0) pass_left(Triangulation2d::previous(g), apex);
       if (apex == v || s < 0) pass_right(Triangulation2d::next(g), apex);
@@ -258,14 +258,14 @@ Outcome constraint_recovery(std::span<const Vec2> points, std::span<const Segmen
   // Most segments are edges already. These are found fastest in the order of the loops.
   std::vector<Segment> missing;
   for (std::size_t i = 0; i < segments.size(); ++i) {
-    if (i % 256 == 0) control.check();
+    if (i % 256 == 0) control.check_and_move();
     auto [u, v] = segments[i];
     if (met[v] < met[u]) std::swap(u, v);
     if (!recovery.keep(u, v)) missing.push_back({u, v});
   }
   const std::vector<std::uint32_t> order = scattered(missing.size());
   for (std::size_t i = 0; i < order.size(); ++i) {
-    if (i % 256 == 0) control.check();
+    if (i % 256 == 0) control.check_and_move();
     const auto& [u, v] = missing[order[i]];
     const Outcome outcome = recovery.insert(u, v);
     if (outcome != Outcome::kDone) return outcome;

@@ -17,7 +17,7 @@ void delaunay_flips(std::span<const Vec2> points, Triangulation2d& mesh, std::ve
                     RunControl& control) {
   std::uint32_t steps = 0;
   while (!stack.empty()) {
-    if (++steps % 4096 == 0) control.check();
+    if (++steps % 4096 == 0) control.check_and_move();
     const std::uint32_t h = stack.back();
     stack.pop_back();
     if (!must_flip(points, mesh, h)) continue;
@@ -32,7 +32,7 @@ void delaunay_flips(std::span<const Vec2> points, Triangulation2d& mesh, std::ve
 void delaunay_flips(std::span<const Vec2> points, Triangulation2d& mesh, RunControl& control) {
   std::vector<std::uint32_t> stack;
   for (std::uint32_t h = 0; h < mesh.half_edge_count(); ++h) {
-    if (h % 4096 == 0) control.check();
+    if (h % 4096 == 0) control.check_and_move();
     if (mesh.twin(h) == Triangulation2d::kNoHalfEdge || h > mesh.twin(h)) continue;
     stack.push_back(h);
     delaunay_flips(points, mesh, stack, control);

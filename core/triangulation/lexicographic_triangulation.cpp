@@ -24,7 +24,7 @@ class Sweep {
     if (n < 3 || first == n) return {};
     start(first);
     for (std::uint32_t p = first + 1; p < n; ++p) {
-      if (p % 4096 == 0) control.check();
+      if (p % 4096 == 0) control.check_and_move();
       attach(p);
     }
     return std::move(mesh_);

@@ -106,6 +106,13 @@ struct OutputPoints {
   Vec3 operator()(VertexId v) const { return model.output_point(v); }
 };
 
+/// Makes a list of chains that need not grow. To copy millions of them would take a while in which nobody could stop.
+std::vector<Chain> room_for_chains(const BoundaryGraph& graph) {
+  std::vector<Chain> chains;
+  chains.reserve(graph.edges().size());
+  return chains;
+}
+
 class BoundaryCheck {
  public:
   BoundaryCheck(const Model& model, const Seams& seams, FoundFaults& faults, RunControl& control)
@@ -202,7 +209,7 @@ class BoundaryCheck {
   void match_chains() {
     std::size_t o = 0;
     for (std::size_t i = 0; i < input_chains_.size(); ++i) {
-      if (i % kCheckEvery == 0) control_.check();
+      if (i % kCheckEvery == 0) control_.check_and_move();
       const Chain& chain = input_chains_[i];
       const Edge& edge = input_.edges()[chain.edge];
       while (o < output_chains_.size() && ends(output_chains_[o]) < ends(chain)) blame_output(o++);
@@ -277,7 +284,7 @@ class BoundaryCheck {
   FoundFaults& faults_;
   RunControl& control_;
 
-  std::vector<Chain> input_chains_, output_chains_;
+  std::vector<Chain> input_chains_ = room_for_chains(input_), output_chains_ = room_for_chains(output_);
   StoredChains stored_input_, stored_output_;  ///< the chains that may be cut anew
   Boundary result_;
 };
@@ -436,7 +443,7 @@ void BoundaryCheck::check_joints() {
 
   std::size_t a = 0;
   for (std::size_t b = 0; b < before.size(); ++b) {
-    if (b % kCheckEvery == 0) control_.check();
+    if (b % kCheckEvery == 0) control_.check_and_move();
     const VertexId v = vertex_of(before[b]);
     const PatchId p = patch_of(before[b]);
     for (; a < after.size() && after[a] < before[b]; ++a)
@@ -461,7 +468,7 @@ void BoundaryCheck::check_new_vertices() {
   if (model_.new_vertex_end == first) return;
   std::vector<PatchId> only_patch(model_.new_vertex_end - first);
   for (std::size_t f = 0; f < model_.output.count(); ++f) {
-    if (f % kCheckEvery == 0) control_.check();
+    if (f % kCheckEvery == 0) control_.check_and_move();
     const PatchId p = model_.output.patch[f];
     for (const VertexId v : model_.output.face(f)) {
       if (!model_.is_new(v)) continue;

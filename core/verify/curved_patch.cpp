@@ -14,14 +14,13 @@
 namespace remesh::verification {
 namespace {
 
-constexpr std::size_t kFacesPerBlock = 8192;
 constexpr std::size_t kFacesPerCheck = 64;
 
 /// Corners that are no farther from a cone's apex than this many plane tolerances are taken to be there.
 constexpr double kSnap = 4;
 
 /// The totals over some faces of one side of a patch.
-struct Reading {
+struct CurvedReading {
   Range distance;
   Range area;           ///< sum of CurvedFace::area
   double along = 0;     ///< area of the faces that look along the surface's normal, minus that of those against it
@@ -42,8 +41,8 @@ struct Reading {
   Measures measures;
   std::vector<FoundFault> faults;
 
-  Reading() { area = {0, 0}; }
-  void add(const Reading& other) {
+  CurvedReading() { area = {0, 0}; }
+  void add(const CurvedReading& other) {
     distance.add(other.distance);
     area.low += other.area.low;
     area.high += other.area.high;
@@ -84,10 +83,11 @@ class CurvedPatchCheck {
       return 0;
     }
     input_ = read(
-        model_.input, input_faces, [&](VertexId v) { return model_.points[v.value]; }, [](std::uint32_t, Reading&) {});
+        model_.input, input_faces, [&](VertexId v) { return model_.points[v.value]; },
+        [](std::uint32_t, CurvedReading&) {});
     output_ = read(
         model_.output, output_faces, [&](VertexId v) { return model_.output_point(v); },
-        [&](std::uint32_t f, Reading& reading) { check_area(f, reading); });
+        [&](std::uint32_t f, CurvedReading& reading) { check_area(f, reading); });
     faults_.insert(faults_.end(), output_.faults.begin(), output_.faults.end());
     reach_ = std::max(input_.reach, output_.reach);
     check_facing();
@@ -104,13 +104,13 @@ class CurvedPatchCheck {
 
   /// Reads the faces of one side, in blocks. A face may take a microsecond, or a hundred at a torus.
   template <class PointOf, class Visit>
-  Reading read(const Faces& faces, std::span<const std::uint32_t> of_patch, const PointOf& point_of,
-               const Visit& visit) {
+  CurvedReading read(const Faces& faces, std::span<const std::uint32_t> of_patch, const PointOf& point_of,
+                     const Visit& visit) {
     const auto read_block = [&](std::size_t begin, std::size_t end) {
-      Reading reading;
+      CurvedReading reading;
       std::vector<Vec3> corners;
       for (std::size_t i = begin; i < end; ++i) {
-        if (i % kFacesPerCheck == 0) control_.check();
+        if (i % kFacesPerCheck == 0) control_.check_and_move();
         const std::uint32_t f = of_patch[i];
         corners.clear();
         for (const VertexId v : faces.face(f)) corners.push_back(point_of(v));
@@ -119,13 +119,13 @@ class CurvedPatchCheck {
       }
       return reading;
     };
-    Reading all;
-    for (const Reading& block : map_blocks<Reading>(of_patch.size(), kFacesPerBlock, control_, read_block))
+    CurvedReading all;
+    for (const CurvedReading& block : map_blocks<CurvedReading>(of_patch.size(), kItemsPerBlock, control_, read_block))
       all.add(block);
     return all;
   }
 
-  void read_face(std::uint32_t f, std::vector<Vec3>& corners, Reading& reading) const {
+  void read_face(std::uint32_t f, std::vector<Vec3>& corners, CurvedReading& reading) const {
     const double twice_area = add_measures(corners, reading);
     double extent = 0;
     for (std::size_t i = 0; i < corners.size(); ++i) {
@@ -142,14 +142,15 @@ class CurvedPatchCheck {
     const double height = extent > 0 ? twice_area / extent : 0;
     const bool is_low = model_.is_within_tolerance(height, extent);
     if (is_low) reading.low_area += twice_area / 2;
-    const Reading::Others other = is_low ? Reading::Others{FaceId(), height} : Reading::Others{FaceId(f), 0};
+    const CurvedReading::Others other =
+        is_low ? CurvedReading::Others{FaceId(), height} : CurvedReading::Others{FaceId(f), 0};
     if (!is_along) reading.not_along.add(other);
     if (!is_against) reading.not_against.add(other);
   }
 
   /// Adds a face to the measures of its side.
   /// Output: twice its area.
-  static double add_measures(std::span<const Vec3> corners, Reading& reading) {
+  static double add_measures(std::span<const Vec3> corners, CurvedReading& reading) {
     Vec3 twice;
     double magnitude = 0;
     for (std::size_t i = 2; i < corners.size(); ++i) {
@@ -167,7 +168,7 @@ class CurvedPatchCheck {
     return twice_area;
   }
 
-  void check_area(std::uint32_t f, Reading& reading) const {
+  void check_area(std::uint32_t f, CurvedReading& reading) const {
     const auto face = model_.output.face(f);
     const Vec3 a = model_.output_point(face[0]), b = model_.output_point(face[1]), c = model_.output_point(face[2]);
     const double extent = std::max({norm(b - a), norm(c - b), norm(a - c)});
@@ -179,8 +180,8 @@ class CurvedPatchCheck {
   /// The larger part of the input decides whether the patch looks along the surface's normal.
   void check_facing() {
     const bool is_along = input_.along > 0;
-    const Reading::Others& of_input = is_along ? input_.not_along : input_.not_against;
-    const Reading::Others& of_output = is_along ? output_.not_along : output_.not_against;
+    const CurvedReading::Others& of_input = is_along ? input_.not_along : input_.not_against;
+    const CurvedReading::Others& of_output = is_along ? output_.not_along : output_.not_against;
     if (of_input.first.is_valid()) report(Fault::kFacingAway, of_input.first.value);
     if (of_output.first.is_valid()) report(Fault::kInverted, of_output.first.value);
     low_height_ = std::max(of_input.height, of_output.height);
@@ -248,7 +249,7 @@ class CurvedPatchCheck {
   std::vector<FoundFault>& faults_;
   RunControl& control_;
 
-  Reading input_, output_;
+  CurvedReading input_, output_;
   double reach_ = 0;       ///< the larger one of both sides
   double depth_ = 0;       ///< largest distance from the surface
   double between_ = 0;     ///< largest distance between input and output along a normal

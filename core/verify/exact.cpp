@@ -133,7 +133,7 @@ class ProductSum {
 };
 
 /// True if the projection of abc onto two of the axes has no area.
-bool is_flat(const Vec3& a, const Vec3& b, const Vec3& c, int x, int y) {
+bool is_flat_along(const Vec3& a, const Vec3& b, const Vec3& c, int x, int y) {
   ProductSum sum;
   sum.add_product(a[x], b[y]);
   sum.add_product(-a[y], b[x]);
@@ -176,7 +176,7 @@ bool is_inside_circle(Vec2 a, Vec2 b, Vec2 c, Vec2 d, double grid) {
 }
 
 bool is_collinear(const Vec3& a, const Vec3& b, const Vec3& c) {
-  return is_flat(a, b, c, 0, 1) && is_flat(a, b, c, 1, 2) && is_flat(a, b, c, 2, 0);
+  return is_flat_along(a, b, c, 0, 1) && is_flat_along(a, b, c, 1, 2) && is_flat_along(a, b, c, 2, 0);
 }
 
 }  // namespace remesh::verification

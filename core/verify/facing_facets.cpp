@@ -78,7 +78,7 @@ Vec3 FacingFacets::normal(PatchId p, const Vec3& place) const {
 void FacingFacets::find_facets(const Claim& claim, RunControl& control) {
   std::vector<PatchId> patch_of;
   for (std::uint32_t f = 0; f < model_.input.count(); ++f) {
-    if (f % kItemsPerBlock == 0) control.check();
+    if (f % kItemsPerBlock == 0) control.check_and_move();
     visit_triangles(claim.surface, FaceId(f), control, [&](const Triangle& t) {
       triangles_.push_back({t[0], t[1], t[2]});
       patch_of.push_back(model_.input.patch[f]);
@@ -100,7 +100,7 @@ void FacingFacets::find_bodies(const BoundaryGraph& seams, RunControl& control) 
   std::vector<std::uint8_t> is_open(model_.patch_count(), 0);
   std::size_t looked_at = 0;
   for (const Edge& edge : seams.edges()) {
-    if (looked_at++ % kItemsPerBlock == 0) control.check();
+    if (looked_at++ % kItemsPerBlock == 0) control.check_and_move();
     const bool is_sound = edge.uses.size() == 2 && edge.uses[0].is_forward() != edge.uses[1].is_forward();
     for (const Use& use : edge.uses) joined.join(edge.uses[0].patch().value, use.patch().value);
     if (!is_sound) is_open[edge.uses[0].patch().value] = 1;
@@ -117,7 +117,7 @@ void FacingFacets::find_contacts(RunControl& control) {
   std::vector<PatchId> first(model_.surface_vertex_count);
   for (const bool is_second_time : {false, true})
     for (std::uint32_t f = 0; f < model_.input.count(); ++f) {
-      if (f % kItemsPerBlock == 0) control.check();
+      if (f % kItemsPerBlock == 0) control.check_and_move();
       const PatchId p = model_.input.patch[f];
       for (const VertexId v : model_.input.face(f)) {
         if (!is_second_time && !first[v.value].is_valid()) first[v.value] = p;
@@ -136,7 +136,7 @@ void FacingFacets::find_contacts(RunControl& control) {
 void FacingFacets::find_borders(const BoundaryGraph& seams, RunControl& control) {
   std::size_t looked_at = 0;
   for (const Edge& edge : seams.edges()) {
-    if (looked_at++ % kItemsPerBlock == 0) control.check();
+    if (looked_at++ % kItemsPerBlock == 0) control.check_and_move();
     for (const Use& use : edge.uses) edges_.push_back({{edge.low, edge.high}, use.patch()});
   }
   const auto before = [](const auto& x, const auto& y) {
@@ -159,7 +159,7 @@ void FacingFacets::find_borders(const BoundaryGraph& seams, RunControl& control)
   for (const std::uint32_t i : by_patch.items) border_parts_.push_back(part(i).first);
   border_tree_.assign(model_.patch_count(), kNoTree);
   for (std::size_t p = 0; p < model_.patch_count(); ++p) {
-    if (p % kItemsPerBlock == 0) control.check();
+    if (p % kItemsPerBlock == 0) control.check_and_move();
     const std::span<const Part> border = border_of(PatchId(p));
     if (border.size() <= kLongBorder) continue;
     std::vector<BoxTree<NoTag>::Entry> entries(border.size());

@@ -15,16 +15,16 @@ namespace remesh::verification {
 namespace {
 
 /// A value that differs from a bound by less than this share of it may count as on either side.
-constexpr double kMargin = 1e-9;
+constexpr double kGoalMargin = 1e-9;
 
 Standing at_most(double value, double bound) {
-  if (value > bound * (1 + kMargin)) return Standing::kMisses;
-  return value < bound * (1 - kMargin) ? Standing::kMeets : Standing::kOnTheEdge;
+  if (value > bound * (1 + kGoalMargin)) return Standing::kMisses;
+  return value < bound * (1 - kGoalMargin) ? Standing::kMeets : Standing::kOnTheEdge;
 }
 Standing at_least(double value, double bound) {
   if (bound == 0) return Standing::kMeets;
-  if (value < bound * (1 - kMargin)) return Standing::kMisses;
-  return value > bound * (1 + kMargin) ? Standing::kMeets : Standing::kOnTheEdge;
+  if (value < bound * (1 - kGoalMargin)) return Standing::kMisses;
+  return value > bound * (1 + kGoalMargin) ? Standing::kMeets : Standing::kOnTheEdge;
 }
 
 /// The lengths, angles and area of a triangle. Side i and angle i are opposite and at corner i.
@@ -193,14 +193,14 @@ class GoalCheck {
     const auto corner = model_.output.face(f);
     const double shortest = face.shortest_side();
     for (int i = 0; i < 3; ++i) {
-      if (face.side[i] > shortest * (1 + kMargin)) continue;
+      if (face.side[i] > shortest * (1 + kGoalMargin)) continue;
       const VertexId a = corner[(i + 1) % 3], b = corner[(i + 2) % 3];
       const Vec3 pa = model_.output_point(a), pb = model_.output_point(b);
       const bool is_found = lines_->any_meeting(a, b, model_.output.patch[f], [&](VertexId at) {
         const Vec3 p = model_.output_point(at);
         const double to_a = norm(pa - p), to_b = norm(pb - p);
         const double noise = Model::rounding(std::max(largest_coordinate(pa), largest_coordinate(pb)));
-        return std::fabs(to_a - to_b) <= kMargin * to_a + noise && face.side[i] <= (1 + kMargin) * to_a;
+        return std::fabs(to_a - to_b) <= kGoalMargin * to_a + noise && face.side[i] <= (1 + kGoalMargin) * to_a;
       });
       if (is_found) return true;
     }
@@ -217,7 +217,7 @@ class GoalCheck {
             if (!model_.is_new(edge.low) && !model_.is_new(edge.high)) return;
             const Vec3 a = model_.output_point(edge.low), b = model_.output_point(edge.high);
             const double noise = Model::rounding(std::max(largest_coordinate(a), largest_coordinate(b)));
-            if (!(norm(b - a) < min_length_ * (1 - kMargin) - noise)) return;
+            if (!(norm(b - a) < min_length_ * (1 - kGoalMargin) - noise)) return;
             if (edge.is_interior() && is_in_input_angle(edge)) return;
             for (const Use& use : edge.uses) found.push_back({use.patch(), Fault::kShortEdge, edge.low.value});
           });
@@ -230,7 +230,7 @@ class GoalCheck {
     return lines_->any_meeting(edge.low, edge.high, edge.uses[0].patch(), [&](VertexId at) {
       const Vec3 to_low = model_.output_point(edge.low) - model_.output_point(at);
       const Vec3 to_high = model_.output_point(edge.high) - model_.output_point(at);
-      return 2 * dot(to_low, to_high) > norm(to_low) * norm(to_high) * (1 - kMargin);
+      return 2 * dot(to_low, to_high) > norm(to_low) * norm(to_high) * (1 - kGoalMargin);
     });
   }
 

@@ -16,8 +16,6 @@ namespace remesh::verification {
 namespace {
 
 constexpr std::size_t kPatchesPerBlock = 256;
-constexpr std::size_t kFacesPerBlock = 8192;
-
 /// The smallest and largest height over the patch's plane.
 struct Heights {
   double low = std::numeric_limits<double>::infinity();
@@ -33,7 +31,7 @@ struct Heights {
 };
 
 /// The totals over some faces of one side of a patch.
-struct Reading {
+struct FlatReading {
   Heights heights;
   Measures measures;
   double reach = 0;                   ///< largest coordinate relative to the frame's origin
@@ -42,7 +40,7 @@ struct Reading {
   bool are_all_positive = true;       ///< all output triangles are positively oriented
   std::vector<FoundFault> faults;
 
-  void add(const Reading& other) {
+  void add(const FlatReading& other) {
     heights.add(other.heights);
     measures.add(other.measures);
     reach = std::max(reach, other.reach);
@@ -93,8 +91,8 @@ class PatchCheck {
     has_frame_ = is_frame(frame_);
     if (!has_frame_) report(Fault::kFrame);
     control_.check();
-    input_ = read(input_faces(), [&](std::uint32_t f, Reading& reading) { read_input(f, reading); });
-    output_ = read(output_faces(), [&](std::uint32_t f, Reading& reading) { read_output(f, reading); });
+    input_ = read(input_faces(), [&](std::uint32_t f, FlatReading& reading) { read_input(f, reading); });
+    output_ = read(output_faces(), [&](std::uint32_t f, FlatReading& reading) { read_output(f, reading); });
     faults_.insert(faults_.end(), output_.faults.begin(), output_.faults.end());
     reach_ = std::max(input_.reach, output_.reach);
     compare_areas();
@@ -114,15 +112,16 @@ class PatchCheck {
 
   /// Reads the faces of one side. A large patch is read in blocks.
   template <class ReadFace>
-  Reading read(std::span<const std::uint32_t> faces, const ReadFace& read_face) {
+  FlatReading read(std::span<const std::uint32_t> faces, const ReadFace& read_face) {
     const auto read_block = [&](std::size_t begin, std::size_t end) {
-      Reading reading;
+      FlatReading reading;
       for (const std::uint32_t f : faces.subspan(begin, end - begin)) read_face(f, reading);
       return reading;
     };
-    if (faces.size() <= kFacesPerBlock) return read_block(0, faces.size());
-    Reading all;
-    for (const Reading& block : map_blocks<Reading>(faces.size(), kFacesPerBlock, control_, read_block)) all.add(block);
+    if (faces.size() <= kItemsPerBlock) return read_block(0, faces.size());
+    FlatReading all;
+    for (const FlatReading& block : map_blocks<FlatReading>(faces.size(), kItemsPerBlock, control_, read_block))
+      all.add(block);
     return all;
   }
 
@@ -131,7 +130,7 @@ class PatchCheck {
   /// Adds a face to heights and measures.
   /// Output: twice the area vector of the face.
   template <class PointOf>
-  Vec3 add_face(std::span<const VertexId> face, const PointOf& point_of, Reading& reading) const {
+  Vec3 add_face(std::span<const VertexId> face, const PointOf& point_of, FlatReading& reading) const {
     const Vec3 first = point_of(face[0]);
     Heights heights;
     double reach = 0, magnitude = 0;
@@ -163,7 +162,7 @@ class PatchCheck {
     return twice_area;
   }
 
-  void read_input(std::uint32_t f, Reading& reading) const {
+  void read_input(std::uint32_t f, FlatReading& reading) const {
     const auto face = model_.input.face(f);
     const Vec3 twice_area = add_face(
         face, [&](VertexId v) { return model_.points[v.value]; }, reading);
@@ -175,7 +174,7 @@ class PatchCheck {
     }
   }
 
-  void read_output(std::uint32_t f, Reading& reading) const {
+  void read_output(std::uint32_t f, FlatReading& reading) const {
     const auto report = [&](Fault fault) { reading.faults.push_back({PatchId(patch_), fault, f}); };
     const auto face = model_.output.face(f);
     const Vec3 twice_area = add_face(
@@ -200,7 +199,7 @@ class PatchCheck {
 
   /// Tests the stored coordinates of a face.
   /// Output: true if they turn counter-clockwise.
-  bool read_plane_coordinates(std::uint32_t f, std::span<const VertexId> face, Reading& reading) const {
+  bool read_plane_coordinates(std::uint32_t f, std::span<const VertexId> face, FlatReading& reading) const {
     if (!has_frame_) return true;  // there is nothing to compare with; the frame has been reported
     const Vec2* uv = &model_.corner_uv[3 * f];
     for (int i = 0; i < 3; ++i) {
@@ -307,7 +306,7 @@ class PatchCheck {
   RunControl& control_;
 
   bool has_frame_ = false;
-  Reading input_, output_;
+  FlatReading input_, output_;
   double reach_ = 0;  ///< the larger one of both sides
   double height_bound_ = 0;
 };

@@ -9,7 +9,7 @@
 namespace remesh::server {
 namespace {
 
-constexpr std::string_view kAny = "*";
+constexpr std::string_view kAnyHost = "*";
 
 bool is_name(std::string_view text) {
   constexpr std::string_view kSigns = "-._";
@@ -23,7 +23,7 @@ bool is_name(std::string_view text) {
 AllowedHosts::AllowedHosts(std::string_view names) {
   for (const std::string_view text : list_elements(names)) {
     const Host host = parse_host(text);
-    if (text != kAny && (!host.port.empty() || host.name.empty() || !is_name(host.name))) {
+    if (text != kAnyHost && (!host.port.empty() || host.name.empty() || !is_name(host.name))) {
       throw std::invalid_argument("\"" + std::string(text) + "\" is no name such as mesh.example.org (without a port)");
     }
     names_.push_back(host.name);
@@ -31,7 +31,7 @@ AllowedHosts::AllowedHosts(std::string_view names) {
 }
 
 bool AllowedHosts::allows(std::string_view name) const {
-  return std::any_of(names_.begin(), names_.end(), [&](const std::string& n) { return n == kAny || n == name; });
+  return std::any_of(names_.begin(), names_.end(), [&](const std::string& n) { return n == kAnyHost || n == name; });
 }
 
 std::string AllowedHosts::text() const {

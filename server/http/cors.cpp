@@ -9,13 +9,13 @@
 namespace remesh::server {
 namespace {
 
-constexpr const char* kAny = "*";
+constexpr const char* kAnyOrigin = "*";
 
 }  // namespace
 
 Cors::Cors(std::string_view origins) {
   for (const std::string_view origin : list_elements(origins)) {
-    if (origin != kAny && !parse_origin(origin)) {
+    if (origin != kAnyOrigin && !parse_origin(origin)) {
       throw std::invalid_argument("\"" + std::string(origin) + "\" is no origin such as https://tool.example");
     }
     origins_.emplace_back(origin);
@@ -23,19 +23,19 @@ Cors::Cors(std::string_view origins) {
 }
 
 bool Cors::allows(std::string_view origin) const {
-  return std::any_of(origins_.begin(), origins_.end(), [&](const std::string& o) { return o == kAny || o == origin; });
+  return std::any_of(origins_.begin(), origins_.end(), [&](const std::string& o) { return o == kAnyOrigin || o == origin; });
 }
 
 Fields Cors::headers(const RequestHead& head, std::string_view allow) const {
   if (origins_.empty()) return {};
-  const bool is_any = std::find(origins_.begin(), origins_.end(), kAny) != origins_.end();
+  const bool is_any = std::find(origins_.begin(), origins_.end(), kAnyOrigin) != origins_.end();
   Fields fields;
   // Caches must not give the answer for one origin to another.
   if (!is_any) fields.emplace_back("Vary", "Origin");
   const std::string_view origin = head.header("origin");
   if (origin.empty()) return fields;
   if (!allows(origin)) return fields;
-  fields.emplace_back("Access-Control-Allow-Origin", is_any ? kAny : origin);
+  fields.emplace_back("Access-Control-Allow-Origin", is_any ? kAnyOrigin : origin);
   if (allow.empty() || head.header("access-control-request-method").empty()) {
     fields.emplace_back("Access-Control-Expose-Headers",
                         "Accept-Ranges, Content-Disposition, Content-Range, ETag, Location, Remesh-Summary, "

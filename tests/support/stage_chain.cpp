@@ -1,6 +1,7 @@
 #include "tests/support/stage_chain.h"
 
 #include <algorithm>
+#include <set>
 #include <stdexcept>
 #include <string>
 
@@ -59,6 +60,10 @@ std::vector<Vec3> StageChain::essential_places() const {
     if (essential[VertexId(v)]) points.push_back(surface.positions[VertexId(v)]);
   std::sort(points.begin(), points.end());
   return points;
+}
+
+std::size_t StageChain::region_count() const {
+  return std::set<RegionId>(regions.of_face.begin(), regions.of_face.end()).size();
 }
 
 PatchId StageChain::patch_of(std::size_t input_face) const {

@@ -39,6 +39,8 @@ class StageChain {
   std::vector<Vec3> essential_places() const;
   /// Returns the patch of a face of the input. If the face was split, it is the patch of its first piece.
   PatchId patch_of(std::size_t input_face) const;
+  /// Returns how many coplanar regions the faces are in.
+  std::size_t region_count() const;
   std::uint32_t loop_count(PatchId p) const { return loops.patch_begin[p.value + 1] - loops.patch_begin[p.value]; }
   /// Returns the corners of a loop in its direction.
   std::vector<Vec3> loop_points(std::uint32_t loop) const;

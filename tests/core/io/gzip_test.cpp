@@ -20,7 +20,7 @@ std::string unpack(std::string_view content, const DecompressionLimits& limits =
   return gunzip(content, limits, control);
 }
 /// Returns the error of unpacking, or nothing if there is none.
-std::optional<Error> error_of(std::string_view content, const DecompressionLimits& limits = {}) {
+std::optional<Error> gzip_error_of(std::string_view content, const DecompressionLimits& limits = {}) {
   try {
     (void)unpack(content, limits);
     return std::nullopt;
@@ -58,23 +58,23 @@ TEST(gzip, what_the_program_of_that_name_packs_is_unpacked_several_members_and_p
 TEST(gzip, damage_and_what_is_cut_off_or_follows_is_an_error_at_its_byte) {
   const std::string packed = pack(noise(100'000));
   for (const std::size_t size : {std::size_t{2}, std::size_t{10}, packed.size() / 2, packed.size() - 1}) {
-    const auto error = error_of(packed.substr(0, size));
+    const auto error = gzip_error_of(packed.substr(0, size));
     ASSERT_TRUE(error) << size;
     EXPECT_EQ(error->code, Code::kInvalidMesh);
     EXPECT_EQ(error->byte, size);
   }
-  EXPECT_EQ(error_of(packed + "more")->byte, packed.size());
+  EXPECT_EQ(gzip_error_of(packed + "more")->byte, packed.size());
   std::string damaged = packed;
   damaged[packed.size() - 6] ^= 1;  // in the checksum
-  EXPECT_EQ(error_of(damaged)->code, Code::kInvalidMesh);
-  EXPECT_EQ(error_of("plain text")->code, Code::kInvalidMesh);
+  EXPECT_EQ(gzip_error_of(damaged)->code, Code::kInvalidMesh);
+  EXPECT_EQ(gzip_error_of("plain text")->code, Code::kInvalidMesh);
 }
 
 TEST(gzip, the_size_is_bounded_to_the_byte) {
   const std::string content = noise(2'500'000);
   const std::string packed = pack(content);
   EXPECT_EQ(unpack(packed, {content.size(), 100}), content);
-  const auto error = error_of(packed, {content.size() - 1, 100});
+  const auto error = gzip_error_of(packed, {content.size() - 1, 100});
   ASSERT_TRUE(error);
   EXPECT_EQ(error->code, Code::kDecompressedTooLarge);
   EXPECT_EQ(error->limit, content.size() - 1);
@@ -82,7 +82,7 @@ TEST(gzip, the_size_is_bounded_to_the_byte) {
 
 TEST(gzip, a_bomb_is_refused_by_its_ratio_and_a_small_file_is_free_of_it) {
   const std::string zeros = pack(std::string(50'000'000, '\0'));
-  const auto error = error_of(zeros, {std::uint64_t{1} << 30, 100});
+  const auto error = gzip_error_of(zeros, {std::uint64_t{1} << 30, 100});
   ASSERT_TRUE(error);
   EXPECT_EQ(error->code, Code::kDecompressedTooLarge);
   EXPECT_EQ(error->limit, 100u);

@@ -17,11 +17,6 @@
 namespace remesh {
 namespace {
 
-std::size_t region_count(const StageChain& chain) {
-  std::set<RegionId> used(chain.regions.of_face.begin(), chain.regions.of_face.end());
-  return used.size();
-}
-
 /// Returns the regions as sets of faces. Each face is named by the sum of its corners, which is the same for any
 /// numbering.
 std::set<std::set<Vec3>> region_sets(const StageChain& chain) {
@@ -89,7 +84,7 @@ PolygonMesh bent_strip(int quads, double angle_deg) {
 
 TEST(coplanar_regions, a_cube_has_six) {
   const StageChain chain(shapes::box({1, 2, 3}, 4));
-  EXPECT_EQ(region_count(chain), 6u);
+  EXPECT_EQ(chain.region_count(), 6u);
   expect_regions(chain);
 }
 
@@ -100,7 +95,7 @@ TEST(coplanar_regions, a_box_turned_in_space_and_rounded_has_six) {
     const PolygonMesh mesh =
         shapes::rounded(shapes::rotated(shapes::box({1, 2, 3}, 5), axis, random.uniform(0, 360)), 1e-6);
     const StageChain chain(mesh, kToleranceSteps * 1e-6);
-    EXPECT_EQ(region_count(chain), 6u) << seed;
+    EXPECT_EQ(chain.region_count(), 6u) << seed;
     expect_regions(chain);
   }
 }
@@ -108,7 +103,7 @@ TEST(coplanar_regions, a_box_turned_in_space_and_rounded_has_six) {
 TEST(coplanar_regions, a_coarse_cylinder_keeps_its_facets) {
   for (const int sides : {8, 14, 60, 200}) {
     const StageChain chain(shapes::cylinder(sides, 1, 2), 2.6e-6);
-    EXPECT_EQ(region_count(chain), static_cast<std::size_t>(sides) + 2) << sides;
+    EXPECT_EQ(chain.region_count(), static_cast<std::size_t>(sides) + 2) << sides;
     expect_regions(chain);
   }
 }
@@ -116,8 +111,8 @@ TEST(coplanar_regions, a_coarse_cylinder_keeps_its_facets) {
 TEST(coplanar_regions, a_gently_bent_strip_does_not_creep_into_one_plane) {
   // Neighbours differ by less than the tolerance explains, the ends by degrees.
   const StageChain chain(bent_strip(400, 0.01), 1e-3);
-  EXPECT_GT(region_count(chain), 5u);
-  EXPECT_LT(region_count(chain), 200u);
+  EXPECT_GT(chain.region_count(), 5u);
+  EXPECT_LT(chain.region_count(), 200u);
   expect_regions(chain);
 }
 
@@ -125,14 +120,14 @@ TEST(coplanar_regions, sheets_that_look_opposite_ways_stay_two) {
   // One square, cut along one diagonal on its upper side and along the other one below.
   const StageChain chain(
       shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}, {1, 0, 3}, {1, 3, 2}}));
-  EXPECT_EQ(region_count(chain), 2u);
+  EXPECT_EQ(chain.region_count(), 2u);
   expect_regions(chain);
 }
 
 TEST(coplanar_regions, a_fold_of_180_degrees_stays_two) {
   // Two triangles on the same side of their common edge, consistently wound.
   const StageChain chain(shapes::from_lists({{0, 0, 0}, {2, 0, 0}, {1, 1, 0}, {1, 2, 0}}, {{0, 1, 2}, {1, 0, 3}}));
-  EXPECT_EQ(region_count(chain), 2u);
+  EXPECT_EQ(chain.region_count(), 2u);
 }
 
 TEST(coplanar_regions, parallel_planes_a_step_apart_stay_apart) {
@@ -140,7 +135,7 @@ TEST(coplanar_regions, parallel_planes_a_step_apart_stay_apart) {
   const PolygonMesh stairs = shapes::from_lists(
       {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {1, 0, 0.01}, {1, 1, 0.01}, {2, 0, 0.01}, {2, 1, 0.01}},
       {{0, 1, 2, 3}, {1, 4, 5, 2}, {4, 6, 7, 5}});
-  EXPECT_EQ(region_count(StageChain(stairs, 1e-4)), 3u);
+  EXPECT_EQ(StageChain(stairs, 1e-4).region_count(), 3u);
 }
 
 TEST(coplanar_regions, coplanar_faces_across_an_edge_of_three_faces_stay_apart) {
@@ -148,7 +143,7 @@ TEST(coplanar_regions, coplanar_faces_across_an_edge_of_three_faces_stay_apart) 
   const PolygonMesh mesh =
       shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}, {1, 1, 0}, {2, 1, 0}, {1, 0, 1}, {1, 1, 1}},
                          {{0, 1, 4, 3}, {1, 2, 5, 4}, {1, 4, 7, 6}});
-  EXPECT_EQ(region_count(StageChain(mesh)), 3u);
+  EXPECT_EQ(StageChain(mesh).region_count(), 3u);
 }
 
 TEST(coplanar_regions, a_needle_with_a_noisy_normal_belongs_to_its_plane) {
@@ -156,13 +151,13 @@ TEST(coplanar_regions, a_needle_with_a_noisy_normal_belongs_to_its_plane) {
   const PolygonMesh mesh = shapes::from_lists({{0, 0, 0}, {4, 0, 0}, {2, 1e-6, 2e-7}, {2, -3, 0}, {2, 3, 0}},
                                               {{0, 1, 2}, {1, 0, 3}, {0, 2, 4}, {2, 1, 4}});
   const StageChain chain(mesh, 1e-6);
-  EXPECT_EQ(region_count(chain), 1u);
+  EXPECT_EQ(chain.region_count(), 1u);
   expect_regions(chain);
 }
 
 TEST(coplanar_regions, faces_of_different_zones_stay_apart) {
   const PolygonMesh mesh = with_groups(shapes::sheet(4, 1, 4, 1), {0, 0, 0, 0, 1, 1, 1, 1});
-  EXPECT_EQ(region_count(StageChain(mesh)), 2u);
+  EXPECT_EQ(StageChain(mesh).region_count(), 2u);
 }
 
 TEST(coplanar_regions, order_and_powers_of_two_change_nothing) {

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"
@@ -16,10 +15,6 @@ namespace remesh {
 namespace {
 
 constexpr double kTolerance = 1e-4;
-
-std::size_t region_count(const StageChain& chain) {
-  return std::set<RegionId>(chain.regions.of_face.begin(), chain.regions.of_face.end()).size();
-}
 
 /// Makes a unit sheet of n x n squares. Every tenth vertex is lifted, and all are moved up or down by noise. Both are
 /// given in tolerances.
@@ -53,7 +48,7 @@ TEST(merge_regions, corners_in_one_band_are_one_region_however_many_attempts_fai
   for (const int n : {50, 100, 150, 200}) {
     for (const auto& [lift, noise] : {std::pair(0.66, 0.0), {0.66, 0.1}, {0.3, 0.3}}) {
       const StageChain chain(lifted_sheet(n, lift, noise), kTolerance);
-      EXPECT_EQ(region_count(chain), 1u) << n << ' ' << lift << ' ' << noise;
+      EXPECT_EQ(chain.region_count(), 1u) << n << ' ' << lift << ' ' << noise;
       expect_in_band(chain);
     }
   }
@@ -65,7 +60,7 @@ TEST(merge_regions, on_either_side_of_a_slight_fold_there_is_one_region) {
     PolygonMesh mesh = lifted_sheet(100, lift, noise);
     for (Vec3& p : mesh.positions) p.z += 0.05 * std::max(0.0, p.x - 0.6);
     const StageChain chain(mesh, kTolerance);
-    EXPECT_EQ(region_count(chain), 2u) << lift << ' ' << noise;
+    EXPECT_EQ(chain.region_count(), 2u) << lift << ' ' << noise;
     expect_in_band(chain);
   }
 }

@@ -71,7 +71,7 @@ double true_count(const PolygonMesh& mesh, Options options, int elements) {
   return static_cast<double>(remesh_surface(mesh, options, RunSettings{}, control).mesh.faces.size());
 }
 
-PolygonMesh read(const std::filesystem::path& path) {
+PolygonMesh read_file(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   const std::string content{std::istreambuf_iterator<char>(file), {}};
   RunControl control;
@@ -92,7 +92,7 @@ TEST(curved_prediction, with_a_bound_on_angles_it_is_right_within_a_factor_of_tw
 }
 
 TEST(curved_prediction, the_bracket_is_right_within_a_factor_of_one_and_a_quarter) {
-  const PolygonMesh mesh = read(test::own_meshes_folder() / "bracket.obj");
+  const PolygonMesh mesh = read_file(test::own_meshes_folder() / "bracket.obj");
   for (const double angle : {0.0, 25.0})
     for (const auto& [elements, faces] : predicted_by_elements(mesh, with_angle(angle))) {
       const double truth = true_count(mesh, with_angle(angle), elements);
@@ -105,7 +105,7 @@ TEST(curved_prediction, real_parts_are_right_within_a_factor_of_two) {
   for (const char* const name : {"curved-cad/cylinder.stl", "curved-cad/sv_cylinder.stl", "curved-cad/unit_sphere.STL",
                                  "planar-cad/part1.stl", "planar-cad/1002_tray_bottom.STL"}) {
     if (!test::has_shared_mesh(name)) return;
-    const PolygonMesh mesh = read(test::shared_meshes_folder() / name);
+    const PolygonMesh mesh = read_file(test::shared_meshes_folder() / name);
     for (const double angle : {0.0, 25.0}) {
       const FacesByElements faces = predicted_by_elements(mesh, with_angle(angle));
       for (const int elements : {12, 24}) {

@@ -18,10 +18,10 @@ namespace remesh {
 namespace {
 
 /// A mesh, and what its owner has to remember: which sides belong together, and which vertices are free.
-class Subject {
+class MeshSubject {
  public:
   /// `slits`: edges within the polygon, between its points and no loop's.
-  explicit Subject(const polygons::PatchInput& input, const std::vector<Segment>& slits = {}) {
+  explicit MeshSubject(const polygons::PatchInput& input, const std::vector<Segment>& slits = {}) {
     std::vector<Segment> edges = input.edges;
     for (const auto& [a, b] : slits) {
       edges.push_back({a, b});
@@ -166,7 +166,7 @@ Extent extent(const std::vector<Vec2>& points) {
 }
 
 /// Inserts, cuts and removes at random. Again and again it compares the mesh with a fresh triangulation.
-void change_at_random(Subject& subject, const Extent& box, double grid, Random& random, int steps) {
+void change_at_random(MeshSubject& subject, const Extent& box, double grid, Random& random, int steps) {
   int inserted = 0, cuts = 0;
   for (int i = 0; i < steps; ++i) {
     const double dice = random.unit();
@@ -188,7 +188,7 @@ void change_at_random(Subject& subject, const Extent& box, double grid, Random& 
 }
 
 TEST(delaunay_mesh, as_it_is_made_it_is_the_triangulation_that_it_was_given) {
-  const Subject subject(polygons::patch_input(polygons::star_with_holes(1, 40, 3)));
+  const MeshSubject subject(polygons::patch_input(polygons::star_with_holes(1, 40, 3)));
   subject.expect_is_fresh();
 }
 
@@ -198,7 +198,7 @@ TEST(delaunay_mesh, after_any_changes_it_is_the_one_constrained_delaunay_triangu
     Random random(seed);
     const polygons::PatchInput input =
         polygons::patch_input(seed % 2 == 0 ? polygons::star_with_holes(seed, 30, 3) : polygons::grown(seed, 30, 16));
-    Subject subject(input);
+    MeshSubject subject(input);
     change_at_random(subject, extent(input.points), 0x1p-40, random, 300);
     if (HasFatalFailure()) return;
   }
@@ -210,7 +210,7 @@ TEST(delaunay_mesh, cocircular_points_and_points_on_edges_are_decided_as_in_a_fr
     SCOPED_TRACE(seed);
     Random random(seed);
     const polygons::PatchInput input = polygons::patch_input(polygons::rectilinear_with_holes(seed, 8));
-    Subject subject(input);
+    MeshSubject subject(input);
     const Extent box = extent(input.points);
     change_at_random(subject, box, 0.25, random, 300);
     if (HasFatalFailure()) return;
@@ -225,7 +225,7 @@ TEST(delaunay_mesh, slits_are_cut_on_both_sides_at_one_vertex) {
     polygons::PatchInput input = polygons::patch_input({{{0, 0}, {8, 0}, {8, 8}, {0, 8}}, {}});
     input.points = {{0, 0}, {0, 8}, {2, 2}, {3, 5}, {5, 5}, {6, 3}, {8, 0}, {8, 8}};
     input.edges = {{0, 6}, {6, 7}, {7, 1}, {1, 0}};
-    Subject subject(input, {{3, 4}, {2, 5}, {4, 7}});
+    MeshSubject subject(input, {{3, 4}, {2, 5}, {4, 7}});
     subject.expect_is_fresh();
     change_at_random(subject, {{0, 0}, {8, 8}}, seed % 3 == 0 ? 0.5 : 0x1p-40, random, 250);
     if (HasFatalFailure()) return;
@@ -235,7 +235,7 @@ TEST(delaunay_mesh, slits_are_cut_on_both_sides_at_one_vertex) {
 TEST(delaunay_mesh, a_vertex_that_goes_leaves_no_trace) {
   for (std::uint64_t seed = 1; seed <= 10; ++seed) {
     Random random(seed);
-    Subject subject(polygons::patch_input(polygons::l_shape()));
+    MeshSubject subject(polygons::patch_input(polygons::l_shape()));
     const std::uint32_t before = subject.mesh.triangle_count();
     int inserted = 0;
     for (int i = 0; i < 100; ++i) inserted += subject.insert({random.below(17) / 8.0, random.below(17) / 8.0});
@@ -247,7 +247,7 @@ TEST(delaunay_mesh, a_vertex_that_goes_leaves_no_trace) {
 }
 
 TEST(delaunay_mesh, a_point_on_a_vertex_or_on_a_side_has_no_place) {
-  Subject subject(polygons::patch_input(polygons::l_shape()));
+  MeshSubject subject(polygons::patch_input(polygons::l_shape()));
   const std::uint32_t before = subject.mesh.triangle_count();
   EXPECT_FALSE(subject.insert({1, 1}));
   EXPECT_FALSE(subject.insert({0.5, 0}));
@@ -258,7 +258,7 @@ TEST(delaunay_mesh, a_point_on_a_vertex_or_on_a_side_has_no_place) {
 }
 
 TEST(delaunay_mesh, a_cut_without_room_changes_nothing) {
-  Subject subject(polygons::patch_input(polygons::l_shape()));
+  MeshSubject subject(polygons::patch_input(polygons::l_shape()));
   const std::uint32_t before = subject.mesh.triangle_count();
   EXPECT_FALSE(subject.cut(0, 0));
   EXPECT_FALSE(subject.cut(0, 1));
@@ -268,7 +268,7 @@ TEST(delaunay_mesh, a_cut_without_room_changes_nothing) {
 
 TEST(delaunay_mesh, a_walk_ends_at_the_point_or_at_the_side_that_hides_it) {
   const polygons::Polygon polygon = polygons::star_with_holes(5, 40, 4);
-  const Subject subject(polygons::patch_input(polygon));
+  const MeshSubject subject(polygons::patch_input(polygon));
   const DelaunayMesh& mesh = subject.mesh;
   Random random(3);
   int found = 0, hidden = 0;
@@ -332,7 +332,7 @@ TEST(delaunay_mesh, numbers_name_the_vertices_of_the_given_mesh) {
 TEST(delaunay_mesh, compacted_it_is_the_same_without_gaps) {
   Random random(9);
   const polygons::PatchInput input = polygons::patch_input(polygons::star_with_holes(2, 20, 2));
-  Subject subject(input);
+  MeshSubject subject(input);
   change_at_random(subject, extent(input.points), 0x1p-40, random, 200);
   std::pmr::vector<std::uint32_t> vertex, triangle;
   const Triangulation2d compact = subject.mesh.compact(vertex, triangle);

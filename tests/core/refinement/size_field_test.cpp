@@ -15,22 +15,22 @@
 namespace remesh {
 namespace {
 
-constexpr double kFar = std::numeric_limits<double>::infinity();
+constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 /// The tolerance for sizes: they are stored in single precision, and a little too large.
 constexpr double kSingle = 1e-6;
 
 Goals goals(double proximity, double gradation) {
   Goals g;
-  g.max_edge_length = kFar;
-  g.max_area = kFar;
+  g.max_edge_length = kUnlimited;
+  g.max_area = kUnlimited;
   g.max_faces = 1u << 30;
   g.proximity = proximity;
   g.gradation = gradation;
   return g;
 }
 
-struct Scene {
-  Scene(const PolygonMesh& mesh, const Goals& goals, double tolerance = 1e-12)
+struct SizeScene {
+  SizeScene(const PolygonMesh& mesh, const Goals& goals, double tolerance = 1e-12)
       : chain(mesh, tolerance),
         gaps(chain.surface, chain.adjacency, chain.patches, tolerance, chain.control),
         sizes(chain.surface, goals.proximity > 0 ? &gaps : nullptr, segments(chain), goals, tolerance, chain.control) {}
@@ -76,7 +76,7 @@ PolygonMesh thick_and_thin() {
 
 TEST(size_field, a_rescaled_field_has_the_sizes_of_the_other_goals) {
   const Goals of_field = goals(2, 1.5), others = goals(0.5, 1.25);
-  const Scene scene(thick_and_thin(), of_field), other(thick_and_thin(), others);
+  const SizeScene scene(thick_and_thin(), of_field), other(thick_and_thin(), others);
   const SizeField rescaled = scene.sizes.rescaled(of_field.proximity, others, scene.chain.control);
   EXPECT_GT(rescaled.sample_count(), 0u);
   EXPECT_EQ(rescaled.slope(), other.sizes.slope());
@@ -90,14 +90,14 @@ TEST(size_field, a_rescaled_field_has_the_sizes_of_the_other_goals) {
 }
 
 TEST(size_field, without_proximity_and_gradation_it_is_the_same_everywhere) {
-  EXPECT_EQ(SizeField().at({1, 2, 3}), kFar);
+  EXPECT_EQ(SizeField().at({1, 2, 3}), kUnlimited);
   EXPECT_TRUE(SizeField(0.5).is_uniform());
   EXPECT_EQ(SizeField(0.5).at({1, 2, 3}), 0.5);
   EXPECT_TRUE(SizeField(0.5).allows(0.5, {1, 2, 3}));
   EXPECT_FALSE(SizeField(0.5).allows(0.51, {1, 2, 3}));
   Goals g = goals(0, 0);
   g.max_edge_length = 0.25;
-  const Scene scene(shapes::box({1, 1, 1}), g);
+  const SizeScene scene(shapes::box({1, 1, 1}), g);
   EXPECT_TRUE(scene.sizes.is_uniform());
   EXPECT_EQ(scene.sizes.at({0, 0, 0}), 0.25);
 }
@@ -105,7 +105,7 @@ TEST(size_field, without_proximity_and_gradation_it_is_the_same_everywhere) {
 TEST(size_field, between_plates_it_is_the_gap_over_the_proximity_and_grows_away_from_them) {
   for (const double proximity : {0.5, 1.0, 3.0})
     for (const double gradation : {1.2, 1.5, 4.0}) {
-      const Scene scene(plates(0.125, 7), goals(proximity, gradation));
+      const SizeScene scene(plates(0.125, 7), goals(proximity, gradation));
       const double size = 0.125 / proximity;
       Random random(1);
       for (int i = 0; i < 100; ++i) EXPECT_NEAR(scene.sizes.at(scene.place(random).point), size, kSingle);
@@ -118,10 +118,10 @@ TEST(size_field, it_is_larger_than_the_gap_by_more_than_its_noise_and_by_the_tol
   Random random(3);
   for (int i = 0; i < 50; ++i) {
     const double gap = 0.05 + 0.2 * random.unit(), tolerance = 1e-4 * gap;
-    const double exact = Scene(plates(gap), goals(1, 1.5)).sizes.at({1, 2, 0});
+    const double exact = SizeScene(plates(gap), goals(1, 1.5)).sizes.at({1, 2, 0});
     EXPECT_GT(exact * (1 - SizeField::kNoise), gap);
     EXPECT_LT(exact, gap * (1 + kSingle));
-    EXPECT_NEAR(Scene(plates(gap), goals(2, 1.5), tolerance).sizes.at({1, 2, 0}), (gap + tolerance) / 2, kSingle);
+    EXPECT_NEAR(SizeScene(plates(gap), goals(2, 1.5), tolerance).sizes.at({1, 2, 0}), (gap + tolerance) / 2, kSingle);
   }
 }
 
@@ -129,7 +129,7 @@ TEST(size_field, across_the_rim_of_a_wall_it_grows_from_both_sides_however_the_w
   const double thick = 0.25;
   for (const double degrees : {0.0, 10.0, 35.0, 60.0}) {
     const auto turned = [&](const PolygonMesh& mesh) { return shapes::rotated(mesh, {1, 2, 3}, degrees); };
-    const Scene scene(turned(shapes::box({4, 4, thick})), goals(1, 1.5));
+    const SizeScene scene(turned(shapes::box({4, 4, thick})), goals(1, 1.5));
     for (const double part : {0.0, 0.2, 0.5, 0.7}) {
       PolygonMesh place = shapes::polygon({{2, 0}, {3, 0}, {3, 1}});
       place = turned(shapes::moved(place, {0, 0, part * thick}));
@@ -142,7 +142,7 @@ TEST(size_field, across_the_rim_of_a_wall_it_grows_from_both_sides_however_the_w
 TEST(size_field, plates_that_overlap_in_a_corner_are_seen_there) {
   // The middle of neither faces the other one, and a wall farther off is faced by both.
   for (const double wall : {20.0, 5.0}) {
-    const Scene scene(
+    const SizeScene scene(
         shapes::joined(shapes::joined(shapes::sheet(4, 4, 1, 1), shapes::moved(shapes::sheet(4, 4, 1, 1), {3, 3, 0.1})),
                        shapes::moved(shapes::sheet(20, 20, 1, 1), {-5, -5, -wall})),
         goals(1, 1.5));
@@ -156,7 +156,7 @@ TEST(size_field, samples_are_as_many_as_faces_of_that_size_whatever_the_input_fa
   // 4 x 4 at a size of 1/4: two plates, 4^2 / (1/4)^2 = 256 squares each. Cells are halved, so there may be four in
   // one, and a few segments.
   for (const int n : {1, 5, 40}) {
-    const Scene scene(plates(0.25, n), goals(1, 1.5));
+    const SizeScene scene(plates(0.25, n), goals(1, 1.5));
     EXPECT_GE(scene.sizes.sample_count(), 2 * 256u) << n;
     EXPECT_LE(scene.sizes.sample_count(), 2 * 4 * 256 + 16u) << n;
   }
@@ -167,15 +167,15 @@ TEST(size_field, sizes_are_at_least_the_floor_and_at_most_the_largest_edge) {
   const double diagonal = std::sqrt(32 + 1e-8);
   const PolygonMesh close =
       shapes::joined(shapes::sheet(4, 4, 3, 3), shapes::moved(shapes::sheet(0.0625, 0.0625, 1, 1), {1, 1, 1e-4}));
-  EXPECT_NEAR(Scene(close, goals(1, 1.5)).sizes.at({1.03, 1.04, 0}), diagonal / 2048, kSingle * 1e-3);
-  EXPECT_NEAR(Scene(close, goals(0.03125, 1.5)).sizes.at({1.03, 1.04, 0}), 3.2e-3, kSingle * 1e-2);
-  EXPECT_NEAR(Scene(plates(1e-2), goals(1, 1.5), 0.003).sizes.at({1, 1, 0}), 0.03, kSingle);
+  EXPECT_NEAR(SizeScene(close, goals(1, 1.5)).sizes.at({1.03, 1.04, 0}), diagonal / 2048, kSingle * 1e-3);
+  EXPECT_NEAR(SizeScene(close, goals(0.03125, 1.5)).sizes.at({1.03, 1.04, 0}), 3.2e-3, kSingle * 1e-2);
+  EXPECT_NEAR(SizeScene(plates(1e-2), goals(1, 1.5), 0.003).sizes.at({1, 1, 0}), 0.03, kSingle);
   Goals g = goals(1, 1.5);
   g.min_edge_length = 0.5;
-  EXPECT_NEAR(Scene(plates(0.1), g).sizes.at({1, 1, 0}), 0.5, kSingle);
+  EXPECT_NEAR(SizeScene(plates(0.1), g).sizes.at({1, 1, 0}), 0.5, kSingle);
   g.min_edge_length = 0;
   g.max_edge_length = 0.25;
-  const Scene coarse(plates(1), g);
+  const SizeScene coarse(plates(1), g);
   EXPECT_EQ(coarse.sizes.at({1, 1, 0}), 0.25);
   EXPECT_TRUE(coarse.sizes.is_uniform());  // nothing finer to say
 }
@@ -185,12 +185,12 @@ TEST(size_field, no_place_has_more_than_twice_what_its_gap_asks_for) {
        {thick_and_thin(), shapes::cylinder(24, 1, 0.2),
         shapes::joined(shapes::sheet(4, 4, 9, 2),
                        shapes::rotated(shapes::moved(shapes::sheet(1, 1, 1, 1), {1, 1, 0.05}), {1, 0, 0}, 5))}) {
-    const Scene scene(mesh, goals(1, 1.5));
+    const SizeScene scene(mesh, goals(1, 1.5));
     Random random(3);
     int finer = 0;
     for (int i = 0; i < 2000; ++i) {
       const auto [point, patch] = scene.place(random);
-      const double gap = scene.gaps.at(point, patch, kFar);
+      const double gap = scene.gaps.at(point, patch, kUnlimited);
       EXPECT_LE(scene.sizes.at(point), 2 * gap * (1 + kSingle));
       finer += scene.sizes.at(point) < 0.5 * gap;
     }
@@ -200,21 +200,21 @@ TEST(size_field, no_place_has_more_than_twice_what_its_gap_asks_for) {
 
 TEST(size_field, it_is_what_the_gaps_ask_for_graded_and_not_much_less) {
   // Against the graded gaps of many places: at() is about the least of them.
-  const Scene scene(thick_and_thin(), goals(1, 1.5));
+  const SizeScene scene(thick_and_thin(), goals(1, 1.5));
   Random random(4);
   std::vector<std::pair<Vec3, double>> seen;
   for (int i = 0; i < 20000; ++i) {
     const auto [point, patch] = scene.place(random);
-    const double gap = scene.gaps.at(point, patch, kFar);
-    if (gap < kFar) seen.push_back({point, gap});
+    const double gap = scene.gaps.at(point, patch, kUnlimited);
+    if (gap < kUnlimited) seen.push_back({point, gap});
   }
-  for (const auto& [v, w] : Scene::segments(scene.chain)) {
+  for (const auto& [v, w] : SizeScene::segments(scene.chain)) {
     const Vec3 &a = scene.chain.surface.positions[v], &b = scene.chain.surface.positions[w];
     for (int i = 0; i <= 64; ++i) seen.push_back({a + (i / 64.0) * (b - a), norm(b - a)});
   }
   for (int i = 0; i < 200; ++i) {
     const Vec3 point = scene.place(random).point;
-    double graded = kFar;
+    double graded = kUnlimited;
     for (const auto& [place, size] : seen) graded = std::min(graded, size + 0.5 * norm(place - point));
     EXPECT_LE(scene.sizes.at(point), 1.5 * graded);
     EXPECT_GE(scene.sizes.at(point), 0.6 * graded);
@@ -226,7 +226,7 @@ TEST(size_field, samples_that_others_make_needless_are_left_out_and_it_stays_the
   const PolygonMesh mesh =
       shapes::joined(shapes::sheet(4, 4, 1, 1),
                      shapes::moved(shapes::rotated(shapes::sheet(4, 4, 1, 1), {0, -1, 0}, 35), {0, 0, 0.0625}));
-  const Scene slow(mesh, goals(1, 1.2)), fast(mesh, goals(1, 3));
+  const SizeScene slow(mesh, goals(1, 1.2)), fast(mesh, goals(1, 3));
   EXPECT_LT(slow.sizes.sample_count(), fast.sizes.sample_count() / 2);
   EXPECT_GT(slow.sizes.sample_count(), 64u);
   Random random(9);
@@ -240,7 +240,7 @@ TEST(size_field, samples_that_others_make_needless_are_left_out_and_it_stays_the
 
 TEST(size_field, it_grows_by_no_more_than_the_slope) {
   for (const double gradation : {1.1, 1.5, 3.0}) {
-    const Scene scene(thick_and_thin(), goals(1, gradation));
+    const SizeScene scene(thick_and_thin(), goals(1, gradation));
     Random random(5);
     for (int i = 0; i < 5000; ++i) {
       const Vec3 x = scene.place(random).point;
@@ -253,7 +253,7 @@ TEST(size_field, it_grows_by_no_more_than_the_slope) {
 
 TEST(size_field, gradation_alone_grades_away_from_short_segments) {
   // A plate with a nick: two segments of 1/32 in a border of 4.
-  const Scene scene(
+  const SizeScene scene(
       shapes::polygon({{0, 0}, {4, 0}, {4, 4}, {0, 4}, {0, 2.03125}, {0.03125, 2.03125}, {0.03125, 2}, {0, 2}}),
       goals(0, 1.25));
   EXPECT_NEAR(scene.sizes.at({0, 2, 0}), 0.03125, kSingle);
@@ -261,7 +261,7 @@ TEST(size_field, gradation_alone_grades_away_from_short_segments) {
   EXPECT_NEAR(scene.sizes.at({0, 1, 0}), 0.03125 + 0.25, kSingle);  // on a segment of length 2
   EXPECT_NEAR(scene.sizes.at({0, 3.03125, 7}), 0.03125 + 0.25 * std::hypot(1, 7), 10 * kSingle);
   // Far from everything else, the size is bounded by the lengths of the segments.
-  const Scene square(shapes::polygon({{0, 0}, {4, 0}, {4, 4}, {0, 4}}), goals(0, 1.25));
+  const SizeScene square(shapes::polygon({{0, 0}, {4, 0}, {4, 4}, {0, 4}}), goals(0, 1.25));
   EXPECT_NEAR(square.sizes.at({1, 0, 0}), 4, 4 * kSingle);
   EXPECT_NEAR(square.sizes.at({2, 2, 0}), 4 + 0.25 * 2, 4 * kSingle);
 }
@@ -270,14 +270,14 @@ TEST(size_field, however_a_surface_lies_sizes_grow_from_its_segments_alike) {
   const PolygonMesh nicked =
       shapes::polygon({{0, 0}, {4, 0}, {4, 4}, {0, 4}, {0, 2.03125}, {0.03125, 2.03125}, {0.03125, 2}, {0, 2}});
   const auto turned = [&](const Vec3& axis, double degrees) { return shapes::rotated(nicked, axis, degrees); };
-  const Scene flat(nicked, goals(0, 1.25));
+  const SizeScene flat(nicked, goals(0, 1.25));
   for (const double degrees : {45.0, 90.0, 17.0}) {
     const Vec3 axis{1, 2, 3};
-    const Scene askew(turned(axis, degrees), goals(0, 1.25));
+    const SizeScene askew(turned(axis, degrees), goals(0, 1.25));
     Random random(9);
     for (int i = 0; i < 500; ++i) {
       // The vertices' positions tell where a place has gone.
-      const Scene::Place x = flat.place(random);
+      const SizeScene::Place x = flat.place(random);
       const auto &from = flat.chain.surface.positions, &to = askew.chain.surface.positions;
       const VertexId o(0), u(1), v(2);
       const Vec3 a = from[u] - from[o], b = from[v] - from[u], c = to[u] - to[o], d = to[v] - to[u];
@@ -294,10 +294,10 @@ TEST(size_field, however_a_part_lies_sizes_from_its_gaps_are_the_same) {
       shapes::sheet(3, 2.3, 1, 1),
       shapes::moved(shapes::rotated(shapes::sheet(1.9, 1.7, 1, 1), {0.2, -1, 0}, 25), {0.4, 0.3, 0.0625}));
   for (const PolygonMesh& part : {wall, wedge}) {
-    const Scene straight(part, goals(1, 1.5));
+    const SizeScene straight(part, goals(1, 1.5));
     for (const double degrees : {90.0, 17.0, 120.0}) {
       const Vec3 axis{1, 2, 3};
-      const Scene askew(shapes::rotated(part, axis, degrees), goals(1, 1.5));
+      const SizeScene askew(shapes::rotated(part, axis, degrees), goals(1, 1.5));
       EXPECT_EQ(straight.sizes.sample_count(), askew.sizes.sample_count());
       Random random(9);
       for (int i = 0; i < 1000; ++i) {
@@ -315,19 +315,19 @@ TEST(size_field, what_crosses_a_facet_has_no_gap_to_it_but_what_is_above_it_has)
   const PolygonMesh crossing =
       shapes::joined(shapes::sheet(4, 4, 1, 1),
                      shapes::moved(shapes::rotated(shapes::sheet(4, 4, 1, 1), {0.2, -1, 0}, 30), {0.1, 0.3, -0.4}));
-  const Scene alone(crossing, goals(1, 1.5));
+  const SizeScene alone(crossing, goals(1, 1.5));
   Random random(9);
-  double least = kFar;
+  double least = kUnlimited;
   for (int i = 0; i < 1000; ++i) least = std::min(least, alone.sizes.at(alone.place(random).point));
   // One triangle of each sheet ends before it reaches the other sheet, so a gap may remain, but no small one.
   EXPECT_GT(least, 0.1);
-  const Scene covered(shapes::joined(crossing, shapes::moved(shapes::sheet(0.5, 0.5, 1, 1), {3.2, 0.4, 0.125})),
-                      goals(1, 1.5));
+  const SizeScene covered(shapes::joined(crossing, shapes::moved(shapes::sheet(0.5, 0.5, 1, 1), {3.2, 0.4, 0.125})),
+                          goals(1, 1.5));
   EXPECT_NEAR(covered.sizes.at({3.4, 0.6, 0}), 0.125, kSingle);
 }
 
 TEST(size_field, a_length_is_allowed_if_it_is_at_most_the_size) {
-  const Scene scene(thick_and_thin(), goals(1, 1.5));
+  const SizeScene scene(thick_and_thin(), goals(1, 1.5));
   Random random(6);
   for (int i = 0; i < 2000; ++i) {
     const Vec3 x = scene.place(random).point;
@@ -338,7 +338,7 @@ TEST(size_field, a_length_is_allowed_if_it_is_at_most_the_size) {
 }
 
 TEST(size_field, what_is_allowed_around_a_place_is_allowed_at_all_places_there) {
-  const Scene scene(thick_and_thin(), goals(1, 1.5));
+  const SizeScene scene(thick_and_thin(), goals(1, 1.5));
   Random random(8);
   for (int i = 0; i < 1000; ++i) {
     const Vec3 x = scene.place(random).point;
@@ -355,7 +355,7 @@ TEST(size_field, what_is_allowed_around_a_place_is_allowed_at_all_places_there) 
 }
 
 TEST(size_field, no_answer_depends_on_what_was_asked_before) {
-  const Scene many(thick_and_thin(), goals(1, 1.5)), few(plates(0.125), goals(1, 1.5));
+  const SizeScene many(thick_and_thin(), goals(1, 1.5)), few(plates(0.125), goals(1, 1.5));
   ASSERT_GT(many.sizes.sample_count(), few.sizes.sample_count());
   Random random(7);
   std::vector<Vec3> places(200);
@@ -374,8 +374,8 @@ TEST(size_field, no_answer_depends_on_what_was_asked_before) {
 }
 
 TEST(size_field, scaling_by_a_power_of_two_scales_it_exactly) {
-  const Scene one(thick_and_thin(), goals(1, 1.5));
-  const Scene big(shapes::scaled(thick_and_thin(), 1024), goals(1, 1.5), 1024e-12);
+  const SizeScene one(thick_and_thin(), goals(1, 1.5));
+  const SizeScene big(shapes::scaled(thick_and_thin(), 1024), goals(1, 1.5), 1024e-12);
   EXPECT_EQ(one.sizes.sample_count(), big.sizes.sample_count());
   Random random(7);
   for (int i = 0; i < 1000; ++i) {
@@ -386,7 +386,8 @@ TEST(size_field, scaling_by_a_power_of_two_scales_it_exactly) {
 
 TEST(size_field, it_is_the_same_for_any_number_of_threads) {
   const auto with = [](int threads) {
-    return tbb::task_arena(threads).execute([] { return std::make_unique<Scene>(thick_and_thin(), goals(2, 1.3)); });
+    return tbb::task_arena(threads).execute(
+        [] { return std::make_unique<SizeScene>(thick_and_thin(), goals(2, 1.3)); });
   };
   const auto one = with(1), four = with(4);
   EXPECT_EQ(one->sizes.sample_count(), four->sizes.sample_count());

@@ -17,7 +17,7 @@ std::string pattern(std::size_t size) {
   return text;
 }
 
-Body in_pieces(const std::string& text, std::size_t piece) {
+Body body_in_pieces(const std::string& text, std::size_t piece) {
   Body body;
   for (std::size_t at = 0; at < text.size(); at += piece) body.append(std::string_view(text).substr(at, piece));
   body.seal();
@@ -28,7 +28,7 @@ TEST(body, what_is_put_in_comes_out_from_memory_or_from_the_file) {
   constexpr std::size_t kEdge = Body::kInMemory;
   for (const std::size_t size : {std::size_t{0}, std::size_t{5}, kEdge - 1, kEdge, kEdge + 1, 3 * kEdge + 77}) {
     const std::string text = pattern(size);
-    const Body body = in_pieces(text, 65'000);
+    const Body body = body_in_pieces(text, 65'000);
     EXPECT_EQ(body.size(), size);
     EXPECT_TRUE(body.view() == text) << size;
     EXPECT_EQ(body.is_in_file(), size > kEdge) << size;
@@ -37,12 +37,12 @@ TEST(body, what_is_put_in_comes_out_from_memory_or_from_the_file) {
 
 TEST(body, one_that_comes_in_a_single_piece_is_the_same) {
   const std::string text = pattern(2 * Body::kInMemory);
-  EXPECT_TRUE(in_pieces(text, text.size()).view() == text);
+  EXPECT_TRUE(body_in_pieces(text, text.size()).view() == text);
 }
 
 TEST(body, it_can_be_handed_on_and_dropped) {
   const std::string text = pattern(2 * Body::kInMemory);
-  Body first = in_pieces(text, 100'000);
+  Body first = body_in_pieces(text, 100'000);
   Body second = std::move(first);
   EXPECT_TRUE(second.view() == text);
   second = Body();
@@ -53,7 +53,7 @@ TEST(body, it_can_be_handed_on_and_dropped) {
 TEST(body, where_no_file_can_be_made_it_lies_in_memory) {
   ::setenv("TMPDIR", "/proc", 1);
   const std::string text = pattern(2 * Body::kInMemory);
-  EXPECT_TRUE(in_pieces(text, 100'000).view() == text);
+  EXPECT_TRUE(body_in_pieces(text, 100'000).view() == text);
   ::unsetenv("TMPDIR");
 }
 

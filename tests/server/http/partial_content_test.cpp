@@ -14,7 +14,7 @@ Response answer() {
 }
 const std::string kTag = "\"ABCDEFGHIJKLMNOPQRSTUV\"";
 
-Response with(const Fields& fields, const std::string& method = "GET") {
+Response answer_with(const Fields& fields, const std::string& method = "GET") {
   RequestHead head;
   head.method = method;
   head.headers = fields;
@@ -29,7 +29,7 @@ std::string header(const Response& response, const std::string& name) {
 }
 
 TEST(partial_content, a_result_has_a_tag_and_takes_ranges) {
-  const Response whole = with({});
+  const Response whole = answer_with({});
   EXPECT_EQ(whole.status, 200);
   EXPECT_EQ(header(whole, "ETag"), kTag);
   EXPECT_EQ(header(whole, "Accept-Ranges"), "bytes");
@@ -38,17 +38,17 @@ TEST(partial_content, a_result_has_a_tag_and_takes_ranges) {
 
 TEST(partial_content, a_client_that_has_it_gets_nothing) {
   for (const std::string& list : {kTag, "W/" + kTag, "\"x\", " + kTag, std::string("*")}) {
-    const Response response = with({{"if-none-match", list}});
+    const Response response = answer_with({{"if-none-match", list}});
     EXPECT_EQ(response.status, 304) << list;
     EXPECT_EQ(response.body, "");
   }
-  EXPECT_EQ(with({{"if-none-match", "\"x\""}, {"if-none-match", kTag}}).status, 304);
-  EXPECT_EQ(with({{"if-none-match", "\"x\""}}).status, 200);
+  EXPECT_EQ(answer_with({{"if-none-match", "\"x\""}, {"if-none-match", kTag}}).status, 304);
+  EXPECT_EQ(answer_with({{"if-none-match", "\"x\""}}).status, 200);
 }
 
 TEST(partial_content, one_range_is_a_part) {
   const auto part = [](const std::string& range) {
-    const Response response = with({{"range", range}});
+    const Response response = answer_with({{"range", range}});
     return std::to_string(response.status) + " " + header(response, "Content-Range") + " " + response.body;
   };
   EXPECT_EQ(part("bytes=2-4"), "206 bytes 2-4/10 234");
@@ -62,16 +62,16 @@ TEST(partial_content, one_range_is_a_part) {
 TEST(partial_content, what_is_no_single_range_gets_the_whole) {
   for (const char* range :
        {"bytes=1-2,4-5", "bytes=4-2", "bytes=", "bytes=x-", "lines=1-2", "bytes", "bytes=-", "bytes=1-2x"})
-    EXPECT_EQ(with({{"range", range}}).status, 200) << range;
-  EXPECT_EQ(with({{"range", "bytes=1-2"}}, "HEAD").status, 200);
-  EXPECT_EQ(with({{"range", "bytes=1-2"}, {"if-range", "\"other\""}}).status, 200);
-  EXPECT_EQ(with({{"range", "bytes=1-2"}, {"if-range", kTag}}).status, 206);
+    EXPECT_EQ(answer_with({{"range", range}}).status, 200) << range;
+  EXPECT_EQ(answer_with({{"range", "bytes=1-2"}}, "HEAD").status, 200);
+  EXPECT_EQ(answer_with({{"range", "bytes=1-2"}, {"if-range", "\"other\""}}).status, 200);
+  EXPECT_EQ(answer_with({{"range", "bytes=1-2"}, {"if-range", kTag}}).status, 206);
 }
 
 TEST(partial_content, a_range_beyond_the_end_is_told_where_the_end_is) {
   for (const char* range : {"bytes=10-", "bytes=99-100", "bytes=-0"}) {
     try {
-      with({{"range", range}});
+      answer_with({{"range", range}});
       ADD_FAILURE() << range;
     } catch (const HttpError& error) {
       EXPECT_EQ(error.problem.status, 416);

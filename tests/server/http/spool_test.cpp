@@ -19,17 +19,17 @@ namespace remesh::server {
 namespace {
 
 /// A connection without a network, and its client's end.
-struct Pair {
-  Pair() {
+struct ConnectedPair {
+  ConnectedPair() {
     log::set_up(log::Format::kText, log::Level::kError);
     std::array<int, 2> ends{};
     if (::socketpair(AF_UNIX, SOCK_STREAM, 0, ends.data()) != 0) throw std::runtime_error("no socket pair");
     connection.emplace(ends[0]);
     client = ends[1];
   }
-  ~Pair() { ::close(client); }
-  Pair(const Pair&) = delete;
-  Pair& operator=(const Pair&) = delete;
+  ~ConnectedPair() { ::close(client); }
+  ConnectedPair(const ConnectedPair&) = delete;
+  ConnectedPair& operator=(const ConnectedPair&) = delete;
 
   std::string read(std::size_t size) const {
     std::string bytes(size, '\0');
@@ -58,7 +58,7 @@ constexpr std::uint64_t kPlenty = 1 << 30;
 TEST(spool, the_rest_of_an_answer_is_in_a_file_until_its_reader_is_gone) {
   const test::TemporaryFolder folder;
   Spool spool(folder.path(), kPlenty, 0);
-  Pair pair;
+  ConnectedPair pair;
   {
     Spool::Reader reader(spool, *pair.connection);
     const std::string rest = sample(3'000'000);
@@ -73,11 +73,11 @@ TEST(spool, the_rest_of_an_answer_is_in_a_file_until_its_reader_is_gone) {
 
 TEST(spool, without_a_folder_answers_stay_in_memory_up_to_a_bound) {
   Spool spool("/nowhere", kPlenty, 100);
-  Pair pair;
+  ConnectedPair pair;
   Spool::Reader reader(spool, *pair.connection);
   EXPECT_FALSE(reader.place(sample(100)));
   EXPECT_EQ(spool.held(), 100u);
-  Pair other;
+  ConnectedPair other;
   Spool::Reader second(spool, *other.connection);
   reader.note_sent(1'000'000);
   EXPECT_THROW(second.place(sample(1)), ConnectionLost) << "it is the slowest";
@@ -86,7 +86,7 @@ TEST(spool, without_a_folder_answers_stay_in_memory_up_to_a_bound) {
 TEST(spool, the_slowest_reader_makes_room_for_another) {
   const test::TemporaryFolder folder;
   Spool spool(folder.path(), 1000, 0);
-  Pair slow, fast;
+  ConnectedPair slow, fast;
   std::optional<Spool::Reader> first(std::in_place, spool, *slow.connection);
   EXPECT_TRUE(first->place(sample(800)));
   Spool::Reader second(spool, *fast.connection);
@@ -103,7 +103,7 @@ TEST(spool, the_slowest_reader_makes_room_for_another) {
 
 TEST(large_answer, a_reader_that_keeps_up_needs_no_spool) {
   Spool spool("/nowhere", 0, 0);
-  Pair pair;
+  ConnectedPair pair;
   const std::string body = sample(20'000'000);
   std::string got;
   std::thread client([&] { got = pair.read(body.size()); });
@@ -115,7 +115,7 @@ TEST(large_answer, a_reader_that_keeps_up_needs_no_spool) {
 TEST(large_answer, a_reader_that_pauses_gets_the_same_bytes_from_the_spool) {
   const test::TemporaryFolder folder;
   Spool spool(folder.path(), kPlenty, 0);
-  Pair pair;
+  ConnectedPair pair;
   const std::string body = sample(20'000'000);
   std::atomic<bool> is_released = false;
   std::thread server([&] { send_large(*pair.connection, body, spool, [&] { is_released = true; }); });
