@@ -57,6 +57,8 @@ class JsonWriter {
   }
 
   void reserve(std::size_t bytes) { out_.reserve(bytes); }
+  std::size_t size() const { return out_.size(); }
+  std::size_t capacity() const { return out_.capacity(); }
   std::string take() { return std::move(out_); }
 
  private:

@@ -15,12 +15,32 @@ class Pace {
  public:
   explicit Pace(RunControl& control) : control_(control) {}
   void operator()() {
-    if ((++count_ & 4095u) == 0) control_.check();
+    if ((++count_ & 4095u) == 0) control_.check_and_move();
+  }
+
+ protected:
+  RunControl& control_;
+  std::uint32_t count_ = 0;
+};
+
+/// Does the same, and reserves memory for the rest of a list whose elements have about the same length. To copy half a
+/// gigabyte of text each time it has doubled would take a while in which nobody could stop.
+class PaceOfList : Pace {
+ public:
+  PaceOfList(RunControl& control, JsonWriter& json, std::size_t elements)
+      : Pace(control), json_(json), begin_(json.size()), elements_(elements) {}
+  void operator()() {
+    Pace::operator()();
+    if ((count_ & 4095u) != 0) return;
+    const double of_each = static_cast<double>(json_.size() - begin_) / count_;
+    constexpr double kSlack = 1.02;
+    const auto expected = begin_ + static_cast<std::size_t>(kSlack * of_each * static_cast<double>(elements_));
+    if (json_.capacity() < expected) json_.reserve(expected + expected / 16);
   }
 
  private:
-  RunControl& control_;
-  std::uint32_t count_ = 0;
+  JsonWriter& json_;
+  std::size_t begin_, elements_;
 };
 
 void write_point(JsonWriter& json, const Vec3& p) {
@@ -210,7 +230,7 @@ void write_surface(JsonWriter& json, SurfaceId id, const RecognisedSurface& surf
 }
 
 void write_surfaces(JsonWriter& json, const RecognisedSurfaces& surfaces, ReportKind kind, RunControl& control) {
-  Pace pace(control);
+  PaceOfList pace(control, json, surfaces.surfaces.size());
   json.begin_array();
   SurfaceId id(0);
   for (const RecognisedSurface& surface : surfaces.surfaces) {
@@ -223,7 +243,8 @@ void write_surfaces(JsonWriter& json, const RecognisedSurfaces& surfaces, Report
 
 void write_patches(JsonWriter& json, const std::vector<PatchSummary>& patches, const RecognisedSurfaces& surfaces,
                    ReportKind kind, RunControl& control) {
-  Pace pace(control);
+  // The surfaces follow. Most of them take less than twice as much text as a patch.
+  PaceOfList pace(control, json, patches.size() + 2 * surfaces.surfaces.size());
   json.begin_array();
   for (std::size_t id = 0; id < patches.size(); ++id) {
     pace();

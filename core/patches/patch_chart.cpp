@@ -116,7 +116,9 @@ IdVector<PatchId, Frame> PatchCharts::planes(RunControl& control) const {
 }
 
 IdVector<PatchId, Vec3> PatchCharts::normals(RunControl& control) const {
-  IdVector<PatchId, Vec3> normals(size());
+  IdVector<PatchId, Vec3> normals;
+  reserve_pages(normals.items(), size(), control);
+  normals.resize(size());
   for_blocks(size(), kItemsPerBlock, control, [&](std::size_t i, std::size_t end) {
     for (; i < end; ++i) {
       const PatchId p(i);

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/base/blocks.h"
+#include "core/base/pages.h"
 #include "core/base/stoppable.h"
 #include "core/refinement/strips.h"
 
@@ -350,9 +351,9 @@ EdgeSizes::EdgeSizes(const SampledEdges& edges, const TriangulatedPatches& trian
   beside_segment_ = 2 / tangent_of(std::max(goals.min_angle_deg, least_strip_angle_deg(sizes)));
   beside_vertex_ = kBesideVertex * slack_ * 2 / tangent_;
   if (sizes.is_uniform()) asked_ = asked_for(goals, sizes, PatchChart(), {});
-  control.memory().ask_for<double>(edges.sample_count());
+  reserve_pages(length_, edges.sample_count(), control);
   length_.resize(edges.sample_count());
-  control.memory().ask_for<Limits>(edges.size());
+  reserve_pages(limits_, edges.size(), control);
   limits_.resize(edges.size());
   excused_side_.assign(edges_.triangle_count(), kNoSide);
   find_excused(triangulated, control);

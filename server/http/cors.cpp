@@ -23,7 +23,8 @@ Cors::Cors(std::string_view origins) {
 }
 
 bool Cors::allows(std::string_view origin) const {
-  return std::any_of(origins_.begin(), origins_.end(), [&](const std::string& o) { return o == kAnyOrigin || o == origin; });
+  return std::any_of(origins_.begin(), origins_.end(),
+                     [&](const std::string& o) { return o == kAnyOrigin || o == origin; });
 }
 
 Fields Cors::headers(const RequestHead& head, std::string_view allow) const {

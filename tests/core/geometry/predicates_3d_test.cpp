@@ -78,6 +78,30 @@ TEST(predicates_3d, points_ulps_from_a_plane_agree_with_the_oracle) {
   EXPECT_GT(*std::min_element(signs, signs + 3), 1000);
 }
 
+/// The determinant stays as it is while multiples of rows and columns are added to others, and its terms become ever
+/// larger: in the end it is their difference in the last of 150 bits.
+TEST(predicates_3d, the_last_bit_of_the_volume_decides) {
+  constexpr double kLargest = 0x1p50;
+  Random random(5);
+  for (int i = 0; i < 5000; ++i) {
+    const int volume = i % 3 - 1;
+    double m[3][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, static_cast<double>(volume)}};
+    for (int steps = 0; steps < 200; ++steps) {
+      const int from = random.integer(0, 2), to = (from + random.integer(1, 2)) % 3;
+      const double factor = random.integer(0, 1) * 2 - 1;
+      const bool is_of_rows = random.chance(0.5);
+      const auto changed = [&](int k) {
+        return is_of_rows ? m[to][k] + factor * m[from][k] : m[k][to] + factor * m[k][from];
+      };
+      if (std::max({std::fabs(changed(0)), std::fabs(changed(1)), std::fabs(changed(2))}) > kLargest) break;
+      for (int k = 0; k < 3; ++k) (is_of_rows ? m[to][k] : m[k][to]) = changed(k);
+    }
+    const Vec3 a{double(random.below(1000)), double(random.below(1000)), double(random.below(1000))};
+    const auto point = [&](int row) { return a + Vec3{m[row][0], m[row][1], m[row][2]}; };
+    ASSERT_EQ(compare(a, point(0), point(1), point(2)), volume) << i;
+  }
+}
+
 TEST(predicates_3d, points_of_a_small_grid_have_the_sign_of_integer_arithmetic_at_the_ends_of_the_range) {
   Random random(4);
   int coplanar = 0;
