@@ -81,6 +81,19 @@ struct NoTag {
   void join(NoTag) {}
 };
 
+/// The offsets of trees in which bounds depend on distances alone.
+struct NoOffsets {
+  static constexpr int kAxes = 3;
+};
+/// Searches add a value to the distance from an entry, and an offset is this value as a length. A node whose entries
+/// differ more in their offsets than in their places is split by the offsets, as if they were a fourth axis. Otherwise
+/// its bound would be too low for most of its entries.
+template <class Of>
+struct Offsets {
+  static constexpr int kAxes = 4;
+  Of of;  ///< called with a tag
+};
+
 /// Boxes in the slots of a SlotTree. A node of the tree stores a box and a tag, and nothing else.
 /// Tag:    a type with a function `Tag::join(other)`, after which the tag is true of both.
 /// Holds:  the order of the slots depends on the boxes alone, not on threads.
@@ -95,7 +108,8 @@ class BoxTree {
 
   BoxTree() = default;
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
-  BoxTree(std::span<const Entry> entries, RunControl& control);
+  template <class TheOffsets = NoOffsets>
+  BoxTree(std::span<const Entry> entries, RunControl& control, const TheOffsets& offsets = {});
 
   std::size_t size() const { return entries_.size(); }
   const Entry& operator[](std::size_t slot) const { return entries_[slot]; }
@@ -121,7 +135,8 @@ class BoxTree {
  private:
   static constexpr std::size_t kBlock = 4096;
 
-  void sort(std::span<const Entry> entries, RunControl& control);
+  template <class TheOffsets>
+  void sort(std::span<const Entry> entries, const TheOffsets& offsets, RunControl& control);
   static void join(Entry& entry, const Entry& other) {
     entry.box.add(other.box);
     entry.tag.join(other.tag);
@@ -138,10 +153,11 @@ class BoxTree {
 };
 
 template <class Tag>
-BoxTree<Tag>::BoxTree(std::span<const Entry> entries, RunControl& control)
+template <class TheOffsets>
+BoxTree<Tag>::BoxTree(std::span<const Entry> entries, RunControl& control, const TheOffsets& offsets)
     : slots_(entries.size()), entries_(entries.size()), number_(entries.size()) {
   if (entries.empty()) return;
-  sort(entries, control);
+  sort(entries, offsets, control);
   nodes_.resize(slots_.node_count());
   const auto joined = [](Entry entry, const Entry& other) {
     join(entry, other);
@@ -156,20 +172,22 @@ BoxTree<Tag>::BoxTree(std::span<const Entry> entries, RunControl& control)
 }
 
 template <class Tag>
-void BoxTree<Tag>::sort(std::span<const Entry> entries, RunControl& control) {
+template <class TheOffsets>
+void BoxTree<Tag>::sort(std::span<const Entry> entries, const TheOffsets& offsets, RunControl& control) {
   struct Place {
-    std::array<float, 3> centre;  ///< twice the box's centre
+    std::array<float, TheOffsets::kAxes> centre;  ///< twice the box's centre, and the offset if there is one
     std::uint32_t number;
   };
   Unset<Place> places(size());
   for_blocks(size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
       for (int axis = 0; axis < 3; ++axis) places[i].centre[axis] = entries[i].box.min[axis] + entries[i].box.max[axis];
+      if constexpr (TheOffsets::kAxes > 3) places[i].centre[3] = 2 * offsets.of(entries[i].tag);
       places[i].number = static_cast<std::uint32_t>(i);
     }
   });
   slots_.sort(std::span(places), control, [&](std::span<Place> of_node, std::size_t middle) {
-    split_widest(
+    split_widest<TheOffsets::kAxes>(
         of_node, middle, [](const Place& p) -> const auto& { return p.centre; },
         [](const Place& p) { return p.number; }, control);
   });

@@ -80,22 +80,22 @@ class SlotTree {
 /// `middle` on.
 /// Input:  centre_of(item) is the place of an item, by axis. tie_of(item) orders items at one place.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
-template <class Item, class CentreOf, class TieOf>
+template <int kAxes = 3, class Item, class CentreOf, class TieOf>
 void split_widest(std::span<Item> items, std::size_t middle, const CentreOf& centre_of, const TieOf& tie_of,
                   RunControl& control) {
   control.check();
   using Coordinate = std::decay_t<decltype(centre_of(items.front())[0])>;
-  std::array<Coordinate, 3> min, max;
+  std::array<Coordinate, kAxes> min, max;
   min.fill(std::numeric_limits<Coordinate>::infinity());
   max.fill(-std::numeric_limits<Coordinate>::infinity());
   for (const Item& item : items)
-    for (int axis = 0; axis < 3; ++axis) {
+    for (int axis = 0; axis < kAxes; ++axis) {
       const Coordinate x = centre_of(item)[axis];
       min[axis] = std::min(min[axis], x);
       max[axis] = std::max(max[axis], x);
     }
   int widest = 0;
-  for (int axis = 1; axis < 3; ++axis)
+  for (int axis = 1; axis < kAxes; ++axis)
     if (max[axis] - min[axis] > max[widest] - min[widest]) widest = axis;
   std::uint32_t comparisons = 0;
   std::nth_element(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(middle), items.end(),

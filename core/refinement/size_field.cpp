@@ -378,7 +378,11 @@ void SizeField::set_samples(std::span<const Sample> samples, RunControl& control
   std::vector<Samples::Entry> entries;
   entries.reserve(samples.size());
   for (const Sample& sample : samples) entries.push_back(sample.entry);
-  samples_ = Samples(entries, control);
+  const auto offset = [&](const Size& size) {
+    constexpr double kFarthest = 0x1p100;  // this is for fields that hardly grow
+    return static_cast<float>(size.value < kFarthest * slope_ ? size.value / slope_ : kFarthest);
+  };
+  samples_ = Samples(entries, control, Offsets<decltype(offset)>{offset});
   const auto in_order = [&](auto& of_slots, auto Sample::*member) {
     of_slots.resize(samples.size());
     for (std::size_t slot = 0; slot < samples.size(); ++slot) of_slots[slot] = samples[samples_.number(slot)].*member;

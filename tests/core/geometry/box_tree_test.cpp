@@ -90,6 +90,31 @@ TEST(box_tree, the_best_of_all_is_found_for_any_number_of_boxes) {
   }
 }
 
+/// One in a hundred of the boxes asks for little, and the others, which are in the same places, for much.
+TEST(box_tree, what_differs_in_its_offsets_is_not_in_one_node) {
+  RunControl control;
+  Random random(4);
+  std::vector<Tree::Entry> entries = boxes(20000);
+  for (std::size_t i = 0; i < entries.size(); ++i) entries[i].tag.value = i % 100 == 0 ? 0.25f : 10.0f;
+  const auto offset = [](Least size) { return size.value; };
+  const Tree plain(entries, control), split(entries, control, Offsets<decltype(offset)>{offset});
+  std::size_t looks_at_plain = 0, looks_at_split = 0;
+  for (int i = 0; i < 100; ++i) {
+    const Vec3 p{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+    const auto best_of = [&](const Tree& tree, std::size_t& looks) {
+      const auto value = [&](const Tree::Entry& e) {
+        ++looks;
+        return e.tag.value + std::sqrt(squared_distance(e.box, p));
+      };
+      double best = HUGE_VAL;
+      tree.search(best, value, [&](std::size_t slot) { best = std::min(best, value(tree[slot])); });
+      return best;
+    };
+    EXPECT_EQ(best_of(split, looks_at_split), best_of(plain, looks_at_plain));
+  }
+  EXPECT_LT(4 * looks_at_split, 3 * looks_at_plain);
+}
+
 TEST(box_tree, what_has_no_finite_bound_is_never_visited) {
   RunControl control;
   const Tree tree(boxes(100), control);
