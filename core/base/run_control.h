@@ -71,8 +71,8 @@ class RunControl {
  private:
   /// Progress moves once in so many calls of `check` by a thread, since some work calls it for each item.
   static constexpr std::uint32_t kChecksPerMove = 16;
-  /// All moves together are at most this share of the progress that is left, and half of that after so many moves. So
-  /// much is left that even after minutes of work that nobody counts, a second of it moves progress by a millionth.
+  /// All moves together are at most this share of the progress that is left, and half of that after so many moves. With
+  /// a few thousand moves a second, each second moves progress by a millionth or more for some minutes.
   static constexpr double kShareOfMoves = 0.25, kHalfOfMoves = 16000, kNearlyAll = 0.95;
 
   enum class Reason : std::int8_t { kNone, kCancelled, kTimeout };

@@ -96,7 +96,7 @@ struct Offsets {
 
 /// Boxes in the slots of a SlotTree. A node of the tree stores a box and a tag, and nothing else.
 /// Tag:    a type with a function `Tag::join(other)`, after which the tag is true of both.
-/// Holds:  the order of the slots depends on the boxes alone, not on threads.
+/// Holds:  the order of the slots depends on the boxes and their offsets alone, not on threads.
 /// Cost:   O(n log n) to build, in parallel.
 template <class Tag>
 class BoxTree {

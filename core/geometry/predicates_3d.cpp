@@ -19,8 +19,8 @@ constexpr int kMaxNarrower = 10;
 
 /// A number of twice the usual precision, as the sum of a double and its rounding error.
 /// Source: Joldes, Muller and Popescu, Tight and rigorous error bounds for basic building blocks of double-word
-///         arithmetic, 2017. The relative error is at most 3 u^2 for sums (algorithm 6, AccurateDWPlusDW) and 7 u^2 for
-///         products (algorithm 10, DWTimesDW1), where u is 2^-53.
+///         arithmetic, 2017. The relative error is hardly more than 3 u^2 for sums (algorithm 6, AccurateDWPlusDW) and
+///         at most 7 u^2 for products (algorithm 10, DWTimesDW1), where u is 2^-53.
 using Twofold = exact::Rounded;
 
 Twofold sum(Twofold a, Twofold b) {

@@ -25,6 +25,7 @@ int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 /// Input:  finite coordinates of any magnitude.
 /// Holds:  predicates have the same sign on the result as on the input, as long as every coordinate that is not 0 is at
 ///         least 2^-499 of the largest. Smaller coordinates may lose digits.
+/// Errors: kOutOfMemory - see MemoryBound; kCancelled, kTimeout - asked to stop through `control`.
 std::vector<Vec3> scaled_for_predicates(std::span<const Vec3> positions, RunControl& control);
 
 /// The part of a predicate that the filter cannot decide. Callers use the predicate above, not this.

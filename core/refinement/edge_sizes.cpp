@@ -1,5 +1,4 @@
 #include "core/refinement/edge_sizes.h"
-#include "core/refinement/min_spacing.h"
 
 #include <algorithm>
 #include <array>
@@ -13,6 +12,7 @@
 #include "core/base/blocks.h"
 #include "core/base/pages.h"
 #include "core/base/stoppable.h"
+#include "core/refinement/min_spacing.h"
 #include "core/refinement/strips.h"
 
 namespace remesh {

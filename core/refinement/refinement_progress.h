@@ -10,7 +10,7 @@
 namespace remesh {
 
 /// Compares the number of triangles with the number that a prediction expects. There may be twice as many as expected;
-/// then the progress stands at 99 %. All members may be called from any thread.
+/// then the progress stands at 95 %. All members may be called from any thread.
 class RefinementProgress {
  public:
   RefinementProgress(RunControl& control, double expected) : control_(control), expected_(std::max(expected, 1.0)) {}
@@ -24,7 +24,7 @@ class RefinementProgress {
     double known = fraction_;
     while (known < fraction && !fraction_.compare_exchange_weak(known, fraction)) {
     }
-    control_.progress(std::min(0.99, std::max(known, fraction)));
+    control_.progress(std::min(0.95, std::max(known, fraction)));
   }
 
   void check() const { control_.check(); }

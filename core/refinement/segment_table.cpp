@@ -1,5 +1,4 @@
 #include "core/refinement/segment_table.h"
-#include "core/refinement/min_spacing.h"
 
 #include <tbb/blocked_range.h>
 
@@ -16,6 +15,7 @@
 #include "core/base/stoppable.h"
 #include "core/refinement/column_cuts.h"
 #include "core/refinement/local_features.h"
+#include "core/refinement/min_spacing.h"
 #include "core/refinement/segment_depths.h"
 #include "core/refinement/strips.h"
 

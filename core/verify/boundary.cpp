@@ -106,9 +106,11 @@ struct OutputPoints {
   Vec3 operator()(VertexId v) const { return model.output_point(v); }
 };
 
-/// Makes a list of chains that need not grow. To copy millions of them would take a while in which nobody could stop.
-std::vector<Chain> room_for_chains(const BoundaryGraph& graph) {
+/// Makes a list for the chains of a graph that need not grow. To copy millions of them would take a while in which
+/// nobody could stop.
+std::vector<Chain> list_for(const BoundaryGraph& graph, RunControl& control) {
   std::vector<Chain> chains;
+  control.memory().ask_for<Chain>(graph.edges().size());
   chains.reserve(graph.edges().size());
   return chains;
 }
@@ -284,7 +286,7 @@ class BoundaryCheck {
   FoundFaults& faults_;
   RunControl& control_;
 
-  std::vector<Chain> input_chains_ = room_for_chains(input_), output_chains_ = room_for_chains(output_);
+  std::vector<Chain> input_chains_ = list_for(input_, control_), output_chains_ = list_for(output_, control_);
   StoredChains stored_input_, stored_output_;  ///< the chains that may be cut anew
   Boundary result_;
 };

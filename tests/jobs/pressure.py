@@ -410,6 +410,12 @@ def case_clock(run, store):
     run.tell("10 years ahead, behind, and right")
 
 
+def is_nothing_claimed(daemon, seconds):
+    claims = len(daemon.logged("job claimed"))
+    time.sleep(seconds)
+    return len(daemon.logged("job claimed")) == claims
+
+
 def case_damaged(run, store):
     """Rows and blobs damaged in every way that the tables allow, beside sound jobs: nobody else is harmed."""
     kinds = damages(not store.postgres)
@@ -447,9 +453,9 @@ def case_damaged(run, store):
         expect(not errors, f"{errors[:2]}")
         expect_done(daemon, accepted(submit(daemon.port)))
         wait_for(lambda: ask(daemon.port, "GET", "/readyz").status == 200)
-        claims = len(daemon.logged("job claimed"))
-        time.sleep(2)
-        expect(len(daemon.logged("job claimed")) == claims, "something is claimed again and again")
+        # On a busy machine, the last job that was put back may still have its turn.
+        expect(any(is_nothing_claimed(daemon, 2) for _ in range(8)) and is_nothing_claimed(daemon, 4),
+               "something is claimed again and again")
         run.tell(f"{len(kinds)} kinds: " + ", ".join(f"{count} {end}" for end, count in sorted(ends.items())) +
                  f"; 20 sound jobs done within {slowest:.1f} s")
         run.stops(daemon)
