@@ -38,6 +38,15 @@ class RunControl {
     moves_.fetch_add(1, std::memory_order_relaxed);
   }
 
+  /// Does the same as `check` for comparisons of a sort. There are so many of them that progress moves only once in
+  /// thousands: as moves add up, each moves it less, and little would be left for the work after the sort.
+  void check_comparison() const {
+    const Reason reason = stop_.load(std::memory_order_relaxed);
+    if (reason != Reason::kNone) throw_stopped(reason);
+    thread_local std::uint32_t comparisons = 0;
+    if (++comparisons % kComparisonsPerMove == 0) moves_.fetch_add(1, std::memory_order_relaxed);
+  }
+
   /// Enters a stage. Progress starts again at 0. Checks for cancellation.
   void enter(Stage stage) {
     check();
@@ -71,6 +80,7 @@ class RunControl {
  private:
   /// Progress moves once in so many calls of `check` by a thread, since some work calls it for each item.
   static constexpr std::uint32_t kChecksPerMove = 16;
+  static constexpr std::uint32_t kComparisonsPerMove = 1 << 14;
   /// All moves together are at most this share of the progress that is left, and half of that after so many moves. With
   /// a few thousand moves a second, each second moves progress by a millionth or more for some minutes.
   static constexpr double kShareOfMoves = 0.25, kHalfOfMoves = 16000, kNearlyAll = 0.95;
