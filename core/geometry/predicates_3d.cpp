@@ -37,7 +37,7 @@ Twofold product(Twofold a, Twofold b) {
 Twofold negative(Twofold a) { return {-a.value, -a.error}; }
 
 /// The sign of orient3d if numbers of twice the usual precision are sure of it, otherwise 0. Nearly all points that lie
-/// within the rounding of one plane are told apart by it, in a tenth of the time of expansions.
+/// within the rounding of one plane are told apart by it, in a sixth of the time of expansions.
 int twofold_orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   using Vector = std::array<Twofold, 3>;
   const auto from_a = [&](const Vec3& p) {

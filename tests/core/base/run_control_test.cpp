@@ -32,6 +32,7 @@ TEST(run_control, every_point_of_cancellation_ends_with_the_reason) {
   expired.expire();
   for (const auto& work : {std::function<void(RunControl&)>([](RunControl& c) { c.check(); }),
                            std::function<void(RunControl&)>([](RunControl& c) { c.check_and_move(); }),
+                           std::function<void(RunControl&)>([](RunControl& c) { c.check_comparison(); }),
                            std::function<void(RunControl&)>([](RunControl& c) { c.enter(Stage::kVerify); }),
                            std::function<void(RunControl&)>([](RunControl& c) { c.progress(1); })}) {
     EXPECT_EQ(code_of([&] { work(cancelled); }), Code::kCancelled);
@@ -56,6 +57,14 @@ TEST(run_control, progress_moves_at_each_check_of_work_that_checks_seldom) {
     EXPECT_GT(control.fraction(), before);
   }
   EXPECT_LT(control.fraction(), 0.1);
+}
+
+TEST(run_control, a_million_comparisons_leave_nearly_all_of_the_progress) {
+  RunControl control;
+  control.enter(Stage::kWeld);
+  for (int i = 0; i < 1'000'000; ++i) control.check_comparison();
+  EXPECT_GT(control.fraction(), 0);
+  EXPECT_LT(control.fraction(), 0.01);
 }
 
 TEST(run_control, a_new_stage_starts_at_no_progress) {
