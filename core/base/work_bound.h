@@ -70,9 +70,14 @@ constexpr std::uint64_t work_of_sizes_after(std::uint64_t earlier, std::uint64_t
   return std::clamp(all - std::min(all, earlier), max_steps / 8, max_steps);
 }
 
-/// The search for the smallest gap of the whole surface, from one triangle after the other. A step is a box. Good
-/// surfaces take up to 850 steps for each triangle, most of them fewer than 200.
+/// The search for the smallest gap of the whole surface, from the corners of patches and from one triangle after the
+/// other. A step is a box. Good surfaces take up to 850 steps for each triangle, most of them fewer than 200.
 inline constexpr StageWork kWorkOfSmallestGap{64, 1, 1 << 18};
+
+/// The searches for gaps that tell which triangles are larger than the gaps beside them. A step is a box. Where patches
+/// have many triangles, these take up to 20 steps each on good surfaces, times the logarithm. Single ones take up to
+/// 150.
+inline constexpr StageWork kWorkOfMisses{0, 64, 1 << 22};
 
 /// The refinement of one patch, compared with the triangles that it has so far. A step is a triangle that is treated,
 /// or eight triangles that walks and cavities go through for one point. Good patches take fewer than 17 steps for each

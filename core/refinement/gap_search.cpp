@@ -144,6 +144,12 @@ struct Uncounted {
   std::span<const PatchId> crossing;  ///< these patches do not count; ascending
 };
 
+/// Holds squares of gaps in local units: those that are not below `below` do not count, and one that is at most
+/// `enough` ends the search.
+struct Wanted {
+  double below, enough;
+};
+
 /// Returns the range of the products of the layer's direction with the corners of a triangle.
 Products products(const Layer& layer, const Corners3& triangle) {
   const auto [least, most] =
@@ -241,16 +247,18 @@ class GapSearch::Index {
     find_boxes(control);
   }
 
+  /// Input: `enough` is the `enough` of GapSearch::at, in model units. If narrow gaps do not count, the search goes on
+  ///        all the same, because whether a side has a gap at all depends on the nearest point.
   double distance(const Vec3& place, PatchId patch, double limit, What what, const Uncounted& uncounted,
-                  WorkBound* work) const {
-    const double below = limit / surface_.unit;
+                  WorkBound* work, double enough = 0) const {
+    const double below = limit / surface_.unit, low = std::max(enough, 0.0) / surface_.unit;
     const Vec3 from = (1 / surface_.unit) * (place - surface_.centre);
     double found = HUGE_VAL;
     if (!(min_height_ > 0))
-      found = squared_gap(from, patch, below * below, what, uncounted, work).squared;
+      found = squared_gap(from, patch, {below * below, low * low}, what, uncounted, work).squared;
     else if (below > min_height_)
       for (const Side side : {Side::kAbove, Side::kBelow}) {
-        const Gap gap = squared_gap(from, patch, std::min(found, below * below), what, uncounted, work, side);
+        const Gap gap = squared_gap(from, patch, {std::min(found, below * below), 0}, what, uncounted, work, side);
         if (gap.height >= min_height_) found = std::min(found, gap.squared);
       }
     return std::sqrt(found) * surface_.unit;
@@ -277,20 +285,28 @@ class GapSearch::Index {
   void find_solids(const Adjacency& adjacency, const PatchSet& patches, RunControl& control);
   void find_boxes(RunControl& control);
   Layer layer_of(std::span<const std::uint32_t> triangles) const;
-  void look_at_corners(SharedLeast& least, RunControl& control) const;
-  bool look_between_triangles(SharedLeast& least, std::uint64_t max_output_faces, RunControl& control) const;
+  /// Tells what a look at a block of items, patches or slots, has taken.
   struct Looked {
     std::uint64_t steps = 0;
-    std::vector<std::uint32_t> cut_short;  ///< slots from which not all was seen
+    std::vector<std::uint32_t> cut_short;  ///< items from which not all was seen
   };
-  Looked look_from(std::span<const std::uint32_t> slots, double known, std::uint64_t max_steps, SharedLeast& least,
-                   RunControl& control) const;
+  /// Holds what a block of items is looked at with. Each item may take `max_steps`.
+  struct Block {
+    std::span<const std::uint32_t> items;
+    double known;  ///< the square of a gap; only what is below it counts
+    std::uint64_t max_steps;
+  };
+  template <class Look>
+  static bool look_from_all(std::size_t count, WorkBound& work, const SharedLeast& least, RunControl& control,
+                            const Look& look);
+  Looked look_at_corners(const Block& patches, SharedLeast& least, RunControl& control) const;
+  Looked look_from(const Block& slots, SharedLeast& least, RunControl& control) const;
   /// The nearest point that counts: the square of its distance, and its height over the patch's plane. Both are
   /// infinity if there is none.
   struct Gap {
     double squared = HUGE_VAL, height = HUGE_VAL;
   };
-  Gap squared_gap(const Vec3& p, PatchId patch, double below, What what, const Uncounted& uncounted, WorkBound* work,
+  Gap squared_gap(const Vec3& p, PatchId patch, Wanted wanted, What what, const Uncounted& uncounted, WorkBound* work,
                   Side side = Side::kBoth) const;
   double squared_beside(std::span<const Corners3> pieces, PatchId patch, double below, WorkBound* work) const;
 
@@ -441,12 +457,13 @@ Layer GapSearch::Index::layer_of(std::span<const std::uint32_t> triangles) const
   return layer;
 }
 
-/// Returns the gap at p in local units, or none if its square is not below `below`.
-GapSearch::Index::Gap GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below, What what,
+/// Returns the gap at p in local units, or none if its square is not below what is wanted.
+GapSearch::Index::Gap GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, Wanted wanted, What what,
                                                     const Uncounted& uncounted, WorkBound* work, Side side) const {
   const bool is_all = what == What::kAll;
   StepCounter steps(work);
-  double best = below, height = HUGE_VAL;
+  double best = wanted.below;
+  Gap gap;
   const Slab slab = slabs_.at(patch, p);
   HiddenPatches is_hidden(contacts_, slabs_, p, patch);
   tree_.search(
@@ -479,10 +496,10 @@ GapSearch::Index::Gap GapSearch::Index::squared_gap(const Vec3& p, PatchId patch
         if (contacts_.has_way(patch, p, other, q, kDetour * std::sqrt(d))) return;
         if (std::binary_search(uncounted.crossing.begin(), uncounted.crossing.end(), other)) return;
         if (uncounted.on != nullptr && do_intersect(*uncounted.on, triangle(slot), surface_.local.items())) return;
-        best = d;
-        height = std::fabs(up);
+        gap = {d, std::fabs(up)};
+        best = d <= wanted.enough ? 0 : d;  // nothing is below 0
       });
-  return best < below ? Gap{best, height} : Gap{};
+  return gap;
 }
 
 /// Returns the square of the result of `beside` in local units, or infinity if it is not below `below`.
@@ -548,68 +565,78 @@ double GapSearch::Index::squared_beside(std::span<const Corners3> pieces, PatchI
 
 std::optional<double> GapSearch::Index::smallest(std::uint64_t max_output_faces, RunControl& control) const {
   SharedLeast least;
+  WorkBound work(kWorkOfSmallestGap.steps(tree_.size(), max_output_faces), &control);
+  const auto at_corners = [&](const Block& patches) { return look_at_corners(patches, least, control); };
+  const auto between = [&](const Block& slots) { return look_from(slots, least, control); };
   // Corners are looked at first, because that is cheap and the result makes the other search short.
-  look_at_corners(least, control);
-  if (!look_between_triangles(least, max_output_faces, control)) return std::nullopt;
+  if (!look_from_all(patch_count(), work, least, control, at_corners) ||
+      !look_from_all(tree_.size(), work, least, control, between))
+    return std::nullopt;
   return least.get() < HUGE_VAL ? std::optional(std::sqrt(least.get()) * surface_.unit) : std::nullopt;
 }
 
-void GapSearch::Index::look_at_corners(SharedLeast& least, RunControl& control) const {
-  for_blocks(patch_count(), 64, control, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t p = begin; p < end; ++p) {
-      const std::vector<VertexId> corners = contacts_.corners(PatchId(p), 3, kMaxPatchesAtCorner);
-      const std::size_t step = 1 + corners.size() / kMaxCornersOfPatch;
-      for (std::size_t i = 0; i < corners.size(); i += step) {
-        control.check();
-        least.lower(
-            squared_gap(surface_.local[corners[i]], PatchId(p), least.get(), What::kFaced, {}, nullptr).squared);
-      }
-    }
-  });
-}
-
-/// Looks from one triangle after the other. What is found makes the later searches short. The triangles are looked at
-/// in batches that grow, and those of a batch know what was found in the batches before, and in their own block. So the
-/// steps that a batch takes do not depend on threads. A triangle that needs more than its share of the steps comes once
+/// Looks from one item after the other. What is found makes the later searches short. The items are looked at in
+/// batches that grow, and those of a batch know what was found in the batches before, and in their own block. So the
+/// steps that a batch takes do not depend on threads. An item that needs more than its share of the steps comes once
 /// more at the end, when others have left some.
 /// Output: false if the bound on the work was spent before all was seen.
-bool GapSearch::Index::look_between_triangles(SharedLeast& least, std::uint64_t max_output_faces,
-                                              RunControl& control) const {
+template <class Look>
+bool GapSearch::Index::look_from_all(std::size_t count, WorkBound& work, const SharedLeast& least, RunControl& control,
+                                     const Look& look) {
   constexpr std::size_t kFirstBatch = 1024, kBlock = 256, kUneven = 4;
   constexpr std::uint64_t kMinSteps = 256;
-  WorkBound work(kWorkOfSmallestGap.steps(tree_.size(), max_output_faces), &control);
-  std::vector<std::uint32_t> slots(tree_.size()), later;
-  std::iota(slots.begin(), slots.end(), 0u);
+  std::vector<std::uint32_t> items(count), later;
+  std::iota(items.begin(), items.end(), 0u);
   for (int pass = 0; pass < 2; ++pass) {
     std::size_t size = kFirstBatch;
-    for (std::size_t begin = 0; begin < slots.size(); begin += std::exchange(size, 2 * size)) {
+    for (std::size_t begin = 0; begin < items.size(); begin += std::exchange(size, 2 * size)) {
       if (work.is_spent()) return false;
-      const std::size_t count = std::min(size, slots.size() - begin);
-      const std::uint64_t max_steps = std::max(kMinSteps, work.left() / (slots.size() - begin) * kUneven);
+      const std::size_t in_batch = std::min(size, items.size() - begin);
+      const std::uint64_t max_steps = std::max(kMinSteps, work.left() / (items.size() - begin) * kUneven);
       const double known = least.get();
-      const auto looked = map_blocks<Looked>(count, kBlock, control, [&](std::size_t from, std::size_t to) {
-        return look_from(std::span(slots).subspan(begin + from, to - from), known, max_steps, least, control);
+      const auto looked = map_blocks<Looked>(in_batch, kBlock, control, [&](std::size_t from, std::size_t to) {
+        return look(Block{std::span(items).subspan(begin + from, to - from), known, max_steps});
       });
       for (const Looked& block : looked) {
         work.take(block.steps);
         later.insert(later.end(), block.cut_short.begin(), block.cut_short.end());
       }
     }
-    slots = std::exchange(later, {});
+    items = std::exchange(later, {});
   }
-  return slots.empty();
+  return items.empty();
 }
 
-/// Looks from the triangles in some slots, and lowers `least`. Only what is below `known` counts.
-GapSearch::Index::Looked GapSearch::Index::look_from(std::span<const std::uint32_t> slots, double known,
-                                                     std::uint64_t max_steps, SharedLeast& least,
+/// Looks from the corners of some patches, and lowers `least`.
+GapSearch::Index::Looked GapSearch::Index::look_at_corners(const Block& patches, SharedLeast& least,
+                                                           RunControl& control) const {
+  double best = patches.known;
+  Looked looked;
+  for (const std::uint32_t p : patches.items) {
+    WorkBound work(patches.max_steps, &control);
+    const std::vector<VertexId> corners = contacts_.corners(PatchId(p), 3, kMaxPatchesAtCorner);
+    const std::size_t step = 1 + corners.size() / kMaxCornersOfPatch;
+    for (std::size_t i = 0; i < corners.size() && !work.is_spent(); i += step) {
+      control.check();
+      const Vec3& corner = surface_.local[corners[i]];
+      best = std::min(best, squared_gap(corner, PatchId(p), {best, 0}, What::kFaced, {}, &work).squared);
+    }
+    looked.steps += work.taken();
+    if (work.is_spent()) looked.cut_short.push_back(p);
+  }
+  least.lower(best);
+  return looked;
+}
+
+/// Looks from the triangles in some slots, and lowers `least`.
+GapSearch::Index::Looked GapSearch::Index::look_from(const Block& slots, SharedLeast& least,
                                                      RunControl& control) const {
   JoinedMemory are_joined(contacts_);
-  double best = known;
+  double best = slots.known;
   Looked looked;
-  for (const std::uint32_t slot : slots) {
+  for (const std::uint32_t slot : slots.items) {
     control.check();
-    WorkBound work(max_steps, &control);
+    WorkBound work(slots.max_steps, &control);
     StepCounter steps(&work);
     const FloatBox& box = tree_[slot].box;
     const Common& mine = tree_[slot].tag;
@@ -639,7 +666,7 @@ GapSearch::Index::Looked GapSearch::Index::look_from(std::span<const std::uint32
           if (!do_intersect(triangle(slot), triangle(other), surface_.local.items())) best = d;
         });
     looked.steps += steps.taken();
-    if (steps.taken() > max_steps) looked.cut_short.push_back(slot);
+    if (steps.taken() > slots.max_steps) looked.cut_short.push_back(slot);
   }
   least.lower(best);
   return looked;
@@ -654,9 +681,9 @@ GapSearch::~GapSearch() = default;
 double GapSearch::at(const Vec3& place, PatchId patch, double limit, const Triangle* on, WorkBound* work) const {
   return index_->distance(place, patch, limit, What::kFaced, {on, {}}, work);
 }
-double GapSearch::at(const Vec3& place, PatchId patch, double limit, std::span<const PatchId> crossing,
-                     WorkBound* work) const {
-  return index_->distance(place, patch, limit, What::kFaced, {nullptr, crossing}, work);
+double GapSearch::at(const Vec3& place, PatchId patch, double limit, std::span<const PatchId> crossing, WorkBound* work,
+                     double enough) const {
+  return index_->distance(place, patch, limit, What::kFaced, {nullptr, crossing}, work, enough);
 }
 double GapSearch::nearest(const Vec3& place, PatchId patch, double limit, const Triangle* on, WorkBound* work) const {
   return index_->distance(place, patch, limit, What::kAll, {on, {}}, work);

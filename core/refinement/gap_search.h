@@ -67,9 +67,11 @@ class GapSearch {
             WorkBound* work = nullptr) const;
 
   /// Returns the gap at a place as above, but leaves out all patches that cross or touch this patch anywhere.
-  /// Input: `crossing` lists these patches, ascending.
+  /// Input: `crossing` lists these patches, ascending. The search ends as soon as it has found something that is at
+  ///        most `enough` away, in model units, and returns its distance, whether or not something else is nearer.
+  ///        Where a surface is near itself everywhere, that is a small part of the search.
   double at(const Vec3& place, PatchId patch, double limit, std::span<const PatchId> crossing,
-            WorkBound* work = nullptr) const;
+            WorkBound* work = nullptr, double enough = 0) const;
 
   /// Returns the distance to the nearest patch as `at` does, but also counts patches that the place does not face.
   /// Another place near this one may face them.

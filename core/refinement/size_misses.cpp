@@ -2,10 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
+#include <mutex>
+#include <tuple>
 
 #include "core/base/blocks.h"
 #include "core/base/large_first.h"
+#include "core/base/work_bound.h"
 
 namespace remesh {
 namespace {
@@ -17,6 +21,14 @@ constexpr std::size_t kTriangles = 256;
 
 /// This is a relative slack for rounding when edges are compared with the sizes that were aimed at.
 constexpr double kAimSlack = 1 + 1e-9;
+
+/// Names the triangles begin .. end - 1 of a patch.
+struct Block {
+  PatchId patch;
+  std::uint32_t begin, end;
+
+  std::uint32_t size() const { return end - begin; }
+};
 
 /// Has the measures of a triangle. Lengths and places are in local units, so that no square under- or overflows.
 struct Measured {
@@ -57,6 +69,7 @@ class MissSearch {
     first_.push_back(0);
     for (const PatchMesh& patch : meshes) first_.push_back(first_.back() + patch.mesh.triangle_count());
     refinement_.misses_sizes.assign(first_.back(), 0);
+    max_steps_ = kWorkOfMisses.steps(0, first_.back());
     crossing_.reserve(2 * bounds.crossing.size());
     for (const auto& [p, q] : bounds.crossing) {
       crossing_.emplace_back(p, q);
@@ -70,13 +83,14 @@ class MissSearch {
     for_large_first(meshes_.size(), kLarge, work, control_, [&](std::size_t p) {
       const std::vector<PatchId> crossing = crossing_of(PatchId(p));
       for_blocks(work(p), kTriangles, control_, [&](std::size_t begin, std::size_t end) {
-        const auto first = static_cast<std::uint32_t>(begin), last = static_cast<std::uint32_t>(end);
-        if (bounds_.gaps != nullptr)
-          look_for_gaps(PatchId(p), crossing, first, last);
-        else
-          look_at_edges(PatchId(p), first, last);
+        const Block block{PatchId(p), static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end)};
+        if (bounds_.gaps == nullptr)
+          look_at_edges(block);
+        else if (!look_for_gaps(block, crossing, share_of(block), Rest::kWaits))
+          add_unfinished(block);
       });
     });
+    finish();
     const auto& misses = refinement_.misses_sizes;
     if (std::find(misses.begin(), misses.end(), 1) == misses.end()) refinement_.misses_sizes.clear();
   }
@@ -112,52 +126,118 @@ class MissSearch {
 
   double size_of(double gap) const { return (gap + tolerance_) / bounds_.goals.proximity; }
 
-  void look_for_gaps(PatchId p, std::span<const PatchId> crossing, std::uint32_t begin, std::uint32_t end) {
-    const PatchMesh& patch = meshes_[PatchId(p)];
-    std::vector<Measured> measured;
-    measured.reserve(end - begin);
-    for (std::uint32_t t = begin; t < end; ++t) measured.push_back(measure(patch, t));
-    const auto gap_at = [&](const Vec3& place, double limit) {
-      if (!(limit > tolerance_)) return HUGE_VAL;
-      return bounds_.gaps->at(in_model(place), p, limit * surface_.unit, crossing) / surface_.unit;
-    };
-    // The centroids are looked at first. Most triangles that are too large are so there, and their edges need no
-    // search.
-    for (std::uint32_t t = begin; t < end; ++t) {
-      const Measured& here = measured[t - begin];
-      const double limit = too_small_gap(here, here.centroid);
-      if (const double gap = gap_at(here.centroid, limit); gap < limit) note(p, t, here, size_of(gap));
-    }
-    for (std::uint32_t t = begin; t < end; ++t) {
-      const Measured& here = measured[t - begin];
-      for (std::uint32_t k = 0; k < 3; ++k) {
-        // The middle of an edge inside the patch is looked at once for both its triangles, if they are in one block.
-        const std::uint32_t h = 3 * t + k, twin = patch.mesh.twin(h);
-        const bool is_shared = twin != Triangulation2d::kNoHalfEdge && twin / 3 >= begin && twin / 3 < end;
-        if (is_shared && twin / 3 < t) continue;
-        const Vec3& middle = here.middle[k];
-        double limit = is_missed(p, t) == 0 ? too_small_gap(here, middle) : 0, limit_there = 0;
-        if (is_shared && is_missed(p, twin / 3) == 0) limit_there = too_small_gap(measured[twin / 3 - begin], middle);
-        const double gap = gap_at(middle, std::max(limit, limit_there));
-        if (gap < limit) note(p, t, here, size_of(gap));
-        if (gap < limit_there) note(p, twin / 3, measured[twin / 3 - begin], size_of(gap));
-      }
+  /// Returns the steps that a block may take at first: a part of its share of all that its stage may take. Nearly all
+  /// blocks need less.
+  std::uint64_t share_of(const Block& block) const {
+    constexpr std::uint64_t kAtFirst = 4;
+    return max_steps_ / kAtFirst / first_.back() * block.size();
+  }
+
+  void add_unfinished(const Block& block) {
+    const std::lock_guard lock(unfinished_mutex_);
+    unfinished_.push_back(block);
+  }
+
+  /// Looks again at the blocks that needed more than they might take. They get what the others have left, one batch
+  /// after the other and far more than their share, so that at least some of them are looked at to the end.
+  void finish() {
+    constexpr std::size_t kBatch = 64;
+    constexpr std::uint64_t kUneven = 16;
+    std::sort(unfinished_.begin(), unfinished_.end(),
+              [](const Block& a, const Block& b) { return std::tie(a.patch, a.begin) < std::tie(b.patch, b.begin); });
+    std::uint64_t triangles = 0;
+    for (const Block& block : unfinished_) triangles += block.size();
+    for (std::size_t first = 0; first < unfinished_.size(); first += kBatch) {
+      const auto batch = std::span(unfinished_).subspan(first, std::min(kBatch, unfinished_.size() - first));
+      const std::uint64_t left = (max_steps_ - std::min(max_steps_, taken_.load())) / triangles;
+      for_blocks(batch.size(), 1, control_, [&](std::size_t i, std::size_t) {
+        const Block& block = batch[i];
+        look_for_gaps(block, crossing_of(block.patch), left * kUneven * block.size(), Rest::kMisses);
+      });
+      for (const Block& block : batch) triangles -= block.size();
     }
   }
 
-  void look_at_edges(PatchId p, std::uint32_t begin, std::uint32_t end) {
-    for (std::uint32_t t = begin; t < end; ++t) {
-      const Measured here = measure(meshes_[PatchId(p)], t);
+  /// Tells what becomes of the triangles of a block that were not looked at when the steps had been taken.
+  enum class Rest {
+    kWaits,   ///< nothing of the block is noted, because somebody looks at it again
+    kMisses,  ///< they miss their bounds, because nobody knows better
+  };
+
+  /// Returns false if there were too few steps to look at all triangles of the block.
+  bool look_for_gaps(const Block& block, std::span<const PatchId> crossing, std::uint64_t max_steps, Rest rest) {
+    const PatchMesh& patch = meshes_[block.patch];
+    std::vector<Measured> measured;
+    measured.reserve(block.size());
+    for (std::uint32_t t = block.begin; t < block.end; ++t) measured.push_back(measure(patch, t));
+    std::vector<double> asked(block.size(), HUGE_VAL);
+    WorkBound work(max_steps, &control_);
+    const std::uint32_t seen = look_for_gaps(block, crossing, measured, work, asked);
+    taken_ += work.taken();
+    if (seen < block.size() && rest == Rest::kWaits) return false;
+    for (std::uint32_t i = 0; i < block.size(); ++i)
+      if (asked[i] < HUGE_VAL || i >= seen) note(block.patch, block.begin + i, measured[i], asked[i]);
+    return seen == block.size();
+  }
+
+  /// Sets the sizes that places of triangles ask for if the triangles are too large there; others stay as they are.
+  /// Output: so many triangles, the first ones of the block, have been looked at in all their places.
+  std::uint32_t look_for_gaps(const Block& block, std::span<const PatchId> crossing, std::span<const Measured> measured,
+                              WorkBound& work, std::span<double> asked) const {
+    const Triangulation2d& mesh = meshes_[block.patch].mesh;
+    // All gaps for which the floor is too large give the same reason, so the smallest of them is not needed.
+    const double at_floor = bounds_.sizes.floor() / surface_.unit * bounds_.goals.proximity - tolerance_;
+    // Triangles on both sides of the place may be too large for a gap. A limit of 0 is for none.
+    const auto gap_at = [&](const Vec3& place, double limit, double limit_there) {
+      const auto [low, high] = std::minmax(limit, limit_there);
+      if (!(high > tolerance_)) return HUGE_VAL;
+      const double enough = std::min(at_floor, low > tolerance_ ? low : high) / kAimSlack;
+      return bounds_.gaps->at(in_model(place), block.patch, high * surface_.unit, crossing, &work,
+                              enough * surface_.unit) /
+             surface_.unit;
+    };
+    // The centroids are looked at first. Most triangles that are too large are so there, and their edges need no
+    // search.
+    for (std::uint32_t i = 0; i < block.size(); ++i) {
+      const double limit = too_small_gap(measured[i], measured[i].centroid);
+      if (const double gap = gap_at(measured[i].centroid, limit, 0); gap < limit) asked[i] = size_of(gap);
+      if (work.is_spent()) return 0;
+    }
+    for (std::uint32_t i = 0; i < block.size(); ++i) {
+      for (std::uint32_t k = 0; k < 3; ++k) {
+        // The middle of an edge inside the patch is looked at once for both its triangles, if they are in one block.
+        const std::uint32_t twin = mesh.twin(3 * (block.begin + i) + k);
+        const bool is_shared = twin != Triangulation2d::kNoHalfEdge && twin / 3 >= block.begin && twin / 3 < block.end;
+        const std::uint32_t there = is_shared ? twin / 3 - block.begin : i;
+        if (there < i) continue;
+        const Vec3& middle = measured[i].middle[k];
+        const auto limit_of = [&](std::uint32_t j) {
+          return asked[j] < HUGE_VAL ? 0 : too_small_gap(measured[j], middle);
+        };
+        const double limit = limit_of(i), limit_there = is_shared ? limit_of(there) : 0;
+        const double gap = gap_at(middle, limit, limit_there);
+        if (gap < limit) asked[i] = size_of(gap);
+        if (gap < limit_there) asked[there] = size_of(gap);
+      }
+      if (work.is_spent()) return i;
+    }
+    return block.size();
+  }
+
+  void look_at_edges(const Block& block) {
+    for (std::uint32_t t = block.begin; t < block.end; ++t) {
+      const Measured here = measure(meshes_[block.patch], t);
       const auto is_too_long = [&](std::size_t k) {
         return !allows(*bounds_.graded, here.length[k] / Goals::kSizeSlack, here.middle[k]);
       };
       // All segments were taken into account when sizes were chosen. So an edge that is as short as was aimed at can be
       // too long only because of the floor.
-      if (is_too_long(0) || is_too_long(1) || is_too_long(2)) note(p, t, here, 0);
+      if (is_too_long(0) || is_too_long(1) || is_too_long(2)) note(block.patch, t, here, 0);
     }
   }
 
-  /// Notes that a triangle misses its bound. Some place of the triangle asks for `size`.
+  /// Notes that a triangle misses its bound. Some place of the triangle asks for `size`, which is infinite if it is not
+  /// known.
   void note(PatchId p, std::uint32_t t, const Measured& triangle, double size) {
     is_missed(p, t) = 1;
     if (is_frozen_[p] != 0) return;
@@ -186,6 +266,10 @@ class MissSearch {
   RunControl& control_;
   std::vector<std::size_t> first_;  ///< index of each patch's first triangle
   std::vector<std::pair<PatchId, PatchId>> crossing_;
+  std::uint64_t max_steps_ = 0;
+  std::atomic<std::uint64_t> taken_ = 0;
+  std::mutex unfinished_mutex_;
+  std::vector<Block> unfinished_;
 };
 
 }  // namespace

@@ -26,7 +26,7 @@ enum class UnrefinedReason : std::uint8_t {
   kBudget,
   /// A boundary would have to be split that must stay, because it was asked for or because a patch stays as it is.
   kBoundaryLocked,
-  /// A limit on the work was reached before the bounds were met.
+  /// A limit on the work was reached before the bounds were met, or before it was known whether they are met.
   kEffort,
   /// It met the bounds until its vertices were rounded to what the output format can hold.
   kOutputRounding,
