@@ -378,9 +378,12 @@ void SizeField::set_samples(std::span<const Sample> samples, RunControl& control
   std::vector<Samples::Entry> entries;
   entries.reserve(samples.size());
   for (const Sample& sample : samples) entries.push_back(sample.entry);
+  // Where sizes grow fast, a large sample counts for a short way only. But samples are about as large as their sizes,
+  // and a node with a large one reaches as far, so the two must be apart all the same.
+  const double steepness = std::min(slope_, 1.0);
   const auto offset = [&](const Size& size) {
     constexpr double kFarthest = 0x1p100;  // this is for fields that hardly grow
-    return static_cast<float>(size.value < kFarthest * slope_ ? size.value / slope_ : kFarthest);
+    return static_cast<float>(size.value < kFarthest * steepness ? size.value / steepness : kFarthest);
   };
   samples_ = Samples(entries, control, Offsets<decltype(offset)>{offset});
   const auto in_order = [&](auto& of_slots, auto Sample::*member) {

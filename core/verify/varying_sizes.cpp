@@ -29,7 +29,12 @@ VaryingSizes::Graded::Graded(std::vector<Segment> segments, const Model& model, 
       entries[i].tag.value = norm(b - a);
     }
   });
-  tree_ = BoxTree<Length>(entries, control);
+  // Without this, long segments would make the boxes of nodes large in which short ones make the bounds small.
+  const auto offset = [&](Length length) {
+    constexpr double kFarthest = 0x1p100;
+    return static_cast<float>(std::min(length.value / std::min(slope_, 1.0), kFarthest));
+  };
+  tree_ = BoxTree<Length>(entries, control, Offsets<decltype(offset)>{offset});
 }
 
 bool VaryingSizes::Graded::is_too_long(double length, const Vec3& middle) const {
