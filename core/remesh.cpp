@@ -416,8 +416,8 @@ class Run {
     refiner_->take_check(report_.verified.search_steps);
   }
 
-  /// Moves new vertices apart that have one place, and runs the independent check of the promises. The check computes
-  /// what it needs of the surface itself, or verifies it.
+  /// Runs the independent check of the promises. The check computes what it needs of the surface itself, or verifies
+  /// it.
   void check_candidate() {
     prepared_.release_all_but_order();
     watch_.enter(Stage::kVerify);
@@ -437,9 +437,11 @@ class Run {
         refiner_->measure_sizes(patched(), known.patches, candidate.triangulated, candidate.refinement);
         prepared_.release_adjacency();
       };
-    // A result in which two vertices have one place would fail.
-    if (separate_new_vertices(with_cuts(), candidate_.triangulated, candidate_.refinement, control_))
-      assemble(candidate_, with_cuts(), asked_goals(), control_);
+    run_check(against);
+    if (report_.verified.all_true() ||
+        !separate_new_vertices(with_cuts(), candidate_.triangulated, candidate_.refinement, control_))
+      return;
+    assemble(candidate_, with_cuts(), asked_goals(), control_);
     run_check(against);
   }
 

@@ -75,8 +75,8 @@ constexpr std::uint64_t work_of_sizes_after(std::uint64_t earlier, std::uint64_t
 inline constexpr StageWork kWorkOfSmallestGap{64, 1, 1 << 18};
 
 /// The searches for gaps that tell which triangles are larger than the gaps beside them. A step is a box. Where patches
-/// have many triangles, these take up to 20 steps each on good surfaces, times the logarithm. Single ones take up to
-/// 150.
+/// have many triangles, these take up to 20 steps each on good surfaces, times the logarithm. In patches of one or two
+/// triangles, these take up to 150.
 inline constexpr StageWork kWorkOfMisses{0, 64, 1 << 22};
 
 /// The refinement of one patch, compared with the triangles that it has so far. A step is a triangle that is treated,

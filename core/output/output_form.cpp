@@ -138,7 +138,8 @@ class FloatRounding {
       const FaceId f = before.faces[i];
       if (f.value >= faces.size()) continue;  // the check reports this as malformed
       reason[f.value] = before.reasons[i];
-      misses_sizes[f.value] = before.misses_sizes[i];
+      // Whatever was not known before stays as it was listed.
+      misses_sizes[f.value] = before.misses_sizes[i] != 0 ? kMissesSizes : 0;
     }
     form.unrefined = find_unrefined(form.stored, faces.items(), reason, misses_sizes,
                                     goals_after_rounding(result_.basis.goals, form.largest_move), control_);

@@ -69,7 +69,8 @@ class GapSearch {
   /// Returns the gap at a place as above, but leaves out all patches that cross or touch this patch anywhere.
   /// Input: `crossing` lists these patches, ascending. The search ends as soon as it has found something that is at
   ///        most `enough` away, in model units, and returns its distance, whether or not something else is nearer.
-  ///        Where a surface is near itself everywhere, that is a small part of the search.
+  ///        Where a surface is near itself everywhere, that is a small part of the search. If narrow gaps do not count,
+  ///        the search goes on.
   double at(const Vec3& place, PatchId patch, double limit, std::span<const PatchId> crossing,
             WorkBound* work = nullptr, double enough = 0) const;
 

@@ -26,8 +26,8 @@ struct Refinement {
   /// There is one entry per triangle, patch after patch: the reason why it misses a goal. For triangles that meet the
   /// goals it may have any value.
   std::vector<UnrefinedReason> reason;
-  /// There is one entry per triangle, which is not 0 if the triangle is larger than gaps or short edges ask for
-  /// (size_misses.h). It is empty if no triangle is.
+  /// There is one entry per triangle, which is not 0 if the triangle is larger than gaps or short edges ask for, or may
+  /// be (size_misses.h). It is empty if all are 0.
   std::vector<std::uint8_t> misses_sizes;
   std::uint32_t rounds = 0;
   PatchesAside before;  ///< the patches that have changed, as they were before

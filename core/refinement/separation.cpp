@@ -70,7 +70,6 @@ class Mover {
 
 bool separate_new_vertices(const Surface& surface, TriangulatedPatches& triangulated, Refinement& refinement,
                            RunControl& control) {
-  if (refinement.first_inner == refinement.new_positions.size()) return false;
   const std::vector<std::uint32_t> before = count_before(surface, refinement.new_positions, control);
   const std::size_t first_inner = surface.vertex_count() + refinement.first_inner;
   PatchMeshes& meshes = triangulated.meshes;

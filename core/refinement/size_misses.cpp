@@ -5,11 +5,14 @@
 #include <atomic>
 #include <cmath>
 #include <mutex>
+#include <numeric>
 #include <tuple>
 
 #include "core/base/blocks.h"
 #include "core/base/large_first.h"
+#include "core/base/stoppable.h"
 #include "core/base/work_bound.h"
+#include "core/refinement/unrefined.h"
 
 namespace remesh {
 namespace {
@@ -70,38 +73,42 @@ class MissSearch {
     for (const PatchMesh& patch : meshes) first_.push_back(first_.back() + patch.mesh.triangle_count());
     refinement_.misses_sizes.assign(first_.back(), 0);
     max_steps_ = kWorkOfMisses.steps(0, first_.back());
-    crossing_.reserve(2 * bounds.crossing.size());
+    std::vector<std::pair<PatchId, PatchId>> crossing;
+    crossing.reserve(2 * bounds.crossing.size());
     for (const auto& [p, q] : bounds.crossing) {
-      crossing_.emplace_back(p, q);
-      crossing_.emplace_back(q, p);
+      crossing.emplace_back(p, q);
+      crossing.emplace_back(q, p);
     }
-    std::sort(crossing_.begin(), crossing_.end());
+    sort_stoppable(crossing.begin(), crossing.end(), control);
+    crossing_begin_.assign(meshes.size() + 1, 0);
+    for (const auto& [p, q] : crossing) {
+      ++crossing_begin_[p.value + 1];
+      crossing_.push_back(q);
+    }
+    std::partial_sum(crossing_begin_.begin(), crossing_begin_.end(), crossing_begin_.begin());
   }
 
   void run() {
     const auto work = [&](std::size_t p) { return first_[p + 1] - first_[p]; };
     for_large_first(meshes_.size(), kLarge, work, control_, [&](std::size_t p) {
-      const std::vector<PatchId> crossing = crossing_of(PatchId(p));
       for_blocks(work(p), kTriangles, control_, [&](std::size_t begin, std::size_t end) {
         const Block block{PatchId(p), static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end)};
         if (bounds_.gaps == nullptr)
           look_at_edges(block);
-        else if (!look_for_gaps(block, crossing, share_of(block), Rest::kWaits))
+        else if (!look_for_gaps(block, share_of(block), Rest::kWaits))
           add_unfinished(block);
       });
     });
     finish();
     const auto& misses = refinement_.misses_sizes;
-    if (std::find(misses.begin(), misses.end(), 1) == misses.end()) refinement_.misses_sizes.clear();
+    if (std::all_of(misses.begin(), misses.end(), [](std::uint8_t m) { return m == 0; }))
+      refinement_.misses_sizes.clear();
   }
 
  private:
-  std::vector<PatchId> crossing_of(PatchId p) const {
-    std::vector<PatchId> found;
-    for (auto it = std::lower_bound(crossing_.begin(), crossing_.end(), std::pair(p, PatchId(0)));
-         it != crossing_.end() && it->first == p; ++it)
-      found.push_back(it->second);
-    return found;
+  std::span<const PatchId> crossing_of(PatchId p) const {
+    const std::size_t begin = crossing_begin_[p.value], end = crossing_begin_[p.value + 1];
+    return std::span(crossing_).subspan(begin, end - begin);
   }
 
   Vec3 position(VertexId v) const {
@@ -139,45 +146,62 @@ class MissSearch {
   }
 
   /// Looks again at the blocks that needed more than they might take. They get what the others have left, one batch
-  /// after the other and far more than their share, so that at least some of them are looked at to the end.
+  /// after the other. Where there are many, the first ones may take far more than their share, so that at least some
+  /// are looked at to the end.
   void finish() {
-    constexpr std::size_t kBatch = 64;
+    constexpr std::size_t kBatches = 16, kMinBatch = 64;
     constexpr std::uint64_t kUneven = 16;
-    std::sort(unfinished_.begin(), unfinished_.end(),
-              [](const Block& a, const Block& b) { return std::tie(a.patch, a.begin) < std::tie(b.patch, b.begin); });
-    std::uint64_t triangles = 0;
-    for (const Block& block : unfinished_) triangles += block.size();
-    for (std::size_t first = 0; first < unfinished_.size(); first += kBatch) {
-      const auto batch = std::span(unfinished_).subspan(first, std::min(kBatch, unfinished_.size() - first));
-      const std::uint64_t left = (max_steps_ - std::min(max_steps_, taken_.load())) / triangles;
-      for_blocks(batch.size(), 1, control_, [&](std::size_t i, std::size_t) {
-        const Block& block = batch[i];
-        look_for_gaps(block, crossing_of(block.patch), left * kUneven * block.size(), Rest::kMisses);
-      });
-      for (const Block& block : batch) triangles -= block.size();
+    sort_stoppable(unfinished_.begin(), unfinished_.end(), control_, [](const Block& a, const Block& b) {
+      return std::tie(a.patch, a.begin) < std::tie(b.patch, b.begin);
+    });
+    const auto triangles_of = [](std::span<const Block> blocks) {
+      std::uint64_t triangles = 0;
+      for (const Block& block : blocks) triangles += block.size();
+      return triangles;
+    };
+    std::uint64_t triangles = triangles_of(unfinished_);
+    const std::size_t size = std::max(kMinBatch, unfinished_.size() / kBatches);
+    for (std::size_t first = 0; first < unfinished_.size(); first += size) {
+      const auto batch = std::span(unfinished_).subspan(first, std::min(size, unfinished_.size() - first));
+      const std::uint64_t in_batch = triangles_of(batch);
+      const std::uint64_t left = max_steps_ - std::min(max_steps_, taken_.load());
+      const std::uint64_t share = left / triangles * std::min(kUneven, triangles / in_batch);
+      for_blocks(batch.size(), 1, control_,
+                 [&](std::size_t i, std::size_t) { look_for_gaps(batch[i], share * batch[i].size(), Rest::kUnknown); });
+      triangles -= in_batch;
     }
   }
 
   /// Tells what becomes of the triangles of a block that were not looked at when the steps had been taken.
   enum class Rest {
-    kWaits,   ///< nothing of the block is noted, because somebody looks at it again
-    kMisses,  ///< they miss their bounds, because nobody knows better
+    kWaits,    ///< nothing of the block is noted, because somebody looks at it again
+    kUnknown,  ///< they may miss their bounds, because nobody knows better
   };
 
   /// Returns false if there were too few steps to look at all triangles of the block.
-  bool look_for_gaps(const Block& block, std::span<const PatchId> crossing, std::uint64_t max_steps, Rest rest) {
+  bool look_for_gaps(const Block& block, std::uint64_t max_steps, Rest rest) {
     const PatchMesh& patch = meshes_[block.patch];
     std::vector<Measured> measured;
     measured.reserve(block.size());
     for (std::uint32_t t = block.begin; t < block.end; ++t) measured.push_back(measure(patch, t));
     std::vector<double> asked(block.size(), HUGE_VAL);
     WorkBound work(max_steps, &control_);
-    const std::uint32_t seen = look_for_gaps(block, crossing, measured, work, asked);
+    const std::uint32_t seen = look_for_gaps(block, crossing_of(block.patch), measured, work, asked);
     taken_ += work.taken();
     if (seen < block.size() && rest == Rest::kWaits) return false;
-    for (std::uint32_t i = 0; i < block.size(); ++i)
-      if (asked[i] < HUGE_VAL || i >= seen) note(block.patch, block.begin + i, measured[i], asked[i]);
+    for (std::uint32_t i = 0; i < block.size(); ++i) {
+      if (asked[i] < HUGE_VAL)
+        note(block.patch, block.begin + i, measured[i], asked[i]);
+      else if (i >= seen && may_miss(measured[i]))
+        note_unknown(block.patch, block.begin + i);
+    }
     return seen == block.size();
+  }
+
+  /// Returns whether there is a gap that is too small for the triangle, as far as the triangle alone tells.
+  bool may_miss(const Measured& triangle) const {
+    const auto matters = [&](const Vec3& place) { return too_small_gap(triangle, place) > tolerance_; };
+    return matters(triangle.centroid) || std::any_of(triangle.middle.begin(), triangle.middle.end(), matters);
   }
 
   /// Sets the sizes that places of triangles ask for if the triangles are too large there; others stay as they are.
@@ -191,7 +215,9 @@ class MissSearch {
     const auto gap_at = [&](const Vec3& place, double limit, double limit_there) {
       const auto [low, high] = std::minmax(limit, limit_there);
       if (!(high > tolerance_)) return HUGE_VAL;
-      const double enough = std::min(at_floor, low > tolerance_ ? low : high) / kAimSlack;
+      // No gap that counts is below the tolerance, so one below the floor may not be possible at all.
+      const double lower = low > tolerance_ ? low : high;
+      const double enough = (at_floor > tolerance_ ? std::min(at_floor, lower) : lower) / kAimSlack;
       return bounds_.gaps->at(in_model(place), block.patch, high * surface_.unit, crossing, &work,
                               enough * surface_.unit) /
              surface_.unit;
@@ -199,11 +225,14 @@ class MissSearch {
     // The centroids are looked at first. Most triangles that are too large are so there, and their edges need no
     // search.
     for (std::uint32_t i = 0; i < block.size(); ++i) {
+      control_.check();
       const double limit = too_small_gap(measured[i], measured[i].centroid);
-      if (const double gap = gap_at(measured[i].centroid, limit, 0); gap < limit) asked[i] = size_of(gap);
-      if (work.is_spent()) return 0;
+      const double gap = gap_at(measured[i].centroid, limit, 0);
+      if (work.is_spent()) return 0;  // the search may have ended early
+      if (gap < limit) asked[i] = size_of(gap);
     }
     for (std::uint32_t i = 0; i < block.size(); ++i) {
+      control_.check();
       for (std::uint32_t k = 0; k < 3; ++k) {
         // The middle of an edge inside the patch is looked at once for both its triangles, if they are in one block.
         const std::uint32_t twin = mesh.twin(3 * (block.begin + i) + k);
@@ -216,10 +245,10 @@ class MissSearch {
         };
         const double limit = limit_of(i), limit_there = is_shared ? limit_of(there) : 0;
         const double gap = gap_at(middle, limit, limit_there);
+        if (work.is_spent()) return i;
         if (gap < limit) asked[i] = size_of(gap);
         if (gap < limit_there) asked[there] = size_of(gap);
       }
-      if (work.is_spent()) return i;
     }
     return block.size();
   }
@@ -236,10 +265,9 @@ class MissSearch {
     }
   }
 
-  /// Notes that a triangle misses its bound. Some place of the triangle asks for `size`, which is infinite if it is not
-  /// known.
+  /// Notes that a triangle misses its bound. Some place of the triangle asks for `size`.
   void note(PatchId p, std::uint32_t t, const Measured& triangle, double size) {
-    is_missed(p, t) = 1;
+    is_missed(p, t) = kMissesSizes;
     if (is_frozen_[p] != 0) return;
     UnrefinedReason& reason = refinement_.reason[first_[p.value] + t];
     const double floor = bounds_.sizes.floor() / surface_.unit;
@@ -248,12 +276,22 @@ class MissSearch {
       return length <= std::min(floor, largest_) || allows(bounds_.sizes, length, triangle.middle[k]);
     };
     // A triangle at a sharp corner of the input may have a small angle, but must not be too large.
-    const bool is_excuse = reason == UnrefinedReason::kInputAngle || reason == UnrefinedReason::kAcrossInputAngle;
-    if (!is_excuse && !(is_as_aimed_at(0) && is_as_aimed_at(1) && is_as_aimed_at(2))) return;
+    if (!is_excuse(reason) && !(is_as_aimed_at(0) && is_as_aimed_at(1) && is_as_aimed_at(2))) return;
     if (floor < size)
       reason = UnrefinedReason::kEffort;
     else
       reason = bounds_.sizes.is_floor_asked() ? UnrefinedReason::kMinEdgeLength : UnrefinedReason::kSizeFloor;
+  }
+
+  /// A sharp corner of the input is no reason for a triangle that is too large, so it is none for one that may be.
+  void note_unknown(PatchId p, std::uint32_t t) {
+    is_missed(p, t) = kMayMissSizes;
+    if (UnrefinedReason& reason = refinement_.reason[first_[p.value] + t]; is_frozen_[p] == 0 && is_excuse(reason))
+      reason = UnrefinedReason::kEffort;
+  }
+
+  static bool is_excuse(UnrefinedReason reason) {
+    return reason == UnrefinedReason::kInputAngle || reason == UnrefinedReason::kAcrossInputAngle;
   }
 
   const Surface& surface_;
@@ -264,8 +302,9 @@ class MissSearch {
   const double tolerance_, largest_;  ///< local units
   Refinement& refinement_;
   RunControl& control_;
-  std::vector<std::size_t> first_;  ///< index of each patch's first triangle
-  std::vector<std::pair<PatchId, PatchId>> crossing_;
+  std::vector<std::size_t> first_;           ///< index of each patch's first triangle
+  std::vector<PatchId> crossing_;            ///< the patches that cross each patch, ascending, patch after patch
+  std::vector<std::size_t> crossing_begin_;  ///< where those of each patch begin
   std::uint64_t max_steps_ = 0;
   std::atomic<std::uint64_t> taken_ = 0;
   std::mutex unfinished_mutex_;

@@ -52,7 +52,7 @@ struct VaryingBounds {
 /// Holds:  The result is the same for any number of threads.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:   Two or three searches for gaps for each triangle, in parallel. None of them goes farther than the triangle's
-///         edges are long, times proximity.
+///         edges are long, times proximity, and all together take no more steps than kWorkOfMisses.
 void note_size_misses(const Surface& surface, const PatchMeshes& meshes,
                       const IdVector<PatchId, std::uint8_t>& is_frozen, const VaryingBounds& bounds,
                       Refinement& refinement, RunControl& control);

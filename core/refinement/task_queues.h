@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -13,7 +14,8 @@ namespace remesh {
 /// The queues are numbered by urgency. The next task is from the highest queue that has any; within a queue, the first
 /// in is the first out. Tasks that follow each other are stored together in blocks, because following a list of single
 /// tasks would jump all over the memory. Each task is announced some time before it comes, so that its data can be
-/// fetched meanwhile.
+/// fetched meanwhile. Blocks are stored in chunks that never move: to copy millions of tasks when there is no more room
+/// would take some tenths of a second, in which nobody could stop the work.
 template <class Task>
 class TaskQueues {
  public:
@@ -21,9 +23,10 @@ class TaskQueues {
   /// are alone in their queues, and small blocks are better.
   void clear(std::uint16_t block_size) {
     block_size_ = block_size;
+    chunk_levels_ = 0;
+    while ((std::size_t{block_size} << (chunk_levels_ + 1)) <= kTasksOfChunk) ++chunk_levels_;
     last_of_.clear();
     blocks_.clear();
-    tasks_.clear();
     free_ = kNone;
     size_ = 0;
   }
@@ -66,6 +69,7 @@ class TaskQueues {
   }
 
  private:
+  static constexpr std::size_t kTasksOfChunk = std::size_t{1} << 16;  ///< more than the largest block has
   static constexpr std::size_t kMoreQueues = 32;  ///< most often, the next tasks are only a little more urgent
   /// A block has some tasks of one queue, in their order.
   struct Block {
@@ -74,7 +78,10 @@ class TaskQueues {
     std::uint16_t begin, end;  ///< the tasks that wait
   };
 
-  Task& task_of(std::uint32_t block, std::uint32_t index) { return tasks_[std::size_t{block} * block_size_ + index]; }
+  Task& task_of(std::uint32_t block, std::uint32_t index) {
+    const std::size_t in_chunk = block & ((1u << chunk_levels_) - 1);
+    return chunks_[block >> chunk_levels_][in_chunk * block_size_ + index];
+  }
 
   /// Appends a new block to a queue, behind `last`. `last` then names the new block.
   void append_block(std::uint32_t& last) {
@@ -82,7 +89,8 @@ class TaskQueues {
     if (at == kNone) {
       at = static_cast<std::uint32_t>(blocks_.size());
       blocks_.emplace_back();
-      tasks_.resize(tasks_.size() + block_size_);
+      if (at >> chunk_levels_ == chunks_.size())
+        chunks_.push_back(std::make_unique_for_overwrite<Task[]>(kTasksOfChunk));
     } else {
       free_ = blocks_[at].next;
     }
@@ -98,10 +106,11 @@ class TaskQueues {
   }
 
   std::uint16_t block_size_ = 1;
+  int chunk_levels_ = 0;                ///< a chunk has the tasks of 2^chunk_levels_ blocks
   std::vector<std::uint32_t> last_of_;  ///< the last block of each queue, or kNone
   std::vector<Block> blocks_;
-  std::vector<Task> tasks_;     ///< the tasks of all blocks
-  std::uint32_t free_ = kNone;  ///< the first unused block; they are linked by `next`
+  std::vector<std::unique_ptr<Task[]>> chunks_;  ///< the tasks of all blocks, each chunk with room for kTasksOfChunk
+  std::uint32_t free_ = kNone;                   ///< the first unused block; they are linked by `next`
   std::size_t size_ = 0;
 };
 

@@ -36,23 +36,29 @@ UnrefinedFaces find_unrefined(std::span<const Vec3> positions, std::span<const T
                               std::span<const UnrefinedReason> reason, std::span<const std::uint8_t> misses_sizes,
                               const Goals& goals, RunControl& control) {
   const double tangent = std::tan(goals.min_angle_deg * std::numbers::pi / 180);
+  struct Listed {
+    FaceId face;
+    UnrefinedReason reason;
+  };
   const auto blocks =
-      map_blocks<std::vector<FaceId>>(faces.size(), 8192, control, [&](std::size_t begin, std::size_t end) {
-        std::vector<FaceId> found;
-        for (std::size_t f = begin; f < end; ++f)
-          if ((!misses_sizes.empty() && misses_sizes[f] != 0) ||
-              !meets(positions[faces[f][0].value], positions[faces[f][1].value], positions[faces[f][2].value], goals,
-                     tangent))
-            found.emplace_back(f);
+      map_blocks<std::vector<Listed>>(faces.size(), 8192, control, [&](std::size_t begin, std::size_t end) {
+        std::vector<Listed> found;
+        for (std::size_t f = begin; f < end; ++f) {
+          const bool is_met = meets(positions[faces[f][0].value], positions[faces[f][1].value],
+                                    positions[faces[f][2].value], goals, tangent);
+          const std::uint8_t misses = misses_sizes.empty() ? 0 : misses_sizes[f];
+          if (!is_met || misses != 0)
+            found.push_back({FaceId(f), is_met && misses == kMayMissSizes ? UnrefinedReason::kEffort : reason[f]});
+        }
         return found;
       });
   UnrefinedFaces result;
   StopCheck check(control);
   for (const auto& block : blocks)
-    for (const FaceId f : block) {
+    for (const auto& [f, why] : block) {
       check();
       result.faces.push_back(f);
-      result.reasons.push_back(reason[f.value]);
+      result.reasons.push_back(why);
       result.misses_sizes.push_back(misses_sizes.empty() ? 0 : misses_sizes[f.value]);
     }
   return result;

@@ -12,17 +12,22 @@
 
 namespace remesh {
 
+/// These values tell of a face that it is larger than gaps or short edges ask for, or that nobody knows whether it is.
+/// 0 stands for a face that is small enough.
+inline constexpr std::uint8_t kMissesSizes = 1, kMayMissSizes = 2;
+
 struct UnrefinedFaces {
   std::vector<FaceId> faces;  ///< ascending
   std::vector<UnrefinedReason> reasons;
-  std::vector<std::uint8_t> misses_sizes;  ///< not 0: the face is larger than gaps or short edges ask for
+  std::vector<std::uint8_t> misses_sizes;  ///< 0, kMissesSizes, or kMayMissSizes for each of these faces
 };
 
 /// Finds the triangles that miss a goal. They are measured in space, with the output's doubles.
-/// Input:  `reason` is what refinement says of each face. `misses_sizes` has one entry per face, which is not 0 if the
-///         face is larger than gaps or short edges ask for. It is empty if no face is.
+/// Input:  `reason` is what refinement says of each face. `misses_sizes` has one entry per face, and is empty if all are
+///         0.
 /// Output: The triangles with an angle below the goal, or with an edge or an area above it by more than rounding, and
-///         those that are larger than gaps or short edges ask for. Each has its reason.
+///         those that are larger than gaps or short edges ask for, or may be. Each has its reason. If a triangle is
+///         listed only because it may be too large, the reason is kEffort.
 /// Holds:  The result is the same for any number of threads.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:   O(faces).

@@ -30,9 +30,10 @@ VaryingSizes::Graded::Graded(std::vector<Segment> segments, const Model& model, 
     }
   });
   // Without this, long segments would make the boxes of nodes large in which short ones make the bounds small.
+  const double steepness = std::min(slope_, 1.0);
   const auto offset = [&](Length length) {
-    constexpr double kFarthest = 0x1p100;
-    return static_cast<float>(std::min(length.value / std::min(slope_, 1.0), kFarthest));
+    constexpr double kFarthest = 0x1p100;  // this is for sizes that hardly grow
+    return static_cast<float>(length.value < kFarthest * steepness ? length.value / steepness : kFarthest);
   };
   tree_ = BoxTree<Length>(entries, control, Offsets<decltype(offset)>{offset});
 }
