@@ -56,6 +56,35 @@ struct Measured {
   }
 };
 
+/// Holds the patches that cross each patch.
+class CrossingPatches {
+ public:
+  CrossingPatches(std::span<const std::pair<PatchId, PatchId>> pairs, std::size_t patches, RunControl& control)
+      : begin_(patches + 1, 0) {
+    std::vector<std::pair<PatchId, PatchId>> both;
+    both.reserve(2 * pairs.size());
+    for (const auto& [p, q] : pairs) {
+      both.emplace_back(p, q);
+      both.emplace_back(q, p);
+    }
+    sort_stoppable(both.begin(), both.end(), control);
+    for (const auto& [p, q] : both) {
+      ++begin_[p.value + 1];
+      all_.push_back(q);
+    }
+    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+  }
+
+  /// Output: ascending.
+  std::span<const PatchId> of(PatchId p) const {
+    return std::span(all_).subspan(begin_[p.value], begin_[p.value + 1] - begin_[p.value]);
+  }
+
+ private:
+  std::vector<PatchId> all_;        ///< patch after patch
+  std::vector<std::size_t> begin_;  ///< where those of each patch begin
+};
+
 class MissSearch {
  public:
   MissSearch(const Surface& surface, const PatchMeshes& meshes, const IdVector<PatchId, std::uint8_t>& is_frozen,
@@ -68,24 +97,12 @@ class MissSearch {
         tolerance_(bounds.plane_tolerance / surface.unit),
         largest_(bounds.sizes.largest() / surface.unit),
         refinement_(refinement),
-        control_(control) {
+        control_(control),
+        crossing_(bounds.crossing, meshes.size(), control) {
     first_.push_back(0);
     for (const PatchMesh& patch : meshes) first_.push_back(first_.back() + patch.mesh.triangle_count());
     refinement_.misses_sizes.assign(first_.back(), 0);
     max_steps_ = kWorkOfMisses.steps(0, first_.back());
-    std::vector<std::pair<PatchId, PatchId>> crossing;
-    crossing.reserve(2 * bounds.crossing.size());
-    for (const auto& [p, q] : bounds.crossing) {
-      crossing.emplace_back(p, q);
-      crossing.emplace_back(q, p);
-    }
-    sort_stoppable(crossing.begin(), crossing.end(), control);
-    crossing_begin_.assign(meshes.size() + 1, 0);
-    for (const auto& [p, q] : crossing) {
-      ++crossing_begin_[p.value + 1];
-      crossing_.push_back(q);
-    }
-    std::partial_sum(crossing_begin_.begin(), crossing_begin_.end(), crossing_begin_.begin());
   }
 
   void run() {
@@ -106,11 +123,6 @@ class MissSearch {
   }
 
  private:
-  std::span<const PatchId> crossing_of(PatchId p) const {
-    const std::size_t begin = crossing_begin_[p.value], end = crossing_begin_[p.value + 1];
-    return std::span(crossing_).subspan(begin, end - begin);
-  }
-
   Vec3 position(VertexId v) const {
     if (v.value < surface_.vertex_count()) return surface_.local[v];
     return (1 / surface_.unit) * (refinement_.new_positions[v.value - surface_.vertex_count()] - surface_.centre);
@@ -186,7 +198,7 @@ class MissSearch {
     for (std::uint32_t t = block.begin; t < block.end; ++t) measured.push_back(measure(patch, t));
     std::vector<double> asked(block.size(), HUGE_VAL);
     WorkBound work(max_steps, &control_);
-    const std::uint32_t seen = look_for_gaps(block, crossing_of(block.patch), measured, work, asked);
+    const std::uint32_t seen = look_for_gaps(block, crossing_.of(block.patch), measured, work, asked);
     taken_ += work.taken();
     if (seen < block.size() && rest == Rest::kWaits) return false;
     for (std::uint32_t i = 0; i < block.size(); ++i) {
@@ -302,9 +314,8 @@ class MissSearch {
   const double tolerance_, largest_;  ///< local units
   Refinement& refinement_;
   RunControl& control_;
-  std::vector<std::size_t> first_;           ///< index of each patch's first triangle
-  std::vector<PatchId> crossing_;            ///< the patches that cross each patch, ascending, patch after patch
-  std::vector<std::size_t> crossing_begin_;  ///< where those of each patch begin
+  std::vector<std::size_t> first_;  ///< index of each patch's first triangle
+  CrossingPatches crossing_;
   std::uint64_t max_steps_ = 0;
   std::atomic<std::uint64_t> taken_ = 0;
   std::mutex unfinished_mutex_;

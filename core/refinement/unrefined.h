@@ -23,7 +23,7 @@ struct UnrefinedFaces {
 };
 
 /// Finds the triangles that miss a goal. They are measured in space, with the output's doubles.
-/// Input:  `reason` is what refinement says of each face. `misses_sizes` has one entry per face, and is empty if all are
+/// Input:  `reason` is what refinement says of each face. `misses_sizes` has one entry per face. It is empty if all are
 ///         0.
 /// Output: The triangles with an angle below the goal, or with an edge or an area above it by more than rounding, and
 ///         those that are larger than gaps or short edges ask for, or may be. Each has its reason. If a triangle is

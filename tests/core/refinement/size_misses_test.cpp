@@ -10,6 +10,7 @@
 #include <limits>
 #include <vector>
 
+#include "core/refinement/unrefined.h"
 #include "tests/support/hostile_families.h"
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"
