@@ -1,6 +1,7 @@
 /// Stores tasks and returns the most urgent one first.
 #pragma once
 
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -23,8 +24,10 @@ class TaskQueues {
   /// are alone in their queues, and small blocks are better.
   void clear(std::uint16_t block_size) {
     block_size_ = block_size;
-    chunk_levels_ = 0;
-    while ((std::size_t{block_size} << (chunk_levels_ + 1)) <= kTasksOfChunk) ++chunk_levels_;
+    if (block_size > block_size_of_chunks_) {
+      chunks_.clear();
+      block_size_of_chunks_ = block_size;
+    }
     last_of_.clear();
     blocks_.clear();
     free_ = kNone;
@@ -69,7 +72,6 @@ class TaskQueues {
   }
 
  private:
-  static constexpr std::size_t kTasksOfChunk = std::size_t{1} << 16;  ///< more than the largest block has
   static constexpr std::size_t kMoreQueues = 32;  ///< most often, the next tasks are only a little more urgent
   /// A block has some tasks of one queue, in their order.
   struct Block {
@@ -78,9 +80,12 @@ class TaskQueues {
     std::uint16_t begin, end;  ///< the tasks that wait
   };
 
+  /// Chunk i has 2^i blocks: those whose number plus one has i + 1 binary digits.
+  static int chunk_of(std::uint32_t block) { return std::bit_width(block + 1) - 1; }
   Task& task_of(std::uint32_t block, std::uint32_t index) {
-    const std::size_t in_chunk = block & ((1u << chunk_levels_) - 1);
-    return chunks_[block >> chunk_levels_][in_chunk * block_size_ + index];
+    const int chunk = chunk_of(block);
+    const std::size_t in_chunk = block + 1 - (std::uint32_t{1} << chunk);
+    return chunks_[chunk][in_chunk * block_size_ + index];
   }
 
   /// Appends a new block to a queue, behind `last`. `last` then names the new block.
@@ -89,8 +94,8 @@ class TaskQueues {
     if (at == kNone) {
       at = static_cast<std::uint32_t>(blocks_.size());
       blocks_.emplace_back();
-      if (at >> chunk_levels_ == chunks_.size())
-        chunks_.push_back(std::make_unique_for_overwrite<Task[]>(kTasksOfChunk));
+      if (const auto chunk = static_cast<std::size_t>(chunk_of(at)); chunk == chunks_.size())
+        chunks_.push_back(std::make_unique_for_overwrite<Task[]>((std::size_t{1} << chunk) * block_size_of_chunks_));
     } else {
       free_ = blocks_[at].next;
     }
@@ -106,10 +111,10 @@ class TaskQueues {
   }
 
   std::uint16_t block_size_ = 1;
-  int chunk_levels_ = 0;                ///< a chunk has the tasks of 2^chunk_levels_ blocks
-  std::vector<std::uint32_t> last_of_;  ///< the last block of each queue, or kNone
+  std::uint16_t block_size_of_chunks_ = 1;  ///< the chunks have room for blocks of this size
+  std::vector<std::uint32_t> last_of_;      ///< the last block of each queue, or kNone
   std::vector<Block> blocks_;
-  std::vector<std::unique_ptr<Task[]>> chunks_;  ///< the tasks of all blocks, each chunk with room for kTasksOfChunk
+  std::vector<std::unique_ptr<Task[]>> chunks_;  ///< the tasks of all blocks
   std::uint32_t free_ = kNone;                   ///< the first unused block; they are linked by `next`
   std::size_t size_ = 0;
 };
