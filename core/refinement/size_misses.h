@@ -49,6 +49,8 @@ struct VaryingBounds {
 ///         triangle is longer than the sizes that were aimed at, the reason is the one that refinement had. Otherwise
 ///         these sizes were too large there. That is because of the floor (`size_floor`, or `min_edge_length` where
 ///         that is the floor), or because gaps are looked for at a limited number of places (`effort`).
+///         The searches for gaps have a bound on their work. A triangle that was not looked at for that reason has
+///         kMayMissSizes in `refinement.misses_sizes`. A sharp corner of the input is then no longer its reason.
 /// Holds:  The result is the same for any number of threads.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:   Two or three searches for gaps for each triangle, in parallel. None of them goes farther than the triangle's

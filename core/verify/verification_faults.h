@@ -34,7 +34,7 @@ enum class Fault : std::uint8_t {
   kNewOffLine,        ///< new vertices on an edge are off the line between its ends, or not in order along it
   kLockedBoundary,    ///< a new vertex is on an edge although boundaries were not to be split
   kUnlisted,          ///< a face misses the goals, but is not in the claim's list of such faces
-  kListedInVain,      ///< a face is in that list although it meets the goals, and not as too much work to look at
+  kListedInVain,      ///< a face is in that list although it meets the goals and was looked at
   kCertificate,       ///< a face is in that list with a reason that does not apply to it
   kShortEdge,         ///< refinement made an edge shorter than the smallest permitted length
   kTooManyFaces,      ///< the output has more faces than permitted
