@@ -417,7 +417,7 @@ class Run {
   }
 
   /// Runs the independent check of the promises. The check computes what it needs of the surface itself, or verifies
-  /// it.
+  /// it. New vertices that have the same place are moved apart first, or if the check has failed.
   void check_candidate() {
     prepared_.release_all_but_order();
     watch_.enter(Stage::kVerify);
@@ -432,17 +432,31 @@ class Run {
                            curves_.curved(),
                            refiner_->frozen().items(),
                            prepared_.order()};
-    if (refiner_->are_sizes_unmeasured())
-      against.measure_sizes = [&](Candidate& candidate) {
-        refiner_->measure_sizes(patched(), known.patches, candidate.triangulated, candidate.refinement);
-        prepared_.release_adjacency();
-      };
-    run_check(against);
-    if (report_.verified.all_true() ||
-        !separate_new_vertices(with_cuts(), candidate_.triangulated, candidate_.refinement, control_))
-      return;
-    assemble(candidate_, with_cuts(), asked_goals(), control_);
-    run_check(against);
+    const auto run = [&] {
+      against.measure_sizes = nullptr;
+      if (refiner_->are_sizes_unmeasured())
+        against.measure_sizes = [&](Candidate& candidate) {
+          refiner_->measure_sizes(patched(), known.patches, candidate.triangulated, candidate.refinement);
+          prepared_.release_adjacency();
+        };
+      run_check(against);
+      return report_.verified.all_true();
+    };
+    // Vertices have the same place mostly where patches of the input cross or touch each other. The check takes too
+    // long to find that out.
+    if (!known.patches.empty()) separate_vertices(TwinsOf::kPatches);
+    if (!run() && separate_vertices(TwinsOf::kSurface)) run();
+  }
+
+  /// Moves new vertices apart that have the same place.
+  /// Output: whether there are any that could be moved.
+  bool separate_vertices(TwinsOf of) {
+    const std::vector<std::uint8_t> is_moved =
+        separate_new_vertices(with_cuts(), candidate_.triangulated, candidate_.refinement, of, control_);
+    if (is_moved.empty()) return false;
+    refiner_->note_separated_vertices();
+    assemble_again(candidate_, with_cuts(), asked_goals(), is_moved, UnrefinedReason::kEffort, control_);
+    return true;
   }
 
   /// Marks for each face of the input, or empty as long as none is marked. They outlast a step of the ladder, after

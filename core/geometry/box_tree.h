@@ -94,6 +94,15 @@ struct Offsets {
   Of of;  ///< called with a tag
 };
 
+/// Returns the offset of an entry that asks for a size, where sizes grow with the distance by `slope`. Where they grow
+/// fast, a large size counts for a short way only. But what asks for a large size is about as large itself, and a node
+/// with it reaches as far, so large and small sizes must be apart all the same.
+inline float offset_of_size(double size, double slope) {
+  constexpr double kFarthest = 0x1p100;  // this is for sizes that hardly grow
+  const double steepness = std::min(slope, 1.0);
+  return static_cast<float>(size < kFarthest * steepness ? size / steepness : kFarthest);
+}
+
 /// Boxes in the slots of a SlotTree. A node of the tree stores a box and a tag, and nothing else.
 /// Tag:    a type with a function `Tag::join(other)`, after which the tag is true of both.
 /// Holds:  the order of the slots depends on the boxes and their offsets alone, not on threads.
@@ -105,6 +114,13 @@ class BoxTree {
     FloatBox box;
     Tag tag;
   };
+
+  using Entries = std::vector<Entry, DefaultInit<Entry>>;
+  /// Makes n entries in parallel: calls set(i, entry) with the i-th one, whose box is empty. To clear millions of them
+  /// first would take a while in which nobody could stop the work.
+  /// Errors: kCancelled, kTimeout - asked to stop through `control`.
+  template <class Set>
+  static Entries make_entries(std::size_t n, RunControl& control, const Set& set);
 
   BoxTree() = default;
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
@@ -142,7 +158,7 @@ class BoxTree {
     entry.tag.join(other.tag);
   }
 
-  // All threads fill these. To clear millions of them first would take a while in which nobody could stop the work.
+  // All threads fill these.
   template <class T>
   using Unset = std::vector<T, DefaultInit<T>>;
 
@@ -151,6 +167,20 @@ class BoxTree {
   Unset<std::uint32_t> number_;  ///< by slot
   Unset<Entry> nodes_;           ///< stored level after level
 };
+
+template <class Tag>
+template <class Set>
+typename BoxTree<Tag>::Entries BoxTree<Tag>::make_entries(std::size_t n, RunControl& control, const Set& set) {
+  Entries entries(n);
+  for_blocks(n, kBlock, control, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      Entry entry{};
+      set(i, entry);
+      entries[i] = entry;
+    }
+  });
+  return entries;
+}
 
 template <class Tag>
 template <class TheOffsets>

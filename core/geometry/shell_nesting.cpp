@@ -263,13 +263,11 @@ bool ShellNesting::may_contain(std::uint32_t outer, std::uint32_t inner) const {
 std::vector<std::uint32_t> ShellNesting::nests_in_boxes() const {
   if (nests_.size() < 2) return {};
   using Tree = BoxTree<FirstNest>;
-  std::vector<Tree::Entry> entries(nests_.size());
-  for (std::uint32_t n = 0; n < nests_.size(); ++n) {
-    if (n % kTrianglesBetweenChecks == 0) control_.check_and_move();
-    entries[n].box.add(boxes_[n].min);
-    entries[n].box.add(boxes_[n].max);
-    entries[n].tag.nest = n;
-  }
+  const auto entries = Tree::make_entries(nests_.size(), control_, [&](std::size_t n, Tree::Entry& entry) {
+    entry.box.add(boxes_[n].min);
+    entry.box.add(boxes_[n].max);
+    entry.tag.nest = static_cast<std::uint32_t>(n);
+  });
   const Tree tree(entries, control_);
   return select_ids<std::uint32_t>(nests_.size(), kShellsPerBlock, control_, [&](std::size_t i) {
     const auto nest = static_cast<std::uint32_t>(i);

@@ -92,15 +92,10 @@ class Alongside {
  public:
   Alongside(const Surface& surface, const OpenEdges& open, double tolerance, RunControl& control)
       : surface_(surface), open_(open), tolerance_(tolerance), control_(control) {
-    std::vector<Tree::Entry, DefaultInit<Tree::Entry>> entries(open.size());
-    for_blocks(open.size(), kItemsPerBlock, control, [&](std::size_t i, std::size_t end) {
-      for (; i < end; ++i) {
-        Tree::Entry entry;
-        for (const VertexId v : {open[i].from, open[i].to}) {
-          entry.box.add(surface.local[v]);
-          entry.tag.box.add(surface.local[v]);
-        }
-        entries[i] = entry;
+    const auto entries = Tree::make_entries(open.size(), control, [&](std::size_t i, Tree::Entry& entry) {
+      for (const VertexId v : {open[i].from, open[i].to}) {
+        entry.box.add(surface.local[v]);
+        entry.tag.box.add(surface.local[v]);
       }
     });
     tree_ = Tree(entries, control);

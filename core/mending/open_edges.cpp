@@ -6,7 +6,6 @@
 #include <numbers>
 #include <tuple>
 
-#include "core/base/blocks.h"
 #include "core/base/ids.h"
 #include "core/base/stoppable.h"
 #include "core/geometry/projection.h"
@@ -68,14 +67,9 @@ OpenEdges::OpenEdges(const Surface& surface, const Adjacency& edges, Which which
     }
     measure(edge, twice_area, extent);
   }
-  std::vector<Tree::Entry, DefaultInit<Tree::Entry>> entries(edges_.size());
-  for_blocks(edges_.size(), kItemsPerBlock, control, [&](std::size_t i, std::size_t end) {
-    for (; i < end; ++i) {
-      Tree::Entry entry;
-      entry.box.add(middle(i));
-      entry.tag.box.add(middle(i));
-      entries[i] = entry;
-    }
+  const auto entries = Tree::make_entries(edges_.size(), control, [&](std::size_t i, Tree::Entry& entry) {
+    entry.box.add(middle(i));
+    entry.tag.box.add(middle(i));
   });
   tree_ = Tree(entries, control);
 }

@@ -114,12 +114,9 @@ Specks find_specks(const DetailRules& rules, RunControl& control) {
 std::vector<std::optional<PointOfTriangle>> points_near_specks(const Specks& specks, std::span<const Vec3> positions,
                                                                std::span<const Corners3> kept, double allowed,
                                                                RunControl& control) {
-  std::vector<BoxTree<NoTag>::Entry> entries(kept.size());
-  StopCheck check(control);
-  for (std::size_t i = 0; i < kept.size(); ++i) {
-    check();
-    for (const Vec3& p : kept[i]) entries[i].box.add(p);
-  }
+  const auto entries = BoxTree<NoTag>::make_entries(kept.size(), control, [&](std::size_t i, auto& entry) {
+    for (const Vec3& p : kept[i]) entry.box.add(p);
+  });
   const BoxTree<NoTag> tree(entries, control);
   std::vector<std::optional<PointOfTriangle>> points;
   for (const std::vector<VertexId>& speck : specks.vertices) {

@@ -134,13 +134,10 @@ class Search {
     Found result;
     find_boundary();
     if (open_.empty()) return result;
-    std::vector<VertexTree::Entry> entries(vertices_.size());
-    StopCheck check(control_);
-    for (std::size_t i = 0; i < vertices_.size(); ++i) {
-      check();
-      entries[i].box.add(surface_.local[vertices_[i]]);
-      entries[i].tag.box.add(surface_.local[vertices_[i]]);
-    }
+    const auto entries = VertexTree::make_entries(vertices_.size(), control_, [&](std::size_t i, auto& entry) {
+      entry.box.add(surface_.local[vertices_[i]]);
+      entry.tag.box.add(surface_.local[vertices_[i]]);
+    });
     const VertexTree tree(entries, control_);
     const Looks most{kFewLooks + kMaxLooksPerCorner * surface_.corners.size(),
                      kFewNodes + kMaxNodesPerCorner * surface_.corners.size()};

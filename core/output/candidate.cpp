@@ -27,6 +27,14 @@ std::vector<MovedVertex> find_moved(const Candidate& candidate, const Surface& s
   return moved;
 }
 
+/// Returns whether a triangle has a reason that counts only as long as its vertices are where refinement put them.
+bool is_no_reason_after_move(const Candidate& candidate, FaceId f, std::span<const std::uint8_t> is_moved) {
+  if (candidate.refinement.reason[f.value] != UnrefinedReason::kAcrossInputAngle) return false;
+  const Triangle& face = candidate.assembled.faces[f];
+  return std::any_of(face.begin(), face.end(),
+                     [&](VertexId v) { return is_moved[candidate.assembled.vertex[v].value] != 0; });
+}
+
 }  // namespace
 
 Candidate::~Candidate() { drop_all(triangulated.meshes.items()); }
@@ -77,16 +85,29 @@ void list_unrefined(Candidate& candidate, const Goals& goals, RunControl& contro
 void replace_reasons(Candidate& candidate, std::span<const std::uint8_t> is_moved, UnrefinedReason reason) {
   std::vector<UnrefinedReason>& reasons = candidate.refinement.reason;
   const std::vector<FaceId>& missing = candidate.unrefined.faces;
-  const auto has_moved = [&](std::size_t t) {
-    const Triangle& face = candidate.assembled.faces[FaceId(t)];
-    return std::any_of(face.begin(), face.end(),
-                       [&](VertexId v) { return is_moved[candidate.assembled.vertex[v].value] != 0; });
-  };
   auto next = missing.begin();
   for (std::size_t t = 0; t < reasons.size(); ++t) {
     const bool is_missing = next != missing.end() && next->value == t;
     if (is_missing) ++next;
-    if (!is_missing || (reasons[t] == UnrefinedReason::kAcrossInputAngle && has_moved(t))) reasons[t] = reason;
+    if (!is_missing || is_no_reason_after_move(candidate, FaceId(t), is_moved)) reasons[t] = reason;
+  }
+}
+
+void assemble_again(Candidate& candidate, const Surface& surface, const Goals* goals,
+                    std::span<const std::uint8_t> is_moved, UnrefinedReason reason, RunControl& control) {
+  const std::vector<FaceId> missed_before = std::move(candidate.unrefined.faces);
+  assemble(candidate, surface, goals, control);
+  if (goals == nullptr) return;
+  UnrefinedFaces& unrefined = candidate.unrefined;
+  StopCheck check(control);
+  auto next = missed_before.begin();
+  for (std::size_t i = 0; i < unrefined.faces.size(); ++i) {
+    check();
+    const FaceId f = unrefined.faces[i];
+    while (next != missed_before.end() && *next < f) ++next;
+    const bool was_missing = next != missed_before.end() && *next == f;
+    if (!was_missing || is_no_reason_after_move(candidate, f, is_moved))
+      unrefined.reasons[i] = candidate.refinement.reason[f.value] = reason;
   }
 }
 

@@ -68,6 +68,16 @@ void list_unrefined(Candidate& candidate, const Goals& goals, RunControl& contro
 /// Cost:  O(triangles).
 void replace_reasons(Candidate& candidate, std::span<const std::uint8_t> is_moved, UnrefinedReason reason);
 
+/// Makes one mesh of the patches' meshes again, after some vertices were moved by a little. Triangles that miss the
+/// goals only since then get this reason, and so do those with a moved vertex that lie across an angle of the input,
+/// which asks for equal distances.
+/// Input:  a candidate that has been assembled with the same goals; `is_moved` has one entry per vertex of the surface
+///         or of the refinement.
+/// Errors: kCancelled, kTimeout - through `control`.
+/// Cost:   O(vertices + triangles).
+void assemble_again(Candidate& candidate, const Surface& surface, const Goals* goals,
+                    std::span<const std::uint8_t> is_moved, UnrefinedReason reason, RunControl& control);
+
 /// The information that the check needs besides the candidate.
 struct CheckedAgainst {
   const PolygonMesh* input;  ///< null if the surface was not made of it by mending alone

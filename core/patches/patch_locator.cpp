@@ -53,10 +53,8 @@ PatchLocator::PatchLocator(const Surface& surface, std::span<const FaceId> faces
                                       return parts;
                                     }),
       control);
-  std::vector<BoxTree<NoTag>::Entry> entries(parts_.size());
-  for_blocks(parts_.size(), kItemsPerBlock, control, [&](std::size_t i, std::size_t end) {
-    for (; i < end; ++i)
-      for (const Vec2 p : uv_of(parts_[i])) entries[i].box.add(in_space(p));
+  const auto entries = BoxTree<NoTag>::make_entries(parts_.size(), control, [&](std::size_t i, auto& entry) {
+    for (const Vec2 p : uv_of(parts_[i])) entry.box.add(in_space(p));
   });
   tree_ = BoxTree<NoTag>(entries, control);
 }

@@ -426,7 +426,7 @@ void GapSearch::Index::find_solids(const Adjacency& adjacency, const PatchSet& p
 }
 
 void GapSearch::Index::find_boxes(RunControl& control) {
-  std::vector<TriangleBoxes::Entry> entries(triangles_.size());
+  TriangleBoxes::Entries entries(triangles_.size());
   hubs_.resize(patch_count());
   for_blocks(patch_count(), 1024, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p) {
@@ -434,7 +434,7 @@ void GapSearch::Index::find_boxes(RunControl& control) {
       const Common common{PatchId(p), hubs_[PatchId(p)], contacts_.largest_neighbours(PatchId(p), kMaxPatchesAtCorner),
                           Layer()};
       for (std::uint32_t t = triangle_begin_[p]; t < triangle_begin_[p + 1]; ++t) {
-        entries[t].tag = common;
+        entries[t] = {FloatBox(), common};
         for (const VertexId v : triangles_[t])
           for (const double e : {-kGapRounding, kGapRounding}) entries[t].box.add(surface_.local[v] + Vec3{e, e, e});
       }

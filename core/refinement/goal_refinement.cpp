@@ -83,7 +83,7 @@ void GoalRefinement::predict_after(const PatchedSurface& on, const TriangulatedP
 Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder,
                                   std::span<const std::pair<PatchId, PatchId>> crossing,
                                   TriangulatedPatches& triangulated) {
-  unmeasured_.reset();
+  may_measure_later_ = are_sizes_unmeasured_ = false;
   frozen_.resize(on.patches.count(), 0);
   for (std::size_t p = 0; p < on.patches.count(); ++p)
     if (ladder.is_kept(on.patches.faces_of(PatchId(p))[0])) frozen_[PatchId(p)] = 1;
@@ -126,18 +126,19 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
   // The first attempt may make all faces that are allowed, and later ones what the bound on the work leaves.
   const bool is_cut_short = effort_.taken() > 0 && effort_.left() < budget_;
   const auto measured = [&](Refinement refined) {
-    const Overridden overridden{is_budget_too_small(), effort_.is_used_up(), is_cut_short};
+    overridden_ = {is_budget_too_small(), effort_.is_used_up(), is_cut_short};
     if (gaps || graded) {
-      // An attempt with a budget may have too many faces, and its result is not needed then. If vertices are moved to
-      // keep a volume, the misses are needed before that.
-      if ((effort_.is_any_wrong() || needs_budget_) && angle_margin_ == 0)
-        unmeasured_ = overridden;
-      else
+      // If vertices are moved to keep a volume, the misses are needed before that.
+      may_measure_later_ = angle_margin_ == 0;
+      // An attempt with a budget may have too many faces, and its result is not needed then. Where patches cross,
+      // vertices may have to be moved apart first.
+      are_sizes_unmeasured_ = may_measure_later_ && (effort_.is_any_wrong() || needs_budget_ || !crossing.empty());
+      if (!are_sizes_unmeasured_)
         note_size_misses(on.surface, triangulated.meshes, frozen_,
                          {goals_, on.plane_tolerance, sizes, gaps.get(), graded ? &*graded : nullptr, crossing},
                          refined, control_);
     }
-    overridden.write_to(refined.reason);
+    overridden_.write_to(refined.reason);
     effort_.take(refined.reason.size());
     return refined;
   };
@@ -191,7 +192,7 @@ void GoalRefinement::measure_sizes(const PatchedSurface& on, std::span<const std
                    {goals_, on.plane_tolerance, sizes_.field ? *sizes_.field : one_size, gaps.get(),
                     graded ? &*graded : nullptr, crossing},
                    refined, control_);
-  unmeasured_->write_to(refined.reason);
+  overridden_.write_to(refined.reason);
 }
 
 bool GoalRefinement::is_worth_trying_without_budget() const {

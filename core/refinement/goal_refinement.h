@@ -97,8 +97,11 @@ class GoalRefinement {
                     std::span<const std::pair<PatchId, PatchId>> crossing, TriangulatedPatches& triangulated);
   /// Returns whether the last refinement has left it open which triangles miss sizes that vary. If a result has failed
   /// the check before, or it has a budget, this one may fail as well, and to measure sizes takes as long as all the
-  /// rest.
-  bool are_sizes_unmeasured() const { return unmeasured_.has_value(); }
+  /// rest. If patches cross each other, vertices may have to be moved apart first.
+  bool are_sizes_unmeasured() const { return are_sizes_unmeasured_; }
+  /// Tells that vertices of the last refinement were moved apart and edges flipped, so that sizes have to be measured
+  /// again. Nothing is measured again if vertices are moved to keep a volume, since that comes before.
+  void note_separated_vertices() { are_sizes_unmeasured_ = may_measure_later_; }
   /// Finds the triangles of the last refinement that miss sizes, and why.
   /// Input: the arguments of that refinement, and its result. New vertices may have been moved since, by less than the
   ///        plane tolerance.
@@ -200,7 +203,7 @@ class GoalRefinement {
 
   /// Holds why triangles of an attempt were left as they are, whatever they miss.
   struct Overridden {
-    bool by_budget, by_effort, is_cut_short;
+    bool by_budget = false, by_effort = false, is_cut_short = false;
     void write_to(std::vector<UnrefinedReason>& reasons) const;
   };
 
@@ -210,9 +213,11 @@ class GoalRefinement {
   bool are_any_curved_ = false;
   FloorSearch floors_;
   AttemptEffort effort_;
-  std::optional<Overridden> unmeasured_;  ///< set if sizes of the last attempt have yet to be measured
-  double angle_margin_ = 0;               ///< in degrees
-  bool needs_budget_ = false;             ///< an attempt without a budget made too many faces, or would
+  Overridden overridden_;              ///< is about the last attempt
+  bool may_measure_later_ = false;     ///< sizes vary, and those of the last attempt may be measured in the check
+  bool are_sizes_unmeasured_ = false;  ///< those of the last attempt have yet to be measured
+  double angle_margin_ = 0;            ///< in degrees
+  bool needs_budget_ = false;          ///< an attempt without a budget made too many faces, or would
   /// Far more faces than allowed were predicted or made. Or more were made where many are allowed.
   bool is_hopeless_ = false;
   int retries_ = 0;

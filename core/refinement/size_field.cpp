@@ -375,16 +375,9 @@ SizeField SizeField::rescaled(double proximity, const Goals& goals, RunControl& 
 }
 
 void SizeField::set_samples(std::span<const Sample> samples, RunControl& control) {
-  std::vector<Samples::Entry> entries;
-  entries.reserve(samples.size());
-  for (const Sample& sample : samples) entries.push_back(sample.entry);
-  // Where sizes grow fast, a large sample counts for a short way only. But samples are about as large as their sizes,
-  // and a node with a large one reaches as far, so the two must be apart all the same.
-  const double steepness = std::min(slope_, 1.0);
-  const auto offset = [&](const Size& size) {
-    constexpr double kFarthest = 0x1p100;  // this is for fields that hardly grow
-    return static_cast<float>(size.value < kFarthest * steepness ? size.value / steepness : kFarthest);
-  };
+  const auto entries =
+      Samples::make_entries(samples.size(), control, [&](std::size_t i, auto& entry) { entry = samples[i].entry; });
+  const auto offset = [&](const Size& size) { return offset_of_size(size.value, slope_); };
   samples_ = Samples(entries, control, Offsets<decltype(offset)>{offset});
   const auto in_order = [&](auto& of_slots, auto Sample::*member) {
     of_slots.resize(samples.size());
@@ -478,8 +471,9 @@ SizeField::Limit SizeField::limit_at(const Vec3& place) const {
   return {largest_, is_uniform() ? largest_ / unit_ : local_at(place), unit_};
 }
 
-/// Returns the size at a place in local units.
-double SizeField::local_at(const Vec3& place) const {
+/// Returns the size at a place in local units. Runs in which sizes vary much spend half their time here and in
+/// `allows`, and take a twentieth less if no function is called from there.
+[[gnu::flatten]] double SizeField::local_at(const Vec3& place) const {
   const Vec3 p = local(place);
   double best = largest_ / unit_;
   if (last_found < samples_.size()) best = std::min(best, size_from(last_found, p));
@@ -495,7 +489,7 @@ double SizeField::local_at(const Vec3& place) const {
   return best;
 }
 
-bool SizeField::allows(double length, const Vec3& place, double radius) const {
+[[gnu::flatten]] bool SizeField::allows(double length, const Vec3& place, double radius) const {
   if (!(length <= largest_)) return false;
   const Vec3 p = local(place);
   const double wanted = length / unit_, near = radius / unit_;

@@ -84,12 +84,9 @@ void FacingFacets::find_facets(const Claim& claim, RunControl& control) {
       patch_of.push_back(model_.input.patch[f]);
     });
   }
-  std::vector<Facets::Entry> entries(triangles_.size());
-  for_blocks(entries.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      entries[i].tag.patch = patch_of[i];
-      for (const VertexId v : triangles_[i]) entries[i].box.add(point(v));
-    }
+  const auto entries = Facets::make_entries(triangles_.size(), control, [&](std::size_t i, Facets::Entry& entry) {
+    entry.tag.patch = patch_of[i];
+    for (const VertexId v : triangles_[i]) entry.box.add(point(v));
   });
   facets_ = Facets(entries, control);
 }
@@ -162,9 +159,9 @@ void FacingFacets::find_borders(const BoundaryGraph& seams, RunControl& control)
     if (p % kItemsPerBlock == 0) control.check_and_move();
     const std::span<const Part> border = border_of(PatchId(p));
     if (border.size() <= kLongBorder) continue;
-    std::vector<BoxTree<NoTag>::Entry> entries(border.size());
-    for (std::size_t i = 0; i < entries.size(); ++i)
-      for (const VertexId v : {border[i].a, border[i].b}) entries[i].box.add(point(v));
+    const auto entries = BoxTree<NoTag>::make_entries(border.size(), control, [&](std::size_t i, auto& entry) {
+      for (const VertexId v : {border[i].a, border[i].b}) entry.box.add(point(v));
+    });
     border_tree_[p] = static_cast<std::uint32_t>(trees_.size());
     trees_.emplace_back(entries, control);
   }

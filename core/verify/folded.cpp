@@ -23,12 +23,9 @@ class OutputDistance {
  public:
   OutputDistance(const Model& model, std::size_t patch, RunControl& control)
       : model_(model), faces_(model.output_by_patch[patch]), control_(control) {
-    std::vector<Boxes::Entry> entries(faces_.size());
-    StopCheck check(control);
-    for (std::size_t i = 0; i < faces_.size(); ++i) {
-      check();
-      for (const Vec3& p : corners_of(model, faces_[i])) entries[i].box.add(p);
-    }
+    const auto entries = Boxes::make_entries(faces_.size(), control, [&](std::size_t i, Boxes::Entry& entry) {
+      for (const Vec3& p : corners_of(model, faces_[i])) entry.box.add(p);
+    });
     boxes_ = Boxes(entries, control);
   }
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "core/base/blocks.h"
 #include "core/geometry/distances.h"
 
 namespace remesh::verification {
@@ -20,21 +19,13 @@ VaryingSizes::Graded::Graded(std::vector<Segment> segments, const Model& model, 
   Box3 box;
   for (std::size_t v = 0; v < model.surface_vertex_count; ++v) box.add(model.points[v]);
   centre_ = 0.5 * box.min + 0.5 * box.max;
-  std::vector<BoxTree<Length>::Entry> entries(segments_.size());
-  for_blocks(entries.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const auto& [a, b] = segments_[i];
-      entries[i].box.add(a - centre_);
-      entries[i].box.add(b - centre_);
-      entries[i].tag.value = norm(b - a);
-    }
+  const auto entries = BoxTree<Length>::make_entries(segments_.size(), control, [&](std::size_t i, auto& entry) {
+    const auto& [a, b] = segments_[i];
+    entry.box.add(a - centre_);
+    entry.box.add(b - centre_);
+    entry.tag.value = norm(b - a);
   });
-  // Without this, long segments would make the boxes of nodes large in which short ones make the bounds small.
-  const double steepness = std::min(slope_, 1.0);
-  const auto offset = [&](Length length) {
-    constexpr double kFarthest = 0x1p100;  // this is for sizes that hardly grow
-    return static_cast<float>(length.value < kFarthest * steepness ? length.value / steepness : kFarthest);
-  };
+  const auto offset = [&](Length length) { return offset_of_size(length.value, slope_); };
   tree_ = BoxTree<Length>(entries, control, Offsets<decltype(offset)>{offset});
 }
 

@@ -20,6 +20,9 @@ namespace {
 
 /// A family is not measured in larger sizes after a run of this many milliseconds.
 constexpr double kLongRun = 120'000;
+/// Growth with the faces of input and output is told where there are more than this many times as many as in the size
+/// before.
+constexpr double kMoreFaces = 2;
 
 /// Other programs do not lengthen the time of the processor, and some sizes take minutes.
 double processor_milliseconds() { return 1000 * static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
@@ -78,16 +81,21 @@ bool is_cut_short(const Report& report) {
                      [](const Diagnostic& d) { return d.code == DiagnosticCode::kIncompleteCheck; });
 }
 
+/// Returns by how much a time of `before` grows in a decade of sizes if it becomes `now` from one size to another.
+double growth_a_decade(double before, double now, double size_before, double size) {
+  return std::pow(now / before, 1 / std::log10(size / size_before));
+}
+
 }  // namespace
 
 void measure_hostile(const std::vector<int>& sizes, int workers, Rows& rows) {
-  std::printf("\n%-24s", "seconds, and growth");
-  for (const int size : sizes) std::printf("%20d", size);
+  std::printf("\nseconds, and their growth in a decade: of the input, and of input and output\n%-24s", "");
+  for (const int size : sizes) std::printf("%26d", size);
   std::printf("\n");
   bool is_any_cut_short = false;
   for (const hostile::Family& family : hostile::families()) {
     std::printf("  %-22s", std::string(family.name).c_str());
-    double before = 0, bytes_a_face = 0;
+    double before = 0, all_before = 0, bytes_a_face = 0;
     std::pair<double, Stage> longest{0, Stage::kQueued};  // for which progress stood, in any size
     int size_before = 0;
     for (const int size : sizes) {
@@ -101,17 +109,23 @@ void measure_hostile(const std::vector<int>& sizes, int workers, Rows& rows) {
       report = remesh_surface(mesh, Options{}, {.workers = workers}, control).report;
       const double ms = processor_milliseconds() - begin;
       if (const auto stood = watch.longest(); stood.first > longest.first) longest = stood;
-      bytes_a_face = peak_bytes() / (size + static_cast<double>(report.output.faces));
+      const double all = size + static_cast<double>(report.output.faces);
+      bytes_a_face = peak_bytes() / all;
       is_any_cut_short = is_any_cut_short || is_cut_short(report);
       std::printf("%11.3f%s", ms / 1000, is_cut_short(report) ? "*" : " ");
       if (before > 0)
-        std::printf(" x%-6.1f", std::pow(ms / before, 1 / std::log10(static_cast<double>(size) / size_before)));
+        std::printf(" x%-6.1f", growth_a_decade(before, ms, size_before, size));
       else
         std::printf("%8s", "");
+      if (before > 0 && all > kMoreFaces * all_before)
+        std::printf("x%-5.1f", growth_a_decade(before, ms, all_before, all));
+      else
+        std::printf("%6s", "");
       std::fflush(stdout);
       rows.push_back({"hostile", std::string(family.name), "total", static_cast<std::uint64_t>(size), ms,
                       static_cast<std::uint64_t>(report.output.faces)});
       before = ms;
+      all_before = all;
       size_before = size;
     }
     std::printf("%8.0f bytes a face; progress stood for %.1f s in %s%s\n", bytes_a_face, longest.first / 1000,

@@ -16,6 +16,7 @@
 #include "core/patches/ladder.h"
 #include "core/refinement/gap_search.h"
 #include "core/refinement/goal_refinement.h"
+#include "tests/support/hostile_families.h"
 #include "tests/support/random.h"
 #include "tests/support/refined_checks.h"
 #include "tests/support/remeshed.h"
@@ -108,6 +109,18 @@ TEST(effort, gaps_that_close_along_edges_end_at_the_limit) {
   // There is more to do than the limit allows, and that is told.
   const Report report = refined(wedges(0.01), options).report;
   EXPECT_GT(listed(report, UnrefinedReason::kBudget) + listed(report, UnrefinedReason::kEffort), 0u);
+}
+
+// Faces that need a long search for the gaps beside them are not looked at behind the bound. Needles that could not be
+// refined as asked stay as they were, so these two occur together.
+TEST(effort, needles_of_which_many_are_not_looked_at_end_at_the_limit) {
+  const auto families = hostile::families();
+  const auto needles = std::find_if(families.begin(), families.end(),
+                                    [](const hostile::Family& family) { return family.name == "spanning_needles"; });
+  ASSERT_NE(needles, families.end());
+  Options options = with_gaps(4000);
+  options.min_angle_deg = 0;
+  expect_bounded(needles->make(500), options);
 }
 
 TEST(effort, a_search_for_gaps_never_answers_less_when_its_work_is_bounded) {
