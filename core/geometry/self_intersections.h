@@ -34,6 +34,8 @@ struct SelfIntersections {
 /// the work of a search is the same on every machine and for any number of threads.
 struct SearchLimits {
   static constexpr std::uint64_t kNoLimit = ~std::uint64_t{0};
+  /// The pairs that are found at most where a surface has to be known to cross itself, and roughly where.
+  static constexpr std::size_t kEnoughPairs = 100'000;
 
   SearchLimits(std::size_t pairs, std::uint64_t steps = kNoLimit) : max_pairs(pairs), max_steps(steps) {}
 

@@ -572,8 +572,8 @@ WithoutDetails remove_details(const DetailRules& rules, RunControl& control) {
   is_fixed.resize(rules.positions.size(), 0);
   std::optional<SelfIntersections> before;
   const auto find_intersections = [&](std::span<const Vec3> positions, std::span<const Triangle> faces) {
-    constexpr std::size_t kMaxPairs = 100'000;
-    return self_intersections(positions, faces, {}, {kMaxPairs, SearchLimits::steps_for(faces.size())}, control);
+    return self_intersections(positions, faces, {}, {SearchLimits::kEnoughPairs, SearchLimits::steps_for(faces.size())},
+                              control);
   };
   for (int i = 0; i < kMaxTries; ++i) {
     WithoutDetails result = DetailRemover(rules, is_fixed, control).run();

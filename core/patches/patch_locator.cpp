@@ -11,7 +11,7 @@ namespace {
 
 /// An upper bound on the error of distances. Boxes count as nearer by this, so that nothing as near as the best so far
 /// is ever passed over, and the answer does not depend on the order of the search.
-constexpr double kRounding = 0x1p-48;
+constexpr double kRoundingInSpace = 0x1p-48;
 
 Vec3 in_space(Vec2 p) { return {p.x, p.y, 0}; }
 
@@ -63,7 +63,10 @@ PatchLocator::Place PatchLocator::nearest(Vec2 p) const {
   double best = HUGE_VAL;
   std::uint32_t found = 0;
   tree_.search(
-      best, [&](const BoxTree<NoTag>::Entry& e) { return std::sqrt(squared_distance(e.box, in_space(p))) - kRounding; },
+      best,
+      [&](const BoxTree<NoTag>::Entry& e) {
+        return std::sqrt(squared_distance(e.box, in_space(p))) - kRoundingInSpace;
+      },
       [&](std::size_t slot) {
         const std::uint32_t i = tree_.number(slot);
         const double d = distance_to_triangle(uv_of(parts_[i]), p);

@@ -19,7 +19,7 @@ namespace {
 /// smaller regions.
 constexpr std::uint8_t kMaxWalks = 8;
 /// A region this many times as large as another one is much larger.
-constexpr std::size_t kMuchLarger = 4;
+constexpr std::size_t kMuchLargerRegion = 4;
 /// The number of faces that are remembered for each region because they did not fit a plane. If another plane is no
 /// better, they show it soon.
 constexpr std::size_t kMaxWitnesses = 8;
@@ -215,7 +215,7 @@ class Merging {
       lie = most;
       return true;
     }
-    if (large.faces.size() <= kMuchLarger * small.faces.size()) return add_all(large.faces, plane, band, lie);
+    if (large.faces.size() <= kMuchLargerRegion * small.faces.size()) return add_all(large.faces, plane, band, lie);
     if (large.walks == kMaxWalks) return false;
     ++large.walks;
     if (add_all(large.faces, plane, band, lie)) return true;

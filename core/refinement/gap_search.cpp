@@ -136,7 +136,7 @@ class StepCounter {
 enum class What { kFaced, kAll };
 
 /// Selects on which side of a patch a search looks.
-enum class Side { kBoth, kAbove, kBelow };
+enum class SideOfPlane { kBoth, kAbove, kBelow };
 
 /// Names triangles that do not count as gaps although they are near.
 struct Uncounted {
@@ -257,7 +257,7 @@ class GapSearch::Index {
     if (!(min_height_ > 0))
       found = squared_gap(from, patch, {below * below, low * low}, what, uncounted, work).squared;
     else if (below > min_height_)
-      for (const Side side : {Side::kAbove, Side::kBelow}) {
+      for (const SideOfPlane side : {SideOfPlane::kAbove, SideOfPlane::kBelow}) {
         const Gap gap = squared_gap(from, patch, {std::min(found, below * below), 0}, what, uncounted, work, side);
         if (gap.height >= min_height_) found = std::min(found, gap.squared);
       }
@@ -307,7 +307,7 @@ class GapSearch::Index {
     double squared = HUGE_VAL, height = HUGE_VAL;
   };
   Gap squared_gap(const Vec3& p, PatchId patch, Wanted wanted, What what, const Uncounted& uncounted, WorkBound* work,
-                  Side side = Side::kBoth) const;
+                  SideOfPlane side = SideOfPlane::kBoth) const;
   double squared_beside(std::span<const Corners3> pieces, PatchId patch, double below, WorkBound* work) const;
 
   /// Returns whether the way leaves one patch inwards and comes to the other from outside, or the other way round,
@@ -459,7 +459,8 @@ Layer GapSearch::Index::layer_of(std::span<const std::uint32_t> triangles) const
 
 /// Returns the gap at p in local units, or none if its square is not below what is wanted.
 GapSearch::Index::Gap GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, Wanted wanted, What what,
-                                                    const Uncounted& uncounted, WorkBound* work, Side side) const {
+                                                    const Uncounted& uncounted, WorkBound* work,
+                                                    SideOfPlane side) const {
   const bool is_all = what == What::kAll;
   StepCounter steps(work);
   double best = wanted.below;
@@ -489,7 +490,7 @@ GapSearch::Index::Gap GapSearch::Index::squared_gap(const Vec3& p, PatchId patch
         const PatchId other = tree_[slot].tag.patch;
         const Vec3 q = nearest_on_triangle(p, corners(slot));
         const double d = norm_squared(q - p), up = dot(q - p, slab.plane.normal);
-        if ((side == Side::kAbove && !(up > 0)) || (side == Side::kBelow && !(up < 0))) return;
+        if ((side == SideOfPlane::kAbove && !(up > 0)) || (side == SideOfPlane::kBelow && !(up < 0))) return;
         if (d >= best || d <= touching_squared_ || !(is_all || slab.is_steep(q - p)) ||
             is_blocked(q - p, patch, slab.plane.normal, other, q) || is_hidden(other, d))
           return;

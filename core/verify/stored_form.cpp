@@ -24,12 +24,9 @@ namespace {
 
 using verification::Standing;
 
-/// The largest number of intersecting pairs that are searched for.
-constexpr std::size_t kMaxPairs = 100'000;
-
 /// The limits of the search for intersections, which has to find all new ones if those of before are all known.
 SearchLimits limits_of_search(const StoredClaim& claim) {
-  SearchLimits limits(kMaxPairs);
+  SearchLimits limits(SearchLimits::kEnoughPairs);
   const InputIntersections* const known = claim.intersections;
   if (known == nullptr) return limits;
   if (!known->is_complete)
@@ -389,8 +386,8 @@ class StoredCheck {
               VertexId(static_cast<std::size_t>(std::lower_bound(keys.begin(), keys.end(), key) - keys.begin()));
         }
     });
-    const SelfIntersections found =
-        self_intersections(flat, faces, {}, {kMaxPairs, SearchLimits::steps_for(faces.size())}, control_);
+    const SelfIntersections found = self_intersections(
+        flat, faces, {}, {SearchLimits::kEnoughPairs, SearchLimits::steps_for(faces.size())}, control_);
     for (const auto& [f, g] : found.pairs) is_simple[claim_.face_patch[rim[f.value].value].value] = 0;
     if (found.is_complete) return;
     for (std::size_t p = 0; p < is_simple.size(); ++p)

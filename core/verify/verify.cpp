@@ -108,8 +108,6 @@ void check_whole(const Model& model, const EdgeCounts& input, std::int64_t input
     faults.add(PatchId(), Fault::kVolume);
 }
 
-/// The largest number of intersecting pairs that are searched for.
-constexpr std::size_t kMaxPairs = 100'000;
 /// The search ends after so many pairs that the input does not have.
 constexpr std::size_t kMinUnexpected = 1 << 12, kUnexpectedPerPatch = 8;
 
@@ -134,7 +132,7 @@ void check_intersections(const Claim& claim, const std::vector<std::uint8_t>& is
   const InputIntersections& known = claim.intersections != nullptr ? *claim.intersections : kNoIntersections;
   // If the input's intersections are not all known, nothing is proven from those of the output. Then some are enough to
   // show where they are. Otherwise the search goes on, however long it takes.
-  SearchLimits limits(kMaxPairs);
+  SearchLimits limits(SearchLimits::kEnoughPairs);
   if (!known.is_complete) {
     limits.max_steps = SearchLimits::few_steps_for(claim.faces.size());
   } else {
