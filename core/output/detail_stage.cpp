@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/base/stoppable.h"
+#include "core/geometry/self_intersections.h"
 #include "core/mending/mend_faces.h"
 #include "core/output/face_labels.h"
 #include "core/output/face_source.h"
@@ -75,6 +76,19 @@ std::vector<Vec3> model_places(const WithoutDetails& without, const Candidate& c
 bool are_different(std::vector<Vec3> places, const RunControl& control) {
   sort_stoppable(places.begin(), places.end(), control);
   return std::adjacent_find(places.begin(), places.end()) == places.end();
+}
+
+/// Returns whether faces intersect that come from patches which do not intersect in the input, or may do so. Details are
+/// removed in local units, which may not tell places apart that differ in model units.
+bool do_others_intersect(std::span<const Vec3> places, const WithoutDetails& without,
+                         const IdVector<FaceId, PatchId>& patch, const InputIntersections& known, RunControl& control) {
+  const SelfIntersections found = self_intersections(
+      places, without.faces, {}, {SearchLimits::kEnoughPairs, SearchLimits::steps_for(without.faces.size())}, control);
+  // A patch that is folded within the tolerance may intersect itself before and after.
+  return !found.is_complete || std::any_of(found.pairs.begin(), found.pairs.end(), [&](const auto& pair) {
+    const PatchId p = patch[without.source[pair.first.value]], q = patch[without.source[pair.second.value]];
+    return p != q && !known.has(p, q);
+  });
 }
 
 /// Returns how far planes are bent: the largest distance of a moved corner from the plane of its face, in the unit of
@@ -207,19 +221,18 @@ bool DetailStage::run(const Context& context, Candidate& candidate, Prepared& pr
                                  context.intersections, context.plane_tolerance, context.weld_tolerance},
                                 control);
   watch.enter(Stage::kWeld);
-  const bool is_removed = verdict.all_true() && remove(candidate, context.patches, verdict, context.kept, prepared,
-                                                       context.input.face_count(), control);
+  const bool is_removed = verdict.all_true() && remove(context, candidate, verdict, prepared, control);
   candidate.clear();
   if (!is_removed) stop();
   return is_removed;
 }
 
-bool DetailStage::remove(const Candidate& candidate, const PatchSet& patches, const Verdict& verdict,
-                         const std::vector<std::uint8_t>& kept, Prepared& prepared, std::size_t input_faces,
+bool DetailStage::remove(const Context& context, const Candidate& candidate, const Verdict& verdict, Prepared& prepared,
                          RunControl& control) {
   const Surface& before = prepared.surface;
+  const PatchSet& patches = context.patches;
   const IdVector<FaceId, FaceId> source = face_source(before, patches, candidate.triangulated, control);
-  const Triangles triangles(candidate, patches, before, kept, source, control);
+  const Triangles triangles(candidate, patches, before, context.kept, source, control);
   // All distances together are within the size. By default, that is the plane tolerance, which is shared out.
   const double left = limits_.size - bound_ - verdict.deviation;
   const double allowed = limits_.is_size_given ? left - limits_.plane_tolerance : left / 2;
@@ -240,6 +253,8 @@ bool DetailStage::remove(const Candidate& candidate, const PatchSet& patches, co
   const std::optional<double> proven = prove_details(
       {candidate.positions.items(), candidate.assembled.faces.items(), places, without.faces, without.map}, control);
   if (!proven || !(*proven <= allowed) || !are_different(places, control)) return false;
+  if (do_others_intersect(places, without, candidate.assembled.face_patch, context.intersections, control))
+    return false;
 
   bound_ += *proven + verdict.deviation;
   volume_bound_ += verdict.volume_bound +
@@ -263,7 +278,7 @@ bool DetailStage::remove(const Candidate& candidate, const PatchSet& patches, co
   removed.erase(std::unique(removed.begin(), removed.end()), removed.end());
   for (const FaceId f : removed) removed_.add(f.value);
 
-  if (!descent_) descent_ = Descent{remesh::patches_of_input(before, patches, input_faces), {}};
+  if (!descent_) descent_ = Descent{remesh::patches_of_input(before, patches, context.input.face_count()), {}};
   std::vector<std::uint32_t> order;
   Surface after = make_surface(without, std::move(places), candidate, patches, before, source, order);
   if (passes_ == 0) {

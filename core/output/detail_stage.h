@@ -87,8 +87,8 @@ class DetailStage {
   IdVector<FaceId, PatchId> patches_of_input(const PatchSet& patches) const;
 
  private:
-  bool remove(const Candidate& candidate, const PatchSet& patches, const Verdict& verdict,
-              const std::vector<std::uint8_t>& kept, Prepared& prepared, std::size_t input_faces, RunControl& control);
+  bool remove(const Context& context, const Candidate& candidate, const Verdict& verdict, Prepared& prepared,
+              RunControl& control);
   Specks specks_left(const Candidate& result, RunControl& control) const;
 
   /// The patches that the input's faces had, and the faces of the present surface that were made of each.

@@ -1,5 +1,6 @@
 #include "core/verify/polygons.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <optional>
@@ -24,6 +25,13 @@ struct Doubt {
   PolygonFaces faces;
   std::uint64_t pairs;  ///< number of pairs of edges to compare
 };
+
+/// Returns whether an outline comes back to one of its corners.
+/// Cost: O(n log n).
+bool touches_itself_in_a_corner(std::vector<Vec3> loop, const RunControl& control) {
+  sort_stoppable(loop.begin(), loop.end(), control);
+  return std::adjacent_find(loop.begin(), loop.end()) != loop.end();
+}
 
 class PolygonCheck {
  public:
@@ -128,6 +136,9 @@ class PolygonCheck {
     const double spike = model_.tolerance / 2 + 0x1p-45 * outline.length;
     // A spike may leave the plane, and the rest of the outline may be flat.
     cut_spikes(loop, spike, check);
+    // Its parts share no edge, and each may have been turned over alone. Projected to the plane, one of them may have no
+    // area and look like a spike.
+    if (touches_itself_in_a_corner(loop, control_)) return {};
     const Vec3 normal = normalized(measure_outline(loop, check).twice_area);
     if (normal == Vec3{}) return {};
     // The triangles of a bent polygon may face many directions, but their sum is its area vector.

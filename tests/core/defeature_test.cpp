@@ -264,6 +264,24 @@ TEST(defeature, rough_boxes_stay_sound) {
   }
 }
 
+TEST(defeature, places_that_local_units_cannot_tell_apart_do_not_make_faces_intersect) {
+  // Part of a star-shaped plate. One corner is so far away that the plate is as thin as nothing in the unit of the whole.
+  const PolygonMesh plate = shapes::from_lists(
+      {{0.8, 0, 0.7},    {0.41, 0, 1.5},   {0.79, 0, 2.3},    {0.01, 0, 2.29},   {1.3, 0, 0.01},    {1.8, 0, 0.7},
+       {1.8, 0, 2.3},    {1.31, 0, 3},     {2.2, 0, 1.5},     {0.4, 0.3, 1.5},   {0.01, 0.3, 2.29}, {0.79, 0.3, 2.3},
+       {1.8, 0.3, 0.69}, {1.3, 0.3, 0},    {0.21, 0.3, 2.21}, {0.9, 0.3, 2.21},  {0.9, 0.3, 0.79},  {1.3, 0.3, 2.79},
+       {1.69, 0.3, 2.2}, {1.69, 0.3, 0.8}, {2.11, 0.3, 1.5},  {2.39, 1e22, 2.21}},
+      {{1, 2, 3},    {4, 5, 0},    {2, 6, 7},    {0, 2, 1},   {0, 5, 2},    {5, 8, 2},   {8, 6, 2},
+       {1, 3, 9},    {3, 10, 9},   {3, 2, 10},   {2, 11, 10}, {2, 7, 11},   {4, 13, 5},  {5, 13, 12},
+       {15, 17, 18}, {20, 18, 21}, {16, 20, 19}, {9, 10, 14}, {10, 11, 14}, {11, 15, 14}});
+  Options options;
+  options.refine = false;
+  const Result result = refined(plate, options);
+  EXPECT_TRUE(result.report.verified.all_true());
+  EXPECT_EQ(result.report.input.intersecting_pairs, 0u);
+  EXPECT_EQ(result.report.output.intersecting_pairs, 0u);
+}
+
 /// A cube with a part of its own beside it. The part's farthest point is `far` above the middle of the cube's top.
 PolygonMesh with_part(const PolygonMesh& part, double far) {
   double top = 0;

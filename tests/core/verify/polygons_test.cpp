@@ -106,6 +106,14 @@ TEST(check_polygons, a_polygon_that_takes_one_way_twice_is_not_judged) {
   EXPECT_FALSE(is_refuted(verdict_on(twice, cut_into(twice, {{0, 1, 3}}))));
 }
 
+TEST(check_polygons, parts_that_meet_in_a_corner_may_have_been_turned_over_alone) {
+  // One part has no area in the plane of the whole, where it looks like a spike.
+  const PolygonMesh pinched =
+      shapes::from_lists({{5, 0, -4}, {0, 0, -4}, {7.5, 12.5, -7.5}, {10, 0, -6}, {10, 0, 0}}, {{0, 1, 2, 3, 1, 4}});
+  EXPECT_FALSE(is_refuted(verdict_on(pinched, cut_into(pinched, {{1, 2, 3}, {0, 1, 4}}))));
+  EXPECT_FALSE(is_refuted(verdict_on(pinched, cut_into(pinched, {{1, 2, 3}, {0, 4, 1}}))));
+}
+
 TEST(check_polygons, a_hole_that_runs_the_same_way_as_the_outline_around_it_is_not_judged) {
   const PolygonMesh ring =
       shapes::from_lists({{0, 0, 0}, {9, 0, 0}, {9, 9, 0}, {0, 9, 0}, {3, 3, 0}, {6, 3, 0}, {6, 6, 0}, {3, 6, 0}},
