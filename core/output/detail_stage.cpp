@@ -10,7 +10,6 @@
 #include <utility>
 
 #include "core/base/stoppable.h"
-#include "core/geometry/self_intersections.h"
 #include "core/mending/mend_faces.h"
 #include "core/output/face_labels.h"
 #include "core/output/face_source.h"
@@ -78,17 +77,10 @@ bool are_different(std::vector<Vec3> places, const RunControl& control) {
   return std::adjacent_find(places.begin(), places.end()) == places.end();
 }
 
-/// Returns whether faces intersect that come from patches which do not intersect in the input, or may do so. Details are
-/// removed in local units, which may not tell places apart that differ in model units.
-bool do_others_intersect(std::span<const Vec3> places, const WithoutDetails& without,
-                         const IdVector<FaceId, PatchId>& patch, const InputIntersections& known, RunControl& control) {
-  const SelfIntersections found = self_intersections(
-      places, without.faces, {}, {SearchLimits::kEnoughPairs, SearchLimits::steps_for(without.faces.size())}, control);
-  // A patch that is folded within the tolerance may intersect itself before and after.
-  return !found.is_complete || std::any_of(found.pairs.begin(), found.pairs.end(), [&](const auto& pair) {
-    const PatchId p = patch[without.source[pair.first.value]], q = patch[without.source[pair.second.value]];
-    return p != q && !known.has(p, q);
-  });
+/// Returns whether vertices in different places of the model have the same place in local units, as they may have if a
+/// corner is very far away.
+bool are_places_lost(std::span<const Vec3> local, const RunControl& control) {
+  return !are_different({local.begin(), local.end()}, control);
 }
 
 /// Returns how far planes are bent: the largest distance of a moved corner from the plane of its face, in the unit of
@@ -237,6 +229,8 @@ bool DetailStage::remove(const Context& context, const Candidate& candidate, con
   const double left = limits_.size - bound_ - verdict.deviation;
   const double allowed = limits_.is_size_given ? left - limits_.plane_tolerance : left / 2;
   if (!(allowed > 0)) return false;
+  // Details are removed in local units, in which faces would not seem to intersect then.
+  if (are_places_lost(triangles.local, control)) return false;
   const DetailRules rules{triangles.local,
                           candidate.assembled.faces.items(),
                           candidate.assembled.face_patch.items(),
@@ -253,8 +247,6 @@ bool DetailStage::remove(const Context& context, const Candidate& candidate, con
   const std::optional<double> proven = prove_details(
       {candidate.positions.items(), candidate.assembled.faces.items(), places, without.faces, without.map}, control);
   if (!proven || !(*proven <= allowed) || !are_different(places, control)) return false;
-  if (do_others_intersect(places, without, candidate.assembled.face_patch, context.intersections, control))
-    return false;
 
   bound_ += *proven + verdict.deviation;
   volume_bound_ += verdict.volume_bound +

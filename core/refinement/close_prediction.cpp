@@ -23,7 +23,8 @@ class PatchWithCuts {
         lengths_(lengths),
         edges_(lengths.edges()),
         goals_(goals),
-        sizes_(sizes) {}
+        sizes_(sizes),
+        max_rows_(rows_to_read(sizes)) {}
 
   double run(RunControl& control) const {
     double faces = 0;
@@ -89,7 +90,7 @@ class PatchWithCuts {
   /// which it is divided, as many as the size in its middle, `asked`, says that there may be different ones.
   double faces_for_size(const Vec2 (&p)[3], const std::uint32_t (&edge)[3], double area, double asked) const {
     const double longest = std::max({edges_[edge[0]].length, edges_[edge[1]].length, edges_[edge[2]].length});
-    const int parts = static_cast<int>(std::clamp(std::ceil(longest / asked), 1.0, kMaxParts));
+    const int parts = static_cast<int>(std::clamp(std::ceil(longest / asked), 1.0, max_rows_));
     const auto faces_at = [&](double size) {
       return std::isfinite(size) ? area / (parts * parts) / equilateral_area(size) : 0;
     };
@@ -120,8 +121,6 @@ class PatchWithCuts {
   /// Prediction, for these two numbers.
   static constexpr double kFewInside = 1.6;
   static constexpr double kDisturbed = 1.1;
-  /// A triangle is divided into this number of rows at most, to read sizes in it.
-  static constexpr double kMaxParts = 6;
 
   const PatchId id_;
   const PatchMesh& patch_;
@@ -130,6 +129,7 @@ class PatchWithCuts {
   const SampledEdges& edges_;
   const Goals& goals_;
   const SizeField& sizes_;
+  const double max_rows_;  ///< a triangle is divided into this number of rows at most, to read sizes in it
 };
 
 }  // namespace

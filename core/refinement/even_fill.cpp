@@ -31,7 +31,8 @@ constexpr double kWideColumn = 0.75;
 
 /// The work grows with the number of cells. A region that is long and narrow, or where sizes change abruptly, has many
 /// cells without a point of their own. A fill is given up if it would look at more cells than kFewCells, plus
-/// kMaxCellsEach for each point that is allowed, for each point of the boundary and for each triangle.
+/// kMaxCellsEach for each point that is allowed, for each point of the boundary and for each triangle, over the cost of
+/// a look-up.
 constexpr std::size_t kMaxCellsEach = 16;
 constexpr std::size_t kFewCells = 256;
 /// A fill with more cells would take minutes.
@@ -353,8 +354,9 @@ class Lattice {
 std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 3>> triangles, std::span<const Vec2> boundary,
                             std::size_t vertex_count, const PlaneSizes& sizes, double shortest, std::size_t max_points,
                             RunControl& control) {
-  const std::size_t max_cells = std::min(
+  const std::size_t cells_each = std::min(
       kMaxCells, kFewCells + kMaxCellsEach * (std::min(max_points, kMaxCells) + boundary.size() + triangles.size()));
+  const auto max_cells = static_cast<std::size_t>(static_cast<double>(cells_each) / sizes.look_up_cost);
   Lattice lattice(triangles, sizes, control);
   // This is asked before any number becomes an integer, because the number of cells may be far too large for one.
   if (!(lattice.least_cells() <= static_cast<double>(max_cells))) return {};

@@ -17,8 +17,9 @@ struct PlaneSizes {
   /// Returns whether the length is at most the size at all places within the radius around `place`. It may also return
   /// false where that is so.
   std::function<bool(double length, Vec2 place, double radius)> allows;
-  bool is_uniform = true;  ///< the same everywhere
-  double noise = 0;        ///< sizes that are meant to be equal differ by less than this fraction
+  bool is_uniform = true;   ///< the same everywhere
+  double noise = 0;         ///< sizes that are meant to be equal differ by less than this fraction
+  double look_up_cost = 1;  ///< how long a look-up takes, compared with a usual one
 };
 
 /// Returns points of lattices of equilateral triangles, inside a region and away from its boundary. The lattices' edges

@@ -97,7 +97,7 @@ PlaneSizes PatchSizes::of_lattices() const {
     case Kind::kBesideFixedSides:
       return {[this](Vec2 p) { return at(p); },
               [this](double length, Vec2 p, double radius) { return allows(length, p, radius); }, false,
-              SizeField::kNoise};
+              SizeField::kNoise, criteria_.sizes.look_up_cost()};
     case Kind::kVarying:
       return {[this](Vec2 p) {
                 return std::min(criteria_.sizes.at(chart_.to_space(p)), criteria_.even_size) / chart_.scale(p);
@@ -107,7 +107,7 @@ PlaneSizes PatchSizes::of_lattices() const {
                 return length * scale <= criteria_.even_size &&
                        criteria_.sizes.allows(length * scale, chart_.to_space(p), radius * scale);
               },
-              false, SizeField::kNoise};
+              false, SizeField::kNoise, criteria_.sizes.look_up_cost()};
     case Kind::kUniform:
     case Kind::kNone: break;
   }

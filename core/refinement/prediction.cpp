@@ -53,12 +53,14 @@ struct Asked {
         tangent(tangent_of(goals.min_angle_deg)),
         strip_tangent(goals.min_angle_deg > 0 && goals.split_boundaries
                           ? tangent_of(std::max(goals.min_angle_deg, least_strip_angle_deg(sizes)))
-                          : 0) {}
+                          : 0),
+        rows(rows_to_read(sizes)) {}
 
   const Goals& goals;
   const SizeField& sizes;
   double tangent;        ///< tangent of the bound on angles
   double strip_tangent;  ///< tangent of the angle along strips; 0: boundaries are not cut for angles
+  int rows;              ///< a triangle is divided into this number of rows to read sizes
 };
 
 class PatchPrediction {
@@ -185,20 +187,20 @@ class PatchPrediction {
       if (fixed != nullptr) size = std::max(size, fixed->at(at) * chart_.scale(at));
       return std::isfinite(size) ? kFacesPerIdeal * part / equilateral_area(size) : 0;
     };
-    constexpr int kParts = 6;
+    const int rows = asked_.rows;
     if (fixed == nullptr) {
       const Vec2 middle = (1.0 / 3) * (p[0] + p[1] + p[2]);
       const double size = size_at(middle);
       if (longest < size * kSmall) return faces_at(middle, area);
-      if (2 * area / longest < size) return faces_in_strips(p, area, kParts, faces_at);
+      if (2 * area / longest < size) return faces_in_strips(p, area, rows, faces_at);
     }
     // The size is read in the middles of small triangles into which the triangle is divided.
-    const double part = area / (kParts * kParts);
+    const double part = area / (rows * rows);
     double faces = 0;
-    for (int i = 0; i < kParts; ++i)
-      for (int j = 0; i + j < kParts; ++j)
-        for (int up = 0; up < (i + j + 1 < kParts ? 2 : 1); ++up) {
-          const double u = (i + (1.0 + up) / 3) / kParts, v = (j + (1.0 + up) / 3) / kParts;
+    for (int i = 0; i < rows; ++i)
+      for (int j = 0; i + j < rows; ++j)
+        for (int up = 0; up < (i + j + 1 < rows ? 2 : 1); ++up) {
+          const double u = (i + (1.0 + up) / 3) / rows, v = (j + (1.0 + up) / 3) / rows;
           faces += faces_at(p[0] + u * (p[1] - p[0]) + v * (p[2] - p[0]), part);
         }
     return faces;
@@ -381,6 +383,11 @@ double pieces_to_be_made(const SegmentTable& segments, const SizeField& sizes, R
 }
 
 }  // namespace
+
+int rows_to_read(const SizeField& sizes) {
+  constexpr double kRows = 6, kMinRows = 2;
+  return static_cast<int>(std::max(kMinRows, std::floor(kRows / std::sqrt(sizes.look_up_cost()))));
+}
 
 double least_faces(const TriangulatedPatches& triangulated, const IdVector<PatchId, std::uint8_t>& is_frozen,
                    const SegmentTable& segments, const Goals& goals, const SizeField& sizes, RunControl& control) {

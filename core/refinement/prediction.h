@@ -30,6 +30,10 @@ struct Prediction {
 /// Prediction.
 inline constexpr double kFacesPerIdeal = 1.45;
 
+/// Returns the number of rows into which predictions divide a triangle to read sizes in it. There are fewer where a
+/// look-up of a size takes long.
+int rows_to_read(const SizeField& sizes);
+
 /// A result with more faces cannot be made, because half-edges are numbered in 31 bits.
 inline constexpr std::uint64_t kMaxFaces = std::uint64_t{1} << 29;
 

@@ -29,6 +29,9 @@ constexpr double kReachBeside = 1;
 /// too, cells on a curved surface would have to be about as small as its facets are wide.
 constexpr double kCoarse = 0x1p-6;
 
+/// A look-up in a usual field takes no more boxes than this. See experiments.md, Look-ups of sizes.
+constexpr double kUsualBoxes = 256;
+
 /// This slot decided this thread's last question. The next question is most often asked beside it, so the search begins
 /// there. The slot may belong to another field: any slot is a place to begin, and no answer depends on where the search
 /// began.
@@ -371,6 +374,8 @@ SizeField SizeField::rescaled(double proximity, const Goals& goals, RunControl& 
     if (entry.tag.value * unit_ < field.largest_) samples.push_back({entry, cells_[slot]});
   }
   field.set_samples(samples, control);
+  // Predictions that are compared read sizes at the same places.
+  field.look_up_cost_ = look_up_cost_;
   return field;
 }
 
@@ -387,6 +392,34 @@ void SizeField::set_samples(std::span<const Sample> samples, RunControl& control
     in_order(segments_, &Sample::segment);
   else
     in_order(cells_, &Sample::cell);
+  if (!is_of_segments_) measure_look_ups(control);
+}
+
+/// Counts the boxes of look-ups in the middles of some samples. No look-up begins with what another one has found, so
+/// this does not depend on the threads.
+void SizeField::measure_look_ups(RunControl& control) {
+  constexpr std::size_t kLookUps = 32;
+  const std::size_t stride = samples_.size() / kLookUps + 1;
+  std::size_t boxes = 0, look_ups = 0;
+  for (std::size_t i = stride / 2; i < samples_.size(); i += stride, ++look_ups) {
+    control.check_and_move();
+    const FloatBox& box = samples_[i].box;
+    Vec3 middle;
+    for (int axis = 0; axis < 3; ++axis) middle[axis] = 0.5 * (double{box.min[axis]} + double{box.max[axis]});
+    double best = largest_ / unit_;
+    samples_.search(
+        best,
+        [&](const Samples::Entry& entry) {
+          ++boxes;
+          return size_from(entry, middle);
+        },
+        [&](std::size_t slot) { best = std::min(best, size_from(slot, middle)); });
+  }
+  // A field that is about usual counts as usual, however the part lies.
+  constexpr double kAboutUsual = 2;
+  const double cost =
+      static_cast<double>(boxes) / (kUsualBoxes * static_cast<double>(std::max(look_ups, std::size_t{1})));
+  look_up_cost_ = cost < kAboutUsual ? 1 : cost;
 }
 
 /// Returns the distance from a sample to a place. It is not less than the distance to the sample's box, in spite of

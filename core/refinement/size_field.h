@@ -90,6 +90,11 @@ class SizeField {
   double at(const Vec3& place) const;
   /// Returns by how much the size grows at most per distance.
   double slope() const { return slope_; }
+  /// Returns how long a look-up takes, compared with one in usual fields of gaps. It is 1 if that is about as long.
+  /// Where patches that span the part lie across each other everywhere, it takes many times as long. It is counted in
+  /// boxes at some places, and is the same on every machine. Those who look up sizes where they need not do so have to
+  /// do it at fewer places.
+  double look_up_cost() const { return look_up_cost_; }
   /// This is the size at one place. It allows exactly the lengths that `allows` allows there.
   struct Limit {
     double largest;  ///< model units
@@ -131,6 +136,7 @@ class SizeField {
   double farthest(std::size_t slot, std::size_t from) const;
   bool is_dominated(std::size_t slot) const;
   void drop_dominated(RunControl& control);
+  void measure_look_ups(RunControl& control);
   double local_at(const Vec3& place) const;
   Vec3 local(const Vec3& place) const { return (1 / unit_) * (place - centre_); }
 
@@ -143,6 +149,7 @@ class SizeField {
   bool is_of_segments_ = false;
   std::uint64_t search_steps_ = 0;
   bool is_search_cut_short_ = false;
+  double look_up_cost_ = 1;
   Samples samples_;
   IdVector<PatchId, Axes> axes_;
   std::vector<Cell> cells_;        ///< one per slot; empty in a field of segments

@@ -1,6 +1,5 @@
 #include "core/verify/polygons.h"
 
-#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <optional>
@@ -25,13 +24,6 @@ struct Doubt {
   PolygonFaces faces;
   std::uint64_t pairs;  ///< number of pairs of edges to compare
 };
-
-/// Returns whether an outline comes back to one of its corners.
-/// Cost: O(n log n).
-bool touches_itself_in_a_corner(std::vector<Vec3> loop, const RunControl& control) {
-  sort_stoppable(loop.begin(), loop.end(), control);
-  return std::adjacent_find(loop.begin(), loop.end()) != loop.end();
-}
 
 class PolygonCheck {
  public:
@@ -136,19 +128,21 @@ class PolygonCheck {
     const double spike = model_.tolerance / 2 + 0x1p-45 * outline.length;
     // A spike may leave the plane, and the rest of the outline may be flat.
     cut_spikes(loop, spike, check);
-    // Its parts share no edge, and each may have been turned over alone. Projected to the plane, one of them may have no
-    // area and look like a spike.
-    if (touches_itself_in_a_corner(loop, control_)) return {};
     const Vec3 normal = normalized(measure_outline(loop, check).twice_area);
     if (normal == Vec3{}) return {};
     // The triangles of a bent polygon may face many directions, but their sum is its area vector.
-    if (is_area_equal && !is_flat(loop, normal, reach, check)) return {};
+    const bool is_bent = !is_flat(loop, normal, reach, check);
+    if (is_area_equal && is_bent) return {};
     const Vec3 origin = loop[0];
     for (Vec3& p : loop) {
       check();
       p = p - dot(p - origin, normal) * normal;
     }
+    const std::size_t corners = loop.size();
     cut_spikes(loop, spike, check);
+    // A part that stands upright on the plane looks like a spike there. If it hangs together with the rest in a corner
+    // only, it may have been turned over alone.
+    if (is_bent && loop.size() != corners) return {};
     return Outline{std::move(loop), normal, reach};
   }
 

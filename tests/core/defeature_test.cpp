@@ -265,7 +265,8 @@ TEST(defeature, rough_boxes_stay_sound) {
 }
 
 TEST(defeature, places_that_local_units_cannot_tell_apart_do_not_make_faces_intersect) {
-  // Part of a star-shaped plate. One corner is so far away that the plate is as thin as nothing in the unit of the whole.
+  // Part of a star-shaped plate. One corner is so far away that the plate is as thin as nothing in the unit of the
+  // whole.
   const PolygonMesh plate = shapes::from_lists(
       {{0.8, 0, 0.7},    {0.41, 0, 1.5},   {0.79, 0, 2.3},    {0.01, 0, 2.29},   {1.3, 0, 0.01},    {1.8, 0, 0.7},
        {1.8, 0, 2.3},    {1.31, 0, 3},     {2.2, 0, 1.5},     {0.4, 0.3, 1.5},   {0.01, 0.3, 2.29}, {0.79, 0.3, 2.3},

@@ -112,6 +112,10 @@ TEST(check_polygons, parts_that_meet_in_a_corner_may_have_been_turned_over_alone
       shapes::from_lists({{5, 0, -4}, {0, 0, -4}, {7.5, 12.5, -7.5}, {10, 0, -6}, {10, 0, 0}}, {{0, 1, 2, 3, 1, 4}});
   EXPECT_FALSE(is_refuted(verdict_on(pinched, cut_into(pinched, {{1, 2, 3}, {0, 1, 4}}))));
   EXPECT_FALSE(is_refuted(verdict_on(pinched, cut_into(pinched, {{1, 2, 3}, {0, 4, 1}}))));
+  // The same holds if the outline comes back to a place that is nearly the same.
+  const PolygonMesh nearly = shapes::from_lists(
+      {{5, 0, -4}, {0, 0, -4}, {7.5, 12.5, -7.5}, {10, 0, -6}, {10, 0, 0}, {0, 1e-9, -4}}, {{0, 1, 2, 3, 5, 4}});
+  EXPECT_FALSE(is_refuted(verdict_on(nearly, cut_into(pinched, {{1, 2, 3}, {0, 4, 1}}), 1e-8)));
 }
 
 TEST(check_polygons, a_hole_that_runs_the_same_way_as_the_outline_around_it_is_not_judged) {
