@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/base/stoppable.h"
+#include "core/geometry/self_intersections.h"
 #include "core/mending/mend_faces.h"
 #include "core/output/face_labels.h"
 #include "core/output/face_source.h"
@@ -77,10 +78,33 @@ bool are_different(std::vector<Vec3> places, const RunControl& control) {
   return std::adjacent_find(places.begin(), places.end()) == places.end();
 }
 
-/// Returns whether vertices in different places of the model have the same place in local units, as they may have if a
-/// corner is very far away.
-bool are_places_lost(std::span<const Vec3> local, const RunControl& control) {
-  return !are_different({local.begin(), local.end()}, control);
+/// Returns whether an edge has another length in local units, as it may have if a corner of the model is very far away.
+bool are_edges_distorted(const Candidate& candidate, std::span<const Vec3> local, double unit, RunControl& control) {
+  constexpr double kDistorted = 0.25;  // of its length
+  StopCheck check(control);
+  for (const Triangle& t : candidate.assembled.faces)
+    for (std::size_t k = 0; k < 3; ++k) {
+      check();
+      const VertexId v = t[k], w = t[(k + 1) % 3];
+      const double length = norm(candidate.positions[w] - candidate.positions[v]);
+      if (!(std::fabs(unit * norm(local[w.value] - local[v.value]) - length) <= kDistorted * length)) return true;
+    }
+  return false;
+}
+
+/// Returns whether faces intersect whose patches are not known to intersect in the input.
+bool do_others_intersect(std::span<const Vec3> places, const WithoutDetails& without,
+                         const IdVector<FaceId, PatchId>& patch, const InputIntersections& known, RunControl& control) {
+  if (!known.is_complete) return true;
+  SearchLimits limits(SearchLimits::kEnoughPairs, SearchLimits::steps_for(without.faces.size()));
+  limits.is_expected = [&](FaceId f, FaceId g) {
+    return known.has(patch[without.source[f.value]], patch[without.source[g.value]]);
+  };
+  limits.max_unexpected = 0;
+  const SelfIntersections found = self_intersections(places, without.faces, {}, limits, control);
+  return !found.is_complete || std::any_of(found.pairs.begin(), found.pairs.end(), [&](const auto& pair) {
+    return !limits.is_expected(pair.first, pair.second);
+  });
 }
 
 /// Returns how far planes are bent: the largest distance of a moved corner from the plane of its face, in the unit of
@@ -229,8 +253,6 @@ bool DetailStage::remove(const Context& context, const Candidate& candidate, con
   const double left = limits_.size - bound_ - verdict.deviation;
   const double allowed = limits_.is_size_given ? left - limits_.plane_tolerance : left / 2;
   if (!(allowed > 0)) return false;
-  // Details are removed in local units, in which faces would not seem to intersect then.
-  if (are_places_lost(triangles.local, control)) return false;
   const DetailRules rules{triangles.local,
                           candidate.assembled.faces.items(),
                           candidate.assembled.face_patch.items(),
@@ -247,6 +269,10 @@ bool DetailStage::remove(const Context& context, const Candidate& candidate, con
   const std::optional<double> proven = prove_details(
       {candidate.positions.items(), candidate.assembled.faces.items(), places, without.faces, without.map}, control);
   if (!proven || !(*proven <= allowed) || !are_different(places, control)) return false;
+  // Details are removed in local units. Where these have lost lengths, they do not show all intersections either.
+  if (are_edges_distorted(candidate, triangles.local, before.unit, control) &&
+      do_others_intersect(places, without, candidate.assembled.face_patch, context.intersections, control))
+    return false;
 
   bound_ += *proven + verdict.deviation;
   volume_bound_ += verdict.volume_bound +

@@ -6,10 +6,10 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <numbers>
 #include <vector>
 
 #include "core/refinement/prediction.h"
+#include "tests/support/hostile_families.h"
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"
@@ -404,17 +404,14 @@ TEST(size_field, look_ups_cost_more_where_patches_that_span_the_part_lie_across_
   EXPECT_EQ(SizeScene(plates(0.25), goals(1, 1.5)).sizes.look_up_cost(), 1);
   EXPECT_EQ(SizeScene(thick_and_thin(), goals(1, 1.5)).sizes.look_up_cost(), 1);
   EXPECT_EQ(rows_to_read(SizeScene(thick_and_thin(), goals(1, 1.5)).sizes), 6);
-  // Triangles of one size lie nearly in one plane, one above the other, in all directions.
-  Random random(62);
-  std::vector<Vec3> points;
-  std::vector<std::vector<std::uint32_t>> faces;
-  for (std::uint32_t i = 0; i < 2000; ++i) {
-    const double angle = 2 * std::numbers::pi * random.unit(), x = std::cos(angle), y = std::sin(angle);
-    const double z = 1e-5 * i;
-    points.insert(points.end(), {{-x, -y, z}, {x, y, z}, {-0.1 * y, 0.1 * x, z}});
-    faces.push_back({3 * i, 3 * i + 1, 3 * i + 2});
-  }
-  const SizeField sizes = SizeScene(shapes::from_lists(points, faces), goals(1, 1.5)).sizes;
+  const auto families = hostile::families();
+  const auto soup =
+      std::find_if(families.begin(), families.end(), [](const auto& f) { return f.name == "soup_in_a_cube"; });
+  ASSERT_NE(soup, families.end());
+  const StageChain chain(soup->make(1400), 1e-12);
+  const GapSearch gaps(chain.surface, chain.adjacency, chain.patches, 1e-12, chain.control);
+  // With so coarse a field, each patch is one sample.
+  const SizeField sizes(chain.surface, &gaps, {}, goals(1, 1.5), 1e-12, chain.control, 0.5);
   EXPECT_GT(sizes.look_up_cost(), 2);
   EXPECT_LT(rows_to_read(sizes), 6);
   EXPECT_GE(rows_to_read(sizes), 2);
