@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <tuple>
 #include <utility>
 
@@ -192,13 +193,15 @@ std::vector<Chord> find_chords(const PatchMeshes& meshes, std::size_t vertex_end
   const ChordUses boundary = edge_uses(meshes, vertex_end, control, [&](const Key& key, bool is_inside) {
     return !is_inside && is_end[key.first.value] != 0 && is_end[key.second.value] != 0;
   });
-  const auto middle = static_cast<std::ptrdiff_t>(uses.size());
-  uses.insert(uses.end(), boundary.begin(), boundary.end());
-  std::inplace_merge(uses.begin(), uses.begin() + middle, uses.end(), [&](const ChordUse& a, const ChordUse& b) {
-    check();
-    return a < b;
-  });
-  return chords_of(uses, control);
+  // To copy one list to the end of the other in one piece would take a while in which nobody could stop the work.
+  ChordUses all;
+  all.reserve(uses.size() + boundary.size());
+  std::merge(uses.begin(), uses.end(), boundary.begin(), boundary.end(), std::back_inserter(all),
+             [&](const ChordUse& a, const ChordUse& b) {
+               check();
+               return a < b;
+             });
+  return chords_of(all, control);
 }
 
 bool flip_chords(PatchMeshes& meshes, std::size_t vertex_end, RunControl& control) {
