@@ -27,8 +27,8 @@ std::vector<MovedVertex> find_moved(const Candidate& candidate, const Surface& s
   return moved;
 }
 
-/// Returns whether a triangle has a reason that counts only as long as its vertices are where refinement put them.
-bool is_no_reason_after_move(const Candidate& candidate, FaceId f, std::span<const std::uint8_t> is_moved) {
+/// Returns whether a triangle had a reason that no longer counts because one of its vertices was moved.
+bool has_lost_reason(const Candidate& candidate, FaceId f, std::span<const std::uint8_t> is_moved) {
   if (candidate.refinement.reason[f.value] != UnrefinedReason::kAcrossInputAngle) return false;
   const Triangle& face = candidate.assembled.faces[f];
   return std::any_of(face.begin(), face.end(),
@@ -89,7 +89,7 @@ void replace_reasons(Candidate& candidate, std::span<const std::uint8_t> is_move
   for (std::size_t t = 0; t < reasons.size(); ++t) {
     const bool is_missing = next != missing.end() && next->value == t;
     if (is_missing) ++next;
-    if (!is_missing || is_no_reason_after_move(candidate, FaceId(t), is_moved)) reasons[t] = reason;
+    if (!is_missing || has_lost_reason(candidate, FaceId(t), is_moved)) reasons[t] = reason;
   }
 }
 
@@ -106,7 +106,7 @@ void assemble_again(Candidate& candidate, const Surface& surface, const Goals* g
     const FaceId f = unrefined.faces[i];
     while (next != missed_before.end() && *next < f) ++next;
     const bool was_missing = next != missed_before.end() && *next == f;
-    if (!was_missing || is_no_reason_after_move(candidate, f, is_moved))
+    if (!was_missing || has_lost_reason(candidate, f, is_moved))
       unrefined.reasons[i] = candidate.refinement.reason[f.value] = reason;
   }
 }

@@ -132,8 +132,8 @@ std::vector<std::uint8_t> separate_new_vertices(const Surface& surface, Triangul
   constexpr int kMaxPasses = 16;
   std::vector<std::uint8_t> is_moved;
   if (refinement.first_inner == refinement.new_positions.size()) return is_moved;
-  for (int pass = 0; pass < kMaxPasses && separate_once(surface, triangulated, refinement, of, is_moved, control);)
-    ++pass;
+  for (int pass = 0; pass < kMaxPasses; ++pass)
+    if (!separate_once(surface, triangulated, refinement, of, is_moved, control)) break;
   return is_moved;
 }
 
