@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <bit>
+#include <charconv>
 #include <cmath>
 #include <cstdlib>
 #include <optional>
@@ -11,6 +12,7 @@
 
 #include "core/base/blocks.h"
 #include "core/base/rounding_evidence.h"
+#include "core/base/stoppable.h"
 
 namespace remesh {
 namespace {
@@ -545,7 +547,7 @@ Rounding rounding_of(const Coordinates& coordinates) {
     const auto common = common_lattice(coordinates, 0, 0);
     // If the common step is larger, the numbers are so short that they lost nothing when they became floats.
     if (!common || common->step() <= std::max({as_floats.x, as_floats.y, as_floats.z}))
-      return {as_floats, as_floats, as_floats, false};
+      return {as_floats, as_floats, as_floats, false, as_floats};
   }
   for (const Decimals decimals : {kUsual, kAny}) {
     double unit = 0;
@@ -554,10 +556,48 @@ Rounding rounding_of(const Coordinates& coordinates) {
     const bool are_floats = are_printed_floats(coordinates, unit, decimals);
     if (are_floats) steps = larger_of(steps, float_steps(coordinates));
     const Vec3 possible = larger_of(steps, claim->steps);
-    if (claim->is_proven()) return {possible, possible, possible, !are_floats};
-    return {steps, larger_of(steps, claim->likely_steps()), possible, !are_floats};
+    if (claim->is_proven()) return {possible, possible, possible, !are_floats, possible};
+    return {steps, larger_of(steps, claim->likely_steps()), possible, !are_floats, possible};
   }
-  return {steps, steps, steps, false};
+  return {steps, steps, steps, false, steps};
+}
+
+/// Returns the steps if all coordinates were printed with as many significant digits as the longest of them has. For
+/// each axis, its largest number with more than half as many digits counts; shorter ones may be exact.
+Vec3 steps_of_printed_digits(std::span<const Vec3> positions, const RunControl& control) {
+  // Decimal numbers with more digits are not told from doubles.
+  constexpr int kMaxDigits = 9;
+  struct Printed {
+    int digits = 0, exponent = 0;
+  };
+  const auto printed = [](double x) {
+    std::array<char, 40> text{};
+    const char* const end =
+        std::to_chars(text.data(), text.data() + text.size(), std::fabs(x), std::chars_format::scientific).ptr;
+    const char* const mark = std::find(static_cast<const char*>(text.data()), end, 'e');
+    Printed result{
+        static_cast<int>(std::count_if(static_cast<const char*>(text.data()), mark, [](char c) { return c != '.'; })),
+        0};
+    std::from_chars(mark + (mark[1] == '+' ? 2 : 1), end, result.exponent);
+    return result;
+  };
+  StopCheck check(control);
+  int longest = 0;
+  for (const Vec3& p : positions) {
+    check();
+    for (int axis = 0; axis < 3; ++axis) longest = std::max(longest, printed(p[axis]).digits);
+    if (longest > kMaxDigits) return {};
+  }
+  Vec3 largest;
+  for (const Vec3& p : positions) {
+    check();
+    for (int axis = 0; axis < 3; ++axis)
+      if (2 * printed(p[axis]).digits > longest) largest[axis] = std::max(largest[axis], std::fabs(p[axis]));
+  }
+  Vec3 steps;
+  for (int axis = 0; axis < 3; ++axis)
+    if (largest[axis] > 0) steps[axis] = std::pow(10.0, printed(largest[axis]).exponent + 1 - longest);
+  return steps;
 }
 
 /// One length for three steps: the root of the mean of their squares.
@@ -574,6 +614,7 @@ double mean_step(const Vec3& steps) {
 double Rounding::step() const { return mean_step(steps); }
 double Rounding::likely_step() const { return mean_step(likely_steps); }
 double Rounding::possible_step() const { return mean_step(possible_steps); }
+double Rounding::doubtful_step() const { return mean_step(doubtful_steps); }
 
 Rounding rounding_of(std::span<const Vec3> positions, RunControl& control) {
   const Coordinates coordinates(positions, control);
@@ -582,6 +623,10 @@ Rounding rounding_of(std::span<const Vec3> positions, RunControl& control) {
   rounding.steps = coordinates.unit() * rounding.steps;
   rounding.likely_steps = coordinates.unit() * rounding.likely_steps;
   rounding.possible_steps = coordinates.unit() * rounding.possible_steps;
+  rounding.doubtful_steps = coordinates.unit() * rounding.doubtful_steps;
+  const bool is_proven = rounding.steps == rounding.possible_steps;
+  if (rounding.is_decimal && !is_proven)
+    rounding.doubtful_steps = larger_of(rounding.doubtful_steps, steps_of_printed_digits(positions, control));
   return rounding;
 }
 

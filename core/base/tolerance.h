@@ -21,6 +21,10 @@ inline constexpr double kToleranceSteps = 2.6;
 /// is about ten rounding steps: programs compute points of curves between two surfaces less exactly than they round.
 inline constexpr double kRecognitionTolerance = 3.8;
 
+/// Corners of facets may be this many printed steps away where the facets' chord height is much larger. Rounding moves
+/// a point by at most 0.87 steps, and a surface that is fitted to such points is off by a part of that.
+inline constexpr double kPrintedSteps = 1.2;
+
 /// Largest plane tolerance, relative to the diagonal, that digits explain without proof when surfaces are recognised.
 /// Six digits explain as much.
 inline constexpr double kPossibleRounding = 2.6e-6;
@@ -54,11 +58,15 @@ struct Rounding {
   /// True if `possible_steps` come from printing. Otherwise they come from floats or doubles, which arithmetic may have
   /// rounded many times.
   bool is_decimal = false;
+  /// The steps that a limited number of significant digits would explain, even where too few numbers tell whether digits
+  /// were limited at all; at least `possible_steps`.
+  Vec3 doubtful_steps = {};
 
   /// One length for the three coordinates: the root of the mean of the squares of `steps`.
   double step() const;
   double likely_step() const;
   double possible_step() const;
+  double doubtful_step() const;
 };
 
 /// Finds out from the values what they were rounded to. The answer is one of these:

@@ -73,6 +73,7 @@ class Preparation {
     // Facets of a curved surface need not bend to be rounded, and a few numbers do not prove that they are.
     const double possible = kToleranceSteps * std::max(rounding.step(), rounding.possible_step());
     prepared_.rounding_tolerance = std::max(automatic, std::min(possible, kPossibleRounding * diagonal_of_faces()));
+    prepared_.printed_step = std::max(rounding.step(), rounding.doubtful_step());
     spike_rounding_ = std::min(kToleranceSteps * rounding.possible_step(),
                                kToleranceCeiling * summary_.statistics.bounding_box.diagonal());
     // A caller who asks for more than the digits explain wants larger bends to be flattened, too.

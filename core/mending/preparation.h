@@ -30,6 +30,8 @@ class Prepared {
   /// The distance from their surface that the rounding of the coordinates explains for corners of facets, in model
   /// units: the automatic plane tolerance, or what the digits allow without proof. It does not depend on the options.
   double rounding_tolerance = 0;
+  /// The step to which the coordinates may have been rounded, proven or not, in model units.
+  double printed_step = 0;
 
   /// Data about the surface. It is computed when it is asked for the first time.
   const Adjacency& adjacency(RunControl& control);

@@ -111,10 +111,11 @@ void CurvedStage::recognise(const Partition& partition, Prepared& prepared, cons
     unforced = essential_vertices(surface, adjacency, partition.loops,
                                   IdVector<VertexId, std::uint8_t>(surface.vertex_count(), 0),
                                   prepared.pinched(control), plane_tolerance / surface.unit, control);
-  recognised_ =
-      recognise_surfaces({surface, adjacency, partition.patches, partition.loops,
-                          unforced ? *unforced : partition.essential, partition.summaries.patches},
-                         {options.feature_angle_deg, kRecognitionTolerance * prepared.rounding_tolerance}, control);
+  recognised_ = recognise_surfaces({surface, adjacency, partition.patches, partition.loops,
+                                    unforced ? *unforced : partition.essential, partition.summaries.patches},
+                                   {options.feature_angle_deg, kRecognitionTolerance * prepared.rounding_tolerance,
+                                    kPrintedSteps * prepared.printed_step},
+                                   control);
 }
 
 /// Cuts the boundaries of curved patches anew. The new vertices follow those of the surface.

@@ -21,14 +21,15 @@ constexpr std::size_t kMinBands = 4;
 /// A band of facets between two circles about an axis.
 struct Band {
   AnalyticSurface shape;
+  double tolerance = 0;      ///< of its claim
   std::array<Vec2, 2> rims;  ///< distance from the axis and height above the shape's origin, of both circles
 };
 
 /// Joins the bands of a table.
 class BandJoiner {
  public:
-  BandJoiner(const FacetGraph& graph, double tolerance, ClaimTable& table, RunControl& control)
-      : graph_(graph), tolerance_(tolerance), table_(table), control_(control) {}
+  BandJoiner(const FacetGraph& graph, ClaimTable& table, RunControl& control)
+      : graph_(graph), table_(table), control_(control) {}
 
   void join_all() {
     StopCheck check(control_);
@@ -67,7 +68,7 @@ class BandJoiner {
         low = std::min(low, height_of(q));
         high = std::max(high, height_of(q));
       });
-    const double slack = 2 * tolerance_;
+    const double slack = 2 * claim.tolerance;
     for (const PatchId p : claim.facets) {
       bool is_between = false;
       graph_.for_each_corner(p, [&](const Vec3& q) {
@@ -79,12 +80,12 @@ class BandJoiner {
     const auto rim = [&](double z) {
       return Vec2{kind == SurfaceKind::kCylinder ? claim.shape.radius : z * std::tan(claim.shape.half_angle), z};
     };
-    return Band{claim.shape, {rim(low), rim(high)}};
+    return Band{claim.shape, claim.tolerance, {rim(low), rim(high)}};
   }
 
   /// Returns whether two bands have one axis and share a rim.
-  bool are_about_one_axis(const Band& a, const Band& b) const {
-    const double slack = 6 * tolerance_;
+  static bool are_about_one_axis(const Band& a, const Band& b) {
+    const double slack = 6 * std::max(a.tolerance, b.tolerance);
     const auto centre = [](const Band& band, int i) { return band.shape.origin + band.rims[i].y * band.shape.axis; };
     for (int i = 0; i < 2; ++i)
       for (int j = 0; j < 2; ++j)
@@ -119,28 +120,28 @@ class BandJoiner {
       if (band.side != joined.side) joined.side = 0;
       joined.facets.insert(joined.facets.end(), band.facets.begin(), band.facets.end());
       joined.area += band.area;
+      joined.tolerance = std::max(joined.tolerance, band.tolerance);
       joined.deviation = std::max(joined.deviation, band.deviation);
       joined.bands.push_back(band);
       band.facets.clear();
     }
     // Neighbouring bands share a rim.
     std::sort(joined.profile.begin(), joined.profile.end(), [](Vec2 a, Vec2 b) { return a.y < b.y; });
-    const double slack = 2 * tolerance_;
+    const double slack = 2 * joined.tolerance;
     const auto is_same = [&](Vec2 a, Vec2 b) { return norm(a - b) <= slack; };
     joined.profile.erase(std::unique(joined.profile.begin(), joined.profile.end(), is_same), joined.profile.end());
     table_.add(std::move(joined));
   }
 
   const FacetGraph& graph_;
-  double tolerance_;
   ClaimTable& table_;
   RunControl& control_;
 };
 
 }  // namespace
 
-void join_bands(const FacetGraph& graph, double tolerance, ClaimTable& table, RunControl& control) {
-  BandJoiner(graph, tolerance, table, control).join_all();
+void join_bands(const FacetGraph& graph, ClaimTable& table, RunControl& control) {
+  BandJoiner(graph, table, control).join_all();
 }
 
 }  // namespace remesh

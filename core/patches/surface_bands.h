@@ -8,8 +8,8 @@
 namespace remesh {
 
 /// Joins claims for cones and cylinders about one axis, which meet smoothly, to surfaces of revolution. They have no
-/// sphere or torus in common, or that would have replaced them. The tolerance is in local units.
+/// sphere or torus in common, or that would have replaced them.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
-void join_bands(const FacetGraph& graph, double tolerance, ClaimTable& table, RunControl& control);
+void join_bands(const FacetGraph& graph, ClaimTable& table, RunControl& control);
 
 }  // namespace remesh

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "core/patches/facet_turns.h"
+
 namespace remesh {
 namespace {
 
@@ -57,6 +59,10 @@ constexpr std::size_t kManyFacets = 40;
 /// facet leaves the surface by no more than this many chord heights, or if it is no larger than this many facets of the
 /// surface. That may be so along this part of the border at most.
 constexpr double kSoftBorder = 4, kAlikeArea = 4, kMaxSoft = 0.15;
+
+/// The facets of a claim may be this many times as far from its surface as the turns between them explain. Only about
+/// as far is honest, but facets at the ends of a surface have too few neighbours to explain themselves.
+constexpr double kMaxUnexplained = 1.5;
 
 /// The smallest numbers of facets that are believed.
 std::size_t min_facets(SurfaceKind kind) { return kind == SurfaceKind::kTorus ? 6 : 4; }
@@ -158,13 +164,8 @@ class ClaimGrower::Gauge {
   double radius_, minor_radius_, cosine_, sine_;
 };
 
-ClaimGrower::ClaimGrower(const FacetGraph& graph, double tolerance, RunControl& control)
-    : graph_(graph),
-      tolerance_(tolerance),
-      control_(control),
-      check_(control),
-      taken_(graph.size(), Taken::kFree),
-      mark_(graph.size(), 0) {}
+ClaimGrower::ClaimGrower(const FacetGraph& graph, RunControl& control)
+    : graph_(graph), control_(control), check_(control), taken_(graph.size(), Taken::kFree), mark_(graph.size(), 0) {}
 
 FacetPlace ClaimGrower::place_of(PatchId p) const {
   Vec3 sum;
@@ -323,8 +324,11 @@ double ClaimGrower::drop_uneven(const AnalyticSurface& shape, std::vector<PatchI
   return area > 0 ? height / area : 0;
 }
 
-std::optional<Claim> ClaimGrower::grow(const AnalyticSurface& start, std::span<const PatchId> seed, Taken may_replace) {
+std::optional<Claim> ClaimGrower::grow(const AnalyticSurface& start, std::span<const PatchId> seed,
+                                       const Growth& growth) {
   ++growth_;
+  tolerance_ = growth.tolerance;
+  is_doubtful_ = growth.is_doubtful;
   given_up_.clear();
   AnalyticSurface shape = start;
   double facing = 0;
@@ -346,7 +350,7 @@ std::optional<Claim> ClaimGrower::grow(const AnalyticSurface& start, std::span<c
   const double height = chord_height(Gauge(shape), members.front());
   first_slack_ = std::clamp(kSlackOfHeight * height / tolerance_, kMinFirstSlack, kFirstSlack);
   std::optional<Claim> claim;
-  if (grow_members(shape, side, may_replace, members)) claim = conclude(shape, side, members);
+  if (grow_members(shape, side, growth.may_replace, members)) claim = conclude(shape, side, members);
   if (!claim && members.size() >= min_facets(shape.kind)) given_up_ = std::move(members);
   return claim;
 }
@@ -407,6 +411,16 @@ bool ClaimGrower::goes_on_beyond(const Gauge& gauge, const Claim& claim) {
   return soft > kMaxSoft * border;
 }
 
+bool ClaimGrower::is_explained(const Claim& claim) const {
+  double explained = 0, area = 0;
+  for (const PatchId p : claim.facets) {
+    if (!graph_.may_be_seed(p)) continue;
+    explained += graph_.area(p) * explained_height(graph_, claim.shape, p);
+    area += graph_.area(p);
+  }
+  return claim.chord_height * area <= kMaxUnexplained * explained + tolerance_ * area;
+}
+
 std::optional<Claim> ClaimGrower::conclude(AnalyticSurface shape, int side, std::vector<PatchId> members) {
   constexpr int kMaxFits = 4;
   for (int i = 0; i < kMaxFits; ++i) {
@@ -433,7 +447,8 @@ std::optional<Claim> ClaimGrower::conclude(AnalyticSurface shape, int side, std:
     const std::size_t before = members.size();
     trim(shape, tolerance_, side, members);
     if (members.size() == before) {
-      Claim claim{shape, side, std::move(members), {}, 0, 0, chord_height, {}};
+      Claim claim{shape, side, std::move(members), tolerance_, {}, 0, 0, chord_height, {}};
+      if (!is_explained(claim)) return std::nullopt;
       const Gauge gauge(shape);
       std::size_t close = 0;
       for (const Vec3& p : points_) {
@@ -443,7 +458,7 @@ std::optional<Claim> ClaimGrower::conclude(AnalyticSurface shape, int side, std:
       }
       const double part = static_cast<double>(close) / static_cast<double>(points_.size());
       const bool is_clear = part >= (claim.facets.size() < kManyFacets ? kCloseOfFew : kCloseOfMany);
-      if (!is_clear && goes_on_beyond(gauge, claim)) return std::nullopt;
+      if ((is_doubtful_ || !is_clear) && goes_on_beyond(gauge, claim)) return std::nullopt;
       for (const PatchId p : claim.facets) claim.area += graph_.area(p);
       return claim;
     }

@@ -24,6 +24,7 @@ struct Claim {
   AnalyticSurface shape;
   int side = 1;  ///< 1 if the facets' normals point to the positive side of the surface, otherwise -1
   std::vector<PatchId> facets;
+  double tolerance = 0;       ///< no corner is farther from the surface than this
   std::vector<Vec2> profile;  ///< only a surface of revolution has one, see RecognisedSurface
   double area = 0;            ///< sum of the facets' areas
   double deviation = 0;       ///< largest distance of a corner from the surface
@@ -51,18 +52,24 @@ enum class Taken : std::uint8_t {
   kWeakly,  ///< it belongs to a claim that a larger one may replace
 };
 
+/// How a surface grows.
+struct Growth {
+  double tolerance = 0;  ///< the largest distance of a corner from the surface, in local units
+  Taken may_replace = Taken::kFree;
+  /// However near its corners are, the claim must end where its surface ends.
+  bool is_doubtful = false;
+};
+
 /// Grows claims. It has scratch memory for all facets, so that a claim costs no more than its size.
 class ClaimGrower {
  public:
-  /// Input: the largest distance of a corner from its surface, in local units.
-  ClaimGrower(const FacetGraph& graph, double tolerance, RunControl& control);
+  ClaimGrower(const FacetGraph& graph, RunControl& control);
 
-  double tolerance() const { return tolerance_; }
   void set_taken(PatchId p, Taken taken) { taken_[p] = taken; }
 
   /// Grows a surface from facets that lie about on it, over facets that are not taken, or at most weakly.
   /// Output: nothing if no surface of this kind has enough facets to be believed.
-  std::optional<Claim> grow(const AnalyticSurface& start, std::span<const PatchId> seed, Taken may_replace);
+  std::optional<Claim> grow(const AnalyticSurface& start, std::span<const PatchId> seed, const Growth& growth);
 
   /// Returns how much work was done so far. It is counted in steps, so that it is the same on every machine.
   std::uint64_t work() const { return work_; }
@@ -97,12 +104,15 @@ class ClaimGrower {
   /// Returns whether the facets around a claim leave its surface so gradually that the claim is a piece of something
   /// larger, to which the surface is only near.
   bool goes_on_beyond(const Gauge& gauge, const Claim& claim);
+  /// Returns whether the turns between the facets explain how far they are from the surface.
+  bool is_explained(const Claim& claim) const;
   bool grow_members(AnalyticSurface& shape, int side, Taken may_replace, std::vector<PatchId>& members);
   std::optional<Claim> conclude(AnalyticSurface shape, int side, std::vector<PatchId> members);
 
   const FacetGraph& graph_;
-  double tolerance_;
-  double first_slack_ = 1;  ///< the growth began with so much, see slack()
+  double tolerance_ = 0;      ///< of this growth
+  bool is_doubtful_ = false;  ///< of this growth
+  double first_slack_ = 1;    ///< the growth began with so much, see slack()
   const RunControl& control_;
   StopCheck check_;
   IdVector<PatchId, Taken> taken_;

@@ -12,6 +12,8 @@
 #include "core/base/stoppable.h"
 #include "core/geometry/surface_fit.h"
 #include "core/patches/facet_graph.h"
+#include "core/patches/facet_turns.h"
+#include "core/patches/loose_claims.h"
 #include "core/patches/surface_bands.h"
 #include "core/patches/surface_claims.h"
 #include "core/patches/surface_islands.h"
@@ -32,6 +34,12 @@ constexpr std::uint8_t kMaxAttempts = 3;
 /// together with their neighbours.
 constexpr double kCloseFit = 0.4;
 
+/// Corners may be off their surface by this part of the chord height that the turn between two facets implies.
+constexpr double kMaxOfHeight = 1.0 / 3;
+
+/// Fewer facets than this determine no surface whose corners are off.
+constexpr std::size_t kMinCluster = 4;
+
 /// Growths that come to nothing may cost so much work a facet. Scans and other smooth surfaces of no kind would take
 /// much longer, and large surfaces have been found by then.
 constexpr std::uint64_t kMaxWaste = 100;
@@ -50,9 +58,11 @@ constexpr double kNearer = 0.9;
 /// Makes the claims of all facets.
 class Recogniser {
  public:
-  Recogniser(const FacetGraph& graph, double tolerance, RunControl& control)
+  Recogniser(const FacetGraph& graph, const RecognitionRules& rules, double unit, RunControl& control)
       : graph_(graph),
-        grower_(graph, tolerance, control),
+        min_tolerance_(std::min(rules.tolerance, rules.printed) / unit),
+        max_tolerance_(std::max(rules.tolerance, rules.printed) / unit),
+        grower_(graph, control),
         table_(graph.size()),
         attempts_(graph.size(), 0),
         tried_(graph.size(), 0),
@@ -66,12 +76,20 @@ class Recogniser {
     // Facets of claims that were replaced in part are free again.
     claim_ruled(seeds);
     claim_scattered(seeds);
-    join_bands(graph_, grower_.tolerance(), table_, control_);
+    claim_clusters(seeds);
+    join_bands(graph_, table_, control_);
     drop_islands(graph_, table_, control_);
     return take_claims();
   }
 
  private:
+  /// Returns how far corners may be off a surface that grows from a seed: what rounding explains, but no more than a
+  /// part of the chord height, since everything smooth would fit otherwise.
+  double tolerance_at(const SurfaceSeed& seed) const {
+    return std::clamp(kMaxOfHeight * implied_chord_height(graph_, seed.facet, seed.side), min_tolerance_,
+                      max_tolerance_);
+  }
+
   bool is_free(PatchId p) const { return table_.owner[p] == kNone; }
 
   /// Claims surfaces that two facets determine.
@@ -85,6 +103,7 @@ class Recogniser {
       if (!is_free(pair[0]) || !is_free(pair[1])) continue;
       if (attempts_[pair[0]] >= kMaxAttempts || attempts_[pair[1]] >= kMaxAttempts) continue;
       std::optional<Claim> best;
+      tolerance_ = tolerance_at(seed);
       for (const AnalyticSurface& guess : guesses.of(seed)) grow(guess, pair, Taken::kFree, best);
       if (best && best->shape.kind == SurfaceKind::kSphere && is_close(*best)) ask_again(best);
       if (!best) continue;
@@ -101,8 +120,7 @@ class Recogniser {
     collect(seed);
     const double height = grower_.chord_height(best->shape, seed);
     const auto attempt = [&](const std::optional<AnalyticSurface>& guess) {
-      const auto fitted =
-          guess ? fit_from(*guess, points_, {grower_.tolerance(), 20 * grower_.tolerance()}) : std::nullopt;
+      const auto fitted = guess ? fit_from(*guess, points_, {tolerance_, 20 * tolerance_}) : std::nullopt;
       if (fitted && grower_.chord_height(*fitted, seed) < kNearer * height) grow(*fitted, seed, Taken::kFree, best);
     };
     attempt(guess_cylinder(points_, places_));
@@ -125,10 +143,10 @@ class Recogniser {
     constexpr std::uint64_t kWorkOfGuess = 40;
     wasted_ += kWorkOfGuess * points_.size();
     const auto attempt = [&](const std::optional<AnalyticSurface>& guess) {
-      const auto fitted =
-          guess ? fit_from(*guess, points_, {grower_.tolerance(), 20 * grower_.tolerance()}) : std::nullopt;
+      const auto fitted = guess ? fit_from(*guess, points_, {tolerance_, 20 * tolerance_}) : std::nullopt;
       if (fitted) grow(*fitted, seed, may_replace, best);
     };
+    if (is_doubtful_) attempt(guess_sphere(points_));
     attempt(guess_cylinder(points_, places_));
     attempt(guess_cone(points_, places_));
     attempt(guess_torus(points_, places_));
@@ -139,7 +157,7 @@ class Recogniser {
             std::optional<Claim>& best) {
     if (is_exhausted()) return;
     const std::uint64_t before = grower_.work();
-    std::optional<Claim> claim = grower_.grow(guess, seed, may_replace);
+    std::optional<Claim> claim = grower_.grow(guess, seed, {tolerance_, may_replace, is_doubtful_});
     if (!claim) wasted_ += grower_.work() - before;
     take_larger(std::move(claim), best);
     for (const PatchId p : grower_.given_up())
@@ -179,7 +197,7 @@ class Recogniser {
   }
 
   /// Returns whether a claim fits so well that it may be a piece of something larger that fits as well.
-  bool is_close(const Claim& claim) const { return claim.deviation <= kCloseFit * grower_.tolerance(); }
+  bool is_close(const Claim& claim) const { return claim.deviation <= kCloseFit * claim.tolerance; }
 
   void replace_band(std::uint32_t c) {
     if (is_exhausted()) return;
@@ -203,6 +221,7 @@ class Recogniser {
   /// Claims a surface of a band and of facets beside it, if it is larger.
   bool replace_with(std::uint32_t c, std::span<const PatchId> others) {
     const AnalyticSurface band = table_.claims[c].shape;
+    tolerance_ = table_.claims[c].tolerance;
     seed_.clear();
     sample(table_.claims[c].facets, seed_);
     sample(others, seed_);
@@ -272,9 +291,63 @@ class Recogniser {
       for (const PatchId p : around) tried_[p] = 1;
       collect(around);
       if (around.size() < 4) continue;
+      tolerance_ = tolerance_at(seed);
       std::optional<Claim> best;
       try_kinds(around, Taken::kFree, best);
       if (best) add(std::move(*best));
+    }
+  }
+
+  /// Claims surfaces to whose corners rounding has done so much that two facets tell nothing of them, or whose corners
+  /// some program has put beside the surface. They begin from all free facets near a seed.
+  void claim_clusters(std::span<const SurfaceSeed> seeds) {
+    constexpr std::uint8_t kInCluster = 2;
+    std::vector<PatchId> cluster;
+    StopCheck check(control_);
+    for (const SurfaceSeed& seed : seeds) {
+      check();
+      if (is_exhausted()) return;
+      const PatchId f = seed.facet, g = graph_.beyond(seed.side);
+      if (!is_free(f) || !is_free(g) || tried_[f] == kInCluster || tried_[g] == kInCluster) continue;
+      if (attempts_[f] >= kMaxAttempts || attempts_[g] >= kMaxAttempts) continue;
+      find_cluster(seed, cluster);
+      tried_[f] = tried_[g] = kInCluster;
+      if (cluster.size() < kMinCluster) continue;
+      collect(cluster);
+      std::optional<Claim> best;
+      tolerance_ = tolerance_at(seed);
+      try_kinds(cluster, Taken::kFree, best);
+      if (!best) {
+        tolerance_ = std::max(tolerance_, kMaxOfHeight * implied_chord_height(graph_, seed.facet, seed.side));
+        is_doubtful_ = true;
+        try_kinds(cluster, Taken::kFree, best);
+        is_doubtful_ = false;
+        if (best && !is_loose_claim_proven(graph_, *best, control_)) best.reset();
+      }
+      if (best) add(std::move(*best));
+    }
+  }
+
+  /// Finds the facets of a seed and whole rings of their free neighbours of about the same size, until there are enough
+  /// for a guess.
+  void find_cluster(const SurfaceSeed& seed, std::vector<PatchId>& cluster) const {
+    constexpr std::size_t kEnough = 8, kTooMany = 64;
+    constexpr double kAlike = 4;
+    cluster.assign({seed.facet, graph_.beyond(seed.side)});
+    const double area = kAlike * std::max(graph_.area(cluster[0]), graph_.area(cluster[1]));
+    for (std::size_t begin = 0; cluster.size() < kEnough;) {
+      const std::size_t end = cluster.size();
+      std::vector<PatchId> ring;
+      for (std::size_t i = begin; i < end; ++i)
+        graph_.for_each_neighbour(cluster[i], [&](PatchId q) {
+          if (is_free(q) && graph_.may_be_seed(q) && graph_.area(q) <= area) ring.push_back(q);
+        });
+      std::sort(ring.begin(), ring.end());
+      ring.erase(std::unique(ring.begin(), ring.end()), ring.end());
+      std::erase_if(ring, [&](PatchId q) { return std::find(cluster.begin(), cluster.end(), q) != cluster.end(); });
+      if (ring.empty() || cluster.size() + ring.size() > kTooMany) return;
+      cluster.insert(cluster.end(), ring.begin(), ring.end());
+      begin = end;
     }
   }
 
@@ -284,6 +357,9 @@ class Recogniser {
   }
 
   const FacetGraph& graph_;
+  double min_tolerance_, max_tolerance_;  ///< of growths
+  double tolerance_ = 0;                  ///< of the growths of this seed
+  bool is_doubtful_ = false;              ///< whether they are doubtful
   ClaimGrower grower_;
   ClaimTable table_;
   IdVector<PatchId, std::uint8_t> attempts_;  ///< how many surfaces were given up that had come to a facet
@@ -302,7 +378,7 @@ class Recogniser {
 RecognisedSurfaces recognise_surfaces(const Facets& facets, const RecognitionRules& rules, RunControl& control) {
   const FacetGraph graph(facets, rules.feature_angle_deg, control);
   std::vector<Claim> claims;
-  if (graph.has_smooth_edges()) claims = Recogniser(graph, rules.tolerance / facets.surface.unit, control).run();
+  if (graph.has_smooth_edges()) claims = Recogniser(graph, rules, facets.surface.unit, control).run();
   return make_records(facets, graph, std::move(claims), rules, control);
 }
 

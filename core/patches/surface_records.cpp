@@ -132,23 +132,28 @@ class Records {
     const auto some = std::span(of_first).first(std::min(of_first.size(), kMaxSamples));
     std::vector<std::uint32_t> near;
     for (const std::uint32_t c : left) {
-      const bool is_near = deviation_from(claims[c].shape, some) <= kNear * tolerance() ||
-                           deviation_from(first.shape, corners_of(claims[c].facets)) <= kNear * tolerance();
+      const double tolerance = std::max(first.tolerance, claims[c].tolerance);
+      const bool is_near = deviation_from(claims[c].shape, some) <= kNear * tolerance ||
+                           deviation_from(first.shape, corners_of(claims[c].facets)) <= kNear * tolerance;
       if (is_near) near.push_back(c);
     }
     // Claims that do not fit the surface of all are left out, and the others tried again.
     constexpr int kMaxFits = 3;
     for (int fit = 0; fit < kMaxFits && !near.empty(); ++fit) {
       std::vector<PatchId> facets = first.facets;
-      for (const std::uint32_t c : near) facets.insert(facets.end(), claims[c].facets.begin(), claims[c].facets.end());
+      double tolerance = first.tolerance;
+      for (const std::uint32_t c : near) {
+        facets.insert(facets.end(), claims[c].facets.begin(), claims[c].facets.end());
+        tolerance = std::max(tolerance, claims[c].tolerance);
+      }
       const std::vector<Vec3> all = corners_of(facets);
       const auto about = fit_from(first.shape, all, {.control = &control_});
       const auto fitted = about ? fit_from(*about, all, {.is_canonical = true, .control = &control_}) : std::nullopt;
       if (!fitted) return;
-      if (deviation_from(*fitted, all) <= tolerance())
+      if (deviation_from(*fitted, all) <= tolerance)
         return take_in(first, claims, left, near, *fitted, std::move(facets));
-      std::erase_if(
-          near, [&](std::uint32_t c) { return deviation_from(*fitted, corners_of(claims[c].facets)) > tolerance(); });
+      std::erase_if(near,
+                    [&](std::uint32_t c) { return deviation_from(*fitted, corners_of(claims[c].facets)) > tolerance; });
     }
   }
 
@@ -159,6 +164,7 @@ class Records {
     first.facets = std::move(facets);
     for (const std::uint32_t c : near) {
       if (claims[c].side != first.side) first.side = 0;
+      first.tolerance = std::max(first.tolerance, claims[c].tolerance);
       first.area += claims[c].area;
       claims[c].facets.clear();
     }
@@ -211,7 +217,7 @@ class Records {
       shape.origin += 0.5 * (low + high) * shape.axis;
     }
     RecognisedSurface record;
-    const FacetMeasures measures = measure_facets(graph_, claim, shape, tolerance(), control_);
+    const FacetMeasures measures = measure_facets(graph_, claim, shape, claim.tolerance, control_);
     record.input_chord_height = measures.chord_height * unit();
     record.input_turn_deg = measures.turn_deg;
     record.sweep_deg = measures.sweep_deg;
@@ -222,7 +228,7 @@ class Records {
                     unit() * shape.radius,
                     unit() * shape.minor_radius,
                     shape.half_angle};
-    record.tolerance = rules_.tolerance;
+    record.tolerance = claim.tolerance * unit();
     if (shape.kind == SurfaceKind::kRevolution) record.deviation = claim.deviation;
     for (const Vec3& p : corners) record.deviation = std::max(record.deviation, std::fabs(shape.distance(p)));
     record.deviation *= unit();
