@@ -9,6 +9,15 @@ namespace {
 /// Of the turns before and behind a facet, one that is below this part of the other one is no turn in that direction.
 constexpr double kNoTurn = 0.2;
 
+/// A corner that is nearer to the axis than this part of the others' distance is an apex.
+constexpr double kNearApex = 0.02;
+
+/// Returns the distance of a point from the axis, or from the centre of a sphere.
+double distance_from_axis(const AnalyticSurface& shape, const Vec3& p) {
+  const Vec3 way = p - shape.origin;
+  return shape.kind == SurfaceKind::kSphere ? norm(way) : norm(way - dot(way, shape.axis) * shape.axis);
+}
+
 double angle_of(double sine) { return std::asin(std::clamp(sine, -1.0, 1.0)); }
 
 /// Returns the largest distance of a facet's corners from the line through a side.
@@ -31,20 +40,38 @@ struct Span {
   double length() const { return high > low ? high - low : 0; }
 };
 
+bool share_corner(const FacetGraph& graph, PatchId p, PatchId q) {
+  bool is_shared = false;
+  for (std::uint32_t s = graph.sides_begin(p); s < graph.sides_end(p); ++s)
+    for (std::uint32_t t = graph.sides_begin(q); t < graph.sides_end(q) && graph.is_corner(s) && !is_shared; ++t)
+      is_shared = graph.vertex(s) == graph.vertex(t);
+  return is_shared;
+}
+
 /// Returns the part of explained_height in one direction.
 double height_along(const FacetGraph& graph, const AnalyticSurface& shape, PatchId p, const Vec3& direction) {
   Span width, turn;
+  double farthest = 0;
+  graph.for_each_corner(p, [&](const Vec3& q) { farthest = std::max(farthest, distance_from_axis(shape, q)); });
   graph.for_each_corner(p, [&](const Vec3& q) {
     width.add(dot(q, direction));
-    const Vec3 normal = shape.normal(q);  // null in an apex
-    if (norm_squared(normal) > 0) turn.add(angle_of(dot(normal, direction)));
+    // In an apex, rounding alone says where the normal points.
+    if (distance_from_axis(shape, q) > kNearApex * farthest) turn.add(angle_of(dot(shape.normal(q), direction)));
   });
   const double own = dot(graph.normal(p), direction);
   double before = 0, behind = 0;
-  graph.for_each_neighbour(p, [&](PatchId q) {
+  const auto add = [&](PatchId q) {
     const double sine = dot(graph.normal(q), direction) - own;
     before = std::max(before, sine);
     behind = std::max(behind, -sine);
+  };
+  graph.for_each_neighbour(p, [&](PatchId q) {
+    add(q);
+    // The neighbours of a triangle may be the other halves of pieces of the surface. The next pieces share a corner.
+    if (graph.corner_count(p) == 3)
+      graph.for_each_neighbour(q, [&](PatchId r) {
+        if (r != p && share_corner(graph, p, r)) add(r);
+      });
   });
   before = angle_of(before);
   behind = angle_of(behind);

@@ -447,8 +447,8 @@ std::optional<Claim> ClaimGrower::conclude(AnalyticSurface shape, int side, std:
     const std::size_t before = members.size();
     trim(shape, tolerance_, side, members);
     if (members.size() == before) {
-      Claim claim{shape, side, std::move(members), tolerance_, {}, 0, 0, chord_height, {}};
-      if (!is_explained(claim)) return std::nullopt;
+      Claim claim{shape, side, std::move(members), tolerance_, {}, 0, 0, true, chord_height, {}};
+      claim.is_explained = is_explained(claim);
       const Gauge gauge(shape);
       std::size_t close = 0;
       for (const Vec3& p : points_) {

@@ -28,6 +28,7 @@ struct Claim {
   std::vector<Vec2> profile;  ///< only a surface of revolution has one, see RecognisedSurface
   double area = 0;            ///< sum of the facets' areas
   double deviation = 0;       ///< largest distance of a corner from the surface
+  bool is_explained = true;   ///< the turns between the facets explain how far they are from the surface
   double chord_height = 0;    ///< the facets' distance from the surface: the mean of their largest ones, by area
   std::vector<Claim> bands;   ///< only a surface of revolution has them: the cones and cylinders that it was made of
 };
@@ -104,7 +105,6 @@ class ClaimGrower {
   /// Returns whether the facets around a claim leave its surface so gradually that the claim is a piece of something
   /// larger, to which the surface is only near.
   bool goes_on_beyond(const Gauge& gauge, const Claim& claim);
-  /// Returns whether the turns between the facets explain how far they are from the surface.
   bool is_explained(const Claim& claim) const;
   bool grow_members(AnalyticSurface& shape, int side, Taken may_replace, std::vector<PatchId>& members);
   std::optional<Claim> conclude(AnalyticSurface shape, int side, std::vector<PatchId> members);

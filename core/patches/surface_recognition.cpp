@@ -60,7 +60,7 @@ class Recogniser {
  public:
   Recogniser(const FacetGraph& graph, const RecognitionRules& rules, double unit, RunControl& control)
       : graph_(graph),
-        min_tolerance_(std::min(rules.tolerance, rules.printed) / unit),
+        min_tolerance_(rules.tolerance / unit),
         max_tolerance_(std::max(rules.tolerance, rules.printed) / unit),
         grower_(graph, control),
         table_(graph.size()),
@@ -76,6 +76,8 @@ class Recogniser {
     // Facets of claims that were replaced in part are free again.
     claim_ruled(seeds);
     claim_scattered(seeds);
+    drop_unexplained();
+    claim_ruled(seeds);
     claim_clusters(seeds);
     join_bands(graph_, table_, control_);
     drop_islands(graph_, table_, control_);
@@ -83,8 +85,9 @@ class Recogniser {
   }
 
  private:
-  /// Returns how far corners may be off a surface that grows from a seed: what rounding explains, but no more than a
-  /// part of the chord height, since everything smooth would fit otherwise.
+  /// Returns how far corners may be off a surface that grows from a seed: what proven rounding explains, or else what
+  /// printed digits do, but no more of that than a part of the chord height, since everything smooth would fit
+  /// otherwise.
   double tolerance_at(const SurfaceSeed& seed) const {
     return std::clamp(kMaxOfHeight * implied_chord_height(graph_, seed.facet, seed.side), min_tolerance_,
                       max_tolerance_);
@@ -159,6 +162,7 @@ class Recogniser {
     const std::uint64_t before = grower_.work();
     std::optional<Claim> claim = grower_.grow(guess, seed, {tolerance_, may_replace, is_doubtful_});
     if (!claim) wasted_ += grower_.work() - before;
+    if (claim && !claim->is_explained && are_lies_dropped_) claim.reset();
     take_larger(std::move(claim), best);
     for (const PatchId p : grower_.given_up())
       if (attempts_[p] < kMaxAttempts) ++attempts_[p];
@@ -176,11 +180,12 @@ class Recogniser {
     if (is_better(*claim, *best)) best = std::move(claim);
   }
 
-  /// The larger surface is better. Of two that are about as large, it is the one from which the facets deviate less, or
-  /// else the one with fewer parameters.
+  /// The larger surface is better. Of two that are about as large, it is the one that the facets explain, or else the
+  /// one from which they deviate less, or else the one with fewer parameters.
   static bool is_better(const Claim& a, const Claim& b) {
     if (a.area > kLarger * b.area) return true;
     if (b.area > kLarger * a.area) return false;
+    if (a.is_explained != b.is_explained) return a.is_explained;
     if (a.chord_height < kNearer * b.chord_height) return true;
     if (b.chord_height < kNearer * a.chord_height) return false;
     return parameter_count(a.shape.kind) < parameter_count(b.shape.kind);
@@ -328,6 +333,20 @@ class Recogniser {
     }
   }
 
+  /// Drops claims from which their facets are farther than the turns between them explain. Until then, such claims tell
+  /// which facets belong together: a ring around a torus is a piece of a sphere, too.
+  void drop_unexplained() {
+    are_lies_dropped_ = true;
+    for (Claim& claim : table_.claims) {
+      if (claim.facets.empty() || claim.is_explained) continue;
+      for (const PatchId p : claim.facets) {
+        table_.owner[p] = kNone;
+        grower_.set_taken(p, Taken::kFree);
+      }
+      claim.facets.clear();
+    }
+  }
+
   /// Finds the facets of a seed and whole rings of their free neighbours of about the same size, until there are enough
   /// for a guess.
   void find_cluster(const SurfaceSeed& seed, std::vector<PatchId>& cluster) const {
@@ -360,6 +379,7 @@ class Recogniser {
   double min_tolerance_, max_tolerance_;  ///< of growths
   double tolerance_ = 0;                  ///< of the growths of this seed
   bool is_doubtful_ = false;              ///< whether they are doubtful
+  bool are_lies_dropped_ = false;         ///< no claim is made that the facets do not explain
   ClaimGrower grower_;
   ClaimTable table_;
   IdVector<PatchId, std::uint8_t> attempts_;  ///< how many surfaces were given up that had come to a facet
