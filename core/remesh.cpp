@@ -96,6 +96,16 @@ bool may_cut_curves(const Options& options) {
   return options.elements_per_circle || options.surface_tolerance || options.surface_tolerance_fraction;
 }
 
+/// Returns what the options say of every curved patch.
+CurvedClaim claim_of_options(const Options& options, double diagonal) {
+  CurvedClaim claim;
+  claim.surface_tolerance = options.surface_tolerance;
+  if (options.surface_tolerance_fraction) claim.surface_tolerance = *options.surface_tolerance_fraction * diagonal;
+  claim.elements_per_circle = options.elements_per_circle;
+  claim.feature_angle_deg = options.feature_angle_deg;
+  return claim;
+}
+
 /// One run on one surface.
 /// This class is larger than the bound because it has a short function for each step of the pipeline, so that the whole
 /// can be read in one place.
@@ -339,16 +349,11 @@ class Run : private RunState {
     prepared.release_all_but_order();
     watch.enter(Stage::kVerify);
     const InputIntersections known = intersections();
-    CheckedAgainst against{read_input(),
-                           surface(),
-                           partition.patches,
-                           known,
-                           report.plane_tolerance,
-                           options.weld_tolerance,
-                           asked_goals(),
-                           curves.curved(),
-                           refiner->frozen().items(),
-                           prepared.order()};
+    const CurvedClaim curved_options = claim_of_options(options, report.input.bounding_box.diagonal());
+    CheckedAgainst against{
+        read_input(),           surface(),     partition.patches, known,           report.plane_tolerance,
+        options.weld_tolerance, asked_goals(), curves.curved(),   &curved_options, refiner->frozen().items(),
+        prepared.order()};
     const auto run = [&] {
       against.measure_sizes = nullptr;
       if (refiner->are_sizes_unmeasured())

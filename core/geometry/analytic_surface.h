@@ -21,7 +21,9 @@ struct AnalyticSurface {
   Vec3 origin;
   /// Plane: the unit normal. Cylinder, cone, torus, revolution: the unit direction of the axis. Sphere: null.
   Vec3 axis;
-  double radius = 0;  ///< cylinder, sphere; for a torus the major radius, from the centre to the middle of the tube
+  /// Cylinder, sphere; for a torus the major radius, from the axis to the middle of the tube. The latter is negative if
+  /// the middle of the tube lies beyond the axis, as at an ogive. Where the tube reaches the axis, the torus ends.
+  double radius = 0;
   double minor_radius = 0;  ///< torus: the radius of the tube
   double half_angle = 0;    ///< cone: the angle between axis and surface, in radians, between 0 and pi / 2
 

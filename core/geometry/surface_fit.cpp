@@ -263,7 +263,8 @@ std::optional<AnalyticSurface> surface_of(const Parameters& at, double scale) {
   constexpr double kMaxRadius = 1e5;
   const bool is_small = std::fabs(s.radius) * scale < kMaxRadius && s.minor_radius * scale < kMaxRadius;
   const bool has_radius =
-      at.kind == SurfaceKind::kCone || (s.radius > 0 && (at.kind != SurfaceKind::kTorus || s.minor_radius > 0));
+      at.kind == SurfaceKind::kCone ||
+      (at.kind == SurfaceKind::kTorus ? s.minor_radius > 0 && s.radius + s.minor_radius > 0 : s.radius > 0);
   if (!is_small || !has_radius || !is_finite(s.origin) || !is_finite(s.axis)) return std::nullopt;
   return s;
 }

@@ -9,6 +9,12 @@ namespace {
 
 constexpr double kTurn = 2 * std::numbers::pi;
 
+/// At a tube that touches the axis, the square root of the ratio of its distances from the axis is 0 up to rounding.
+constexpr double kNoPart = 1e-6;
+
+/// Places where a tube ends are taken to be this part of the way from there, and those behind its end to be at it.
+constexpr double kNearEnd = 1 - 1e-9, kHalfTurn = 0.999 * std::numbers::pi;
+
 /// A squeezed map multiplies lengths along rulings by this. A patch that is a thousand times as long as its edges are
 /// wide is then about as long as they are.
 constexpr double kSqueeze = 0x1p-10;
@@ -30,7 +36,7 @@ bool SurfaceMap::can_map(const AnalyticSurface& shape) {
     case SurfaceKind::kCylinder:
     case SurfaceKind::kSphere: return shape.radius > 0;
     case SurfaceKind::kCone: return shape.half_angle > 0 && shape.half_angle < std::numbers::pi / 2;
-    case SurfaceKind::kTorus: return shape.minor_radius > 0 && shape.radius > shape.minor_radius;
+    case SurfaceKind::kTorus: return shape.minor_radius > 0 && shape.radius + shape.minor_radius > 0;
     case SurfaceKind::kPlane:
     case SurfaceKind::kRevolution:
     case SurfaceKind::kFree: break;
@@ -66,14 +72,25 @@ SurfaceMap SurfaceMap::squeezed() const {
 /// Returns the integral of ds / rho along the tube from where it is farthest out to an angle.
 double SurfaceMap::tube_way(double angle) const {
   const double outer = shape_.radius + shape_.minor_radius, inner = shape_.radius - shape_.minor_radius;
+  const double tube = 2 * shape_.minor_radius;
+  if (!(inner > 0)) {
+    // The tube ends at the axis, to which the way is infinite.
+    const double part = std::sqrt(-inner / outer), at = std::tan(0.5 * std::clamp(angle, -kHalfTurn, kHalfTurn));
+    if (!(part > kNoPart)) return tube / outer * at;
+    return tube / (outer * part) * std::atanh(std::clamp(part * at, -kNearEnd, kNearEnd));
+  }
   const double root = std::sqrt(outer * inner);
   const double turns = std::nearbyint(angle / kTurn);
   const double half = 0.5 * (angle - turns * kTurn);
-  return 2 * shape_.minor_radius / root * (std::atan(std::sqrt(inner / outer) * std::tan(half)) + turns * kTurn / 2);
+  return tube / root * (std::atan(std::sqrt(inner / outer) * std::tan(half)) + turns * kTurn / 2);
 }
 
 double SurfaceMap::tube_angle(double way) const {
   const double outer = shape_.radius + shape_.minor_radius, inner = shape_.radius - shape_.minor_radius;
+  if (!(inner > 0)) {
+    const double part = std::sqrt(-inner / outer), half = way * outer / (2 * shape_.minor_radius);
+    return 2 * std::atan(part > kNoPart ? std::tanh(half * part) / part : half);
+  }
   const double root = std::sqrt(outer * inner);
   const double half = way * root / (2 * shape_.minor_radius);
   const double turns = std::nearbyint(half / (kTurn / 2));

@@ -118,8 +118,11 @@ Verdict check(Candidate& candidate, const CheckedAgainst& against, RunControl& c
     refined = {*against.goals, candidate.unrefined.faces, candidate.unrefined.reasons, against.frozen};
   std::vector<CurvedClaim> curved;
   if (against.curved != nullptr)
-    for (const CurvedPatch& patch : against.curved->curved)
-      curved.push_back({against.curved->surfaces.surfaces[patch.surface].shape, patch.limits.tolerance});
+    for (const CurvedPatch& patch : against.curved->curved) {
+      curved.push_back(*against.curved_options);
+      curved.back().shape = against.curved->surfaces.surfaces[patch.surface].shape;
+      curved.back().tolerance = patch.limits.tolerance;
+    }
   const std::vector<MovedVertex> moved = find_moved(candidate, against.surface);
   const bool has_new_vertices = !candidate.refinement.new_positions.empty() || against.curved != nullptr;
   std::function<void()> complete;

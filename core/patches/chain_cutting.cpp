@@ -34,9 +34,15 @@ double bend(const Vec3& a, const Vec3& b, const Vec3& c) {
 class ChainCutter {
  public:
   ChainCutter(std::uint32_t chain, const ChainSides& sides, const ChainCutting& cutting, std::vector<ChainCut>& cuts)
-      : chain_(chain), sides_(sides), cutting_(cutting), cuts_(cuts), limits_{HUGE_VAL, HUGE_VAL, {}, 1} {
+      : chain_(chain),
+        sides_(sides),
+        cutting_(cutting),
+        cuts_(cuts),
+        fit_(cutting.rules.fit_tolerance),
+        limits_{HUGE_VAL, HUGE_VAL, {}, 1} {
     for (const PatchSurface& side : sides.curved) {
       limits_.tolerance = std::min(limits_.tolerance, side.tolerance);
+      fit_ = std::max(fit_, side.fit_tolerance);
       sideways_ = std::min(sideways_, side.sideways > 0 ? side.sideways : kShareOfThinning * side.tolerance);
       limits_.max_turn = std::min(limits_.max_turn, side.max_turn);
       limits_.depths.push_back({side.shape, (is_seam() ? CurvedChart::kDepthOfEdges : 1) * side.max_depth});
@@ -86,7 +92,7 @@ class ChainCutter {
     ChainLimits limits = limits_;
     limits.tolerance = std::min(limits.tolerance, tolerance_along(*chain, points));
     limits.min_pieces = pieces_for_width(nodes);
-    SectionChain::Division division = chain->divide(limits, cutting_.rules.fit_tolerance, room, cutting_.control);
+    SectionChain::Division division = chain->divide(limits, fit_, room, cutting_.control);
     is_limited_ = is_limited_ || division.is_limited;
     if (!division.is_changed) return true;
     cuts_.push_back({{nodes.begin(), nodes.end()}, std::move(division.kept), std::move(division.points), {}, true});
@@ -109,11 +115,10 @@ class ChainCutter {
   std::optional<SectionChain> section_through(std::span<const Vec3> points) const {
     std::vector<Vec3> distinct(points.begin(), points.end());
     if (points.front() == points.back()) distinct.pop_back();
-    const double fit = cutting_.rules.fit_tolerance;
     for (const PatchSurface& side : sides_.curved) {
       const std::vector<Plane> planes = sides_.planes.empty() ? planes_through(distinct, *side.shape) : sides_.planes;
       for (const Plane& plane : planes) {
-        const auto curve = SectionCurve::through(distinct, *side.shape, plane, fit);
+        const auto curve = SectionCurve::through(distinct, *side.shape, plane, fit_);
         if (!curve) continue;
         auto chain = SectionChain::along(*curve, points);
         if (!chain || !is_on_all(*chain, points.size() - 1)) continue;
@@ -127,7 +132,7 @@ class ChainCutter {
 
   /// Returns whether the curve stays on the surfaces of all patches beside the chain.
   bool is_on_all(const SectionChain& chain, std::size_t pieces) const {
-    const double fit = 2 * cutting_.rules.fit_tolerance;
+    const double fit = 2 * fit_;
     for (std::size_t i = 0; i < pieces; ++i) {
       const Vec3 p = chain.middle(i);
       for (const PatchSurface& side : sides_.curved)
@@ -158,9 +163,8 @@ class ChainCutter {
   }
 
   bool is_around_axis(std::span<const Vec3> points, const AnalyticSurface& surface) const {
-    return std::all_of(points.begin(), points.end(), [&](const Vec3& p) {
-      return std::fabs(dot(p - points.front(), surface.axis)) <= 2 * cutting_.rules.fit_tolerance;
-    });
+    return std::all_of(points.begin(), points.end(),
+                       [&](const Vec3& p) { return std::fabs(dot(p - points.front(), surface.axis)) <= 2 * fit_; });
   }
 
   /// Returns planes in which some points may lie: the one across the axis of a surface, and the one that fits them.
@@ -265,6 +269,7 @@ class ChainCutter {
   const ChainSides& sides_;
   const ChainCutting& cutting_;
   std::vector<ChainCut>& cuts_;
+  double fit_;  ///< the largest distance of an essential vertex from the surfaces
   ChainLimits limits_;
   double sideways_ = HUGE_VAL;  ///< how far a dropped node may be off its chord
   bool is_limited_ = false;

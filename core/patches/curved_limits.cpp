@@ -6,6 +6,7 @@
 #include <optional>
 
 #include "core/base/stoppable.h"
+#include "core/base/tolerance.h"
 #include "core/geometry/surface_map.h"
 
 namespace remesh {
@@ -85,12 +86,21 @@ std::vector<CurvedLimits> curved_limits(const Surface& surface, const PatchSet& 
     if (!SurfaceMap::can_map(s.shape)) continue;
     // Facets that are hardly off their surface are known to the plane tolerance only.
     const double own = std::max(s.input_chord_height, plane_tolerance);
+    const double excused = std::max(s.explained_height, plane_tolerance);
     const double turn = options.elements_per_circle ? 2 * kPi / *options.elements_per_circle : kMaxTurn;
-    double tolerance = asked.value_or(own);
+    double tolerance = asked.value_or(excused);
     if (options.elements_per_circle) tolerance += radii[i] * (1 - std::cos(turn / 2));
     if (tolerance < own) continue;
     CurvedLimits& of_surface = limits[i];
     of_surface.tolerance = tolerance;
+    // The corners of the facets may be off their surface by more than rounding explains. The result is on the surface,
+    // so this is a part of its distance from the input.
+    const double off = std::max(0.0, s.deviation - kRecognitionTolerance * plane_tolerance);
+    tolerance -= off;
+    if (!(tolerance > 0)) {
+      of_surface = {};
+      continue;
+    }
     // Vertices of the input are off their surface by rounding. Edges between them are that much deeper, and the
     // surface's normals at them turn that much more.
     of_surface.max_height = tolerance + plane_tolerance;
@@ -109,7 +119,7 @@ std::vector<CurvedLimits> curved_limits(const Surface& surface, const PatchSet& 
     const double below = is_cone ? std::cos(s.shape.half_angle) : 1, along = is_cone ? std::sin(s.shape.half_angle) : 0;
     // Where a boundary is cut anew, the result may leave the input both in depth and along the surface. The proven
     // bound is the root of the sum of their squares. Boundaries that stay are as deep as the input's facets.
-    const double of_circles = std::max(kDepthShare * tolerance, tolerance - asked.value_or(own));
+    const double of_circles = std::max(kDepthShare * tolerance, tolerance - asked.value_or(excused));
     const double depth = std::max(below * of_circles, std::min(own, kDepthShare * tolerance));
     const double sideways = std::sqrt(tolerance * tolerance - depth * depth);
     of_surface.max_height = std::min(of_surface.max_height, depth + plane_tolerance);

@@ -47,7 +47,10 @@ struct RecognisedSurface {
   std::uint64_t faces = 0;  ///< faces of the input
   double area = 0;          ///< area of the facets
   double input_chord_height =
-      0;                      ///< largest distance of the input's facets from the surface; 0 for planes and free ones
+      0;  ///< largest distance of the input's facets from the surface; 0 for planes and free ones
+  /// The part of `input_chord_height` that the turns between the facets explain: their own chord height, if they sample
+  /// the surface as a tessellation does.
+  double explained_height = 0;
   double input_turn_deg = 0;  ///< largest angle by which the surface turns along an edge of a facet
   double sweep_deg = 0;       ///< how much of a full turn around the axis the facets cover; 360 if all of it
   double tolerance = 0;       ///< all essential vertices lie within this distance of the surface

@@ -256,6 +256,17 @@ bool SheetGeometry::goes_around(PatchId facet, const AnalyticSurface& shape) {
   return gap < kPi;
 }
 
+bool SheetGeometry::ends_at_axis(PatchId facet, const AnalyticSurface& shape) {
+  constexpr double kNearAxis = 0.02;
+  if (shape.kind != SurfaceKind::kTorus || shape.radius > shape.minor_radius) return false;
+  const AngleFrame frame = frame_of({facet}, shape);
+  bool ends = false;
+  for_each_corner(facet, [&](const Vec3& corner) {
+    ends = ends || frame.radius(corner) < kNearAxis * (shape.radius + shape.minor_radius);
+  });
+  return ends;
+}
+
 /// Returns whether a sheet reaches the apex of a cone that is so narrow that half of it, unrolled, has no two triangles
 /// at the apex. A single one would reach over the axis.
 bool SheetGeometry::reaches_narrow_apex(const Sheet& sheet, const AngleFrame& frame) {

@@ -16,6 +16,10 @@ namespace {
 constexpr std::size_t kMaxIsland = 40, kMinSea = 40;
 constexpr double kIslandShore = 0.6, kIslandArea = 0.05;
 
+/// So many facets whose corners are within this part of the tolerance are no piece of something else, wherever they are.
+constexpr std::size_t kMinClear = 9;
+constexpr double kClear = 0.1;
+
 }  // namespace
 
 void drop_islands(const FacetGraph& graph, ClaimTable& table, RunControl& control) {
@@ -44,6 +48,7 @@ void drop_islands(const FacetGraph& graph, ClaimTable& table, RunControl& contro
   }
   for (Claim& claim : table.claims) {
     if (claim.facets.empty() || claim.facets.size() > kMaxIsland) continue;
+    if (claim.facets.size() >= kMinClear && claim.deviation <= kClear * claim.tolerance) continue;
     double border = 0, shore = 0, sea = 0;
     for (const PatchId p : claim.facets)
       for (std::uint32_t s = graph.sides_begin(p); s < graph.sides_end(p); ++s) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/stoppable.h"
+#include "core/patches/facet_turns.h"
 
 namespace remesh {
 namespace {
@@ -140,6 +141,7 @@ FacetMeasures measure_facets(const FacetGraph& graph, const Claim& claim, const 
     });
     // The middle of a ring is not on it.
     if (!graph.may_be_seed(p) || is_revolution) continue;
+    result.explained = std::max(result.explained, explained_height(graph, shape, p));
     // The sum comes in an order that depends on the corners alone.
     std::sort(corners.begin(), corners.end());
     Vec3 sum;

@@ -11,6 +11,7 @@ namespace remesh {
 /// Measures of facets, relative to their surface.
 struct FacetMeasures {
   double chord_height = 0;  ///< largest distance of the facets from the surface, at their sides and in their middles
+  double explained = 0;     ///< the largest explained_height of a facet; 0 for surfaces of revolution
   double turn_deg = 0;      ///< largest angle by which the surface turns along a side
   double sweep_deg = 0;     ///< how much of a full turn around the axis they cover; 0 for spheres, which have no axis
 };

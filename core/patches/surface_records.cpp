@@ -219,6 +219,7 @@ class Records {
     RecognisedSurface record;
     const FacetMeasures measures = measure_facets(graph_, claim, shape, claim.tolerance, control_);
     record.input_chord_height = measures.chord_height * unit();
+    record.explained_height = std::min(measures.explained, measures.chord_height) * unit();
     record.input_turn_deg = measures.turn_deg;
     record.sweep_deg = measures.sweep_deg;
     for (const Vec2& p : claim.profile) record.profile.push_back(unit() * p);

@@ -3,12 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <numbers>
 #include <span>
 
 #include "core/base/blocks.h"
 #include "core/base/stoppable.h"
 #include "core/verify/curved_shape.h"
 #include "core/verify/exact.h"
+#include "core/verify/explained_distance.h"
 #include "core/verify/face_measures.h"
 
 namespace remesh::verification {
@@ -90,6 +92,7 @@ class CurvedPatchCheck {
         [&](std::uint32_t f, CurvedReading& reading) { check_area(f, reading); });
     faults_.insert(faults_.end(), output_.faults.begin(), output_.faults.end());
     reach_ = std::max(input_.reach, output_.reach);
+    if (!is_tolerance_explained()) report(Fault::kUnexplained);
     check_facing();
     compare_area_vectors();
     compare_cover();
@@ -185,6 +188,30 @@ class CurvedPatchCheck {
     if (of_input.first.is_valid()) report(Fault::kFacingAway, of_input.first.value);
     if (of_output.first.is_valid()) report(Fault::kInverted, of_output.first.value);
     low_height_ = std::max(of_input.height, of_output.height);
+  }
+
+  /// Whether the claimed tolerance is what the input explains or the options allow.
+  bool is_tolerance_explained() const {
+    const CurvedClaim& claim = surface_.claim;
+    double rest = surface_.tolerance;
+    if (claim.elements_per_circle)
+      rest -= largest_radius() * (1 - std::cos(std::numbers::pi / *claim.elements_per_circle));
+    if (claim.surface_tolerance) return Model::is_within(rest, model_.scale * *claim.surface_tolerance, reach_);
+    return explains_distance(model_, input_edges_, patch_, claim.feature_angle_deg * std::numbers::pi / 180, rest,
+                             control_);
+  }
+
+  /// The largest distance of the surface from its axis. A cone is no larger than its input.
+  double largest_radius() const {
+    if (surface_.shape.largest_radius() > 0) return surface_.shape.largest_radius();
+    double largest = 0;
+    StopCheck check(control_);
+    for (const std::uint32_t f : model_.input_by_patch[patch_.value])
+      for (const VertexId v : model_.input.face(f)) {
+        check();
+        largest = std::max(largest, surface_.shape.ruled(model_.points[v.value]).radius);
+      }
+    return largest;
   }
 
   double slivers() const { return boundary_.slivers[patch_.value]; }

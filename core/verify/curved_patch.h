@@ -44,7 +44,7 @@
 
 namespace remesh::verification {
 
-/// Reports kNoFaces, kSurface, kDeviation, kFacingAway, kArea, kZeroArea, kInverted, kCover.
+/// Reports kNoFaces, kSurface, kDeviation, kFacingAway, kArea, kZeroArea, kInverted, kCover, kUnexplained.
 /// A patch whose faces are all as they were is not compared with its surface, because it has not changed.
 /// Input:  a patch with a curved surface.
 /// Output: the proven distance between its input and its output; `sums` get its share.

@@ -78,7 +78,7 @@ CurvedShape::CurvedShape(const AnalyticSurface& claimed, double scale)
     sin_ = std::sin(half_angle_);
   }
   // The coordinates of points are at most 1. Each distance takes about ten roundings of numbers of this size.
-  noise_ = 0x1p-49 * (1 + largest_coordinate(origin_) + radius_ + minor_radius_);
+  noise_ = 0x1p-49 * (1 + largest_coordinate(origin_) + std::fabs(radius_) + minor_radius_);
 }
 
 bool CurvedShape::is_sound() const {
@@ -88,7 +88,7 @@ bool CurvedShape::is_sound() const {
     case SurfaceKind::kCylinder:
     case SurfaceKind::kSphere: return radius_ > 0;
     case SurfaceKind::kCone: return half_angle_ > 0 && half_angle_ < std::numbers::pi / 2;
-    case SurfaceKind::kTorus: return radius_ > 0 && minor_radius_ > 0;
+    case SurfaceKind::kTorus: return minor_radius_ > 0 && radius_ + minor_radius_ > 0;
     default: return false;
   }
 }
@@ -138,6 +138,17 @@ Vec3 CurvedShape::normal(const Vec3& p) const {
   const Vec3 outwards = (at.across.x / r) * x_ + (at.across.y / r) * y_;
   if (kind_ == SurfaceKind::kTorus) return normalized((r - radius_) * outwards + at.height * axis_);
   return cos_ * outwards - sin_ * axis_;
+}
+
+Vec3 CurvedShape::direction_around(const Vec3& p) const {
+  if (kind_ == SurfaceKind::kSphere) return {};
+  const Local at = local(p);
+  return normalized(-at.across.y * x_ + at.across.x * y_);
+}
+
+double CurvedShape::largest_radius() const {
+  if (kind_ == SurfaceKind::kCone) return 0;
+  return kind_ == SurfaceKind::kTorus ? radius_ + minor_radius_ : radius_;
 }
 
 RuledPoint CurvedShape::ruled(const Vec3& p) const {

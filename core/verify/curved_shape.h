@@ -65,6 +65,10 @@ class CurvedShape {
   double depth_between(const Vec3& a, const Vec3& b) const;
   /// The unit normal of the surface at the point of it that is nearest to p; null on the axis.
   Vec3 normal(const Vec3& p) const;
+  /// The unit direction around the axis at p; null for a sphere and on the axis.
+  Vec3 direction_around(const Vec3& p) const;
+  /// The largest distance of the surface from its axis, or from its centre for a sphere; 0 for a cone, which has none.
+  double largest_radius() const;
   /// The length of the part of a way along which that normal may turn. Along the axis of a cylinder or a cone it does
   /// not.
   double turning_length(const Vec3& way) const;

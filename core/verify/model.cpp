@@ -203,7 +203,7 @@ Model make_model(const Claim& claim, FoundFaults& faults, RunControl& control) {
 
   if (!claim.curved.empty()) model.curved.of_patch = claim.curved_of_patch;
   for (const CurvedClaim& curved : claim.curved)
-    model.curved.surfaces.push_back({CurvedShape(curved.shape, scale), scale * curved.tolerance});
+    model.curved.surfaces.push_back({CurvedShape(curved.shape, scale), scale * curved.tolerance, curved});
 
   const Matches matches = match_vertices(claim, control);
   std::vector<VertexId> match = matches.of_surface;

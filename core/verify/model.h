@@ -50,6 +50,7 @@ class Points {
 struct CurvedSurface {
   CurvedShape shape;
   double tolerance = 0;  ///< between input and output, without the plane tolerance
+  CurvedClaim claim;     ///< in model units
 };
 
 /// The surfaces of all curved patches.

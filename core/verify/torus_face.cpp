@@ -144,9 +144,10 @@ Bounds bound_piece(const CentredTorus& torus, const Piece& piece, const Vec3& no
   const double to_axis = at.from_axis - extent, to_circle = at.from_circle - extent;
   if (!(to_axis > 0 && to_circle > 0)) return bounds;
   bounds.distance = bound_distance(torus, piece, centre, extent, at, at_corners);
-  const double inner = std::min(1.0, std::max(0.0, (torus.radius - at.from_axis + extent) / to_circle));
   // The nearest point must be on the same side of the axis.
-  if (torus.radius - torus.minor_radius * inner > 0)
+  const double out = at.from_axis - extent - torus.radius;
+  const double outwards = std::max(-1.0, out / (out > 0 ? at.from_circle + extent : to_circle));
+  if (torus.radius + torus.minor_radius * outwards > 0)
     bounds.facing = turned(dot(normal, at.normal), extent / std::min(to_axis, to_circle));
   const double depth = std::max(std::fabs(bounds.distance.low), std::fabs(bounds.distance.high));
   const double area = norm(cross(p[1] - p[0], p[2] - p[0])) / 2;

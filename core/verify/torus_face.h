@@ -10,7 +10,9 @@ namespace remesh::verification {
 
 /// A torus about the z axis, with its centre at the origin.
 struct CentredTorus {
-  double radius = 0;        ///< radius of the circle in the middle of the tube
+  /// Radius of the circle in the middle of the tube. It is negative if the middle lies beyond the axis, seen from the
+  /// tube.
+  double radius = 0;
   double minor_radius = 0;  ///< radius of the tube
   double noise = 0;         ///< a bound on the rounding of a distance
 };

@@ -19,7 +19,8 @@ constexpr std::uint32_t kAgainstSurface =
     bit(Fault::kMalformed) | bit(Fault::kMovedVertex) | bit(Fault::kForeignVertex) | bit(Fault::kNoFaces) |
     bit(Fault::kLostLoop) | bit(Fault::kBoundary) | bit(Fault::kChord) | bit(Fault::kDeviation) |
     bit(Fault::kFacingAway) | bit(Fault::kArea) | bit(Fault::kInverted) | bit(Fault::kEuler) | bit(Fault::kVolume) |
-    bit(Fault::kNewVertex) | bit(Fault::kNewOffLine) | bit(Fault::kPolygon) | bit(Fault::kSurface) | bit(Fault::kCover);
+    bit(Fault::kNewVertex) | bit(Fault::kNewOffLine) | bit(Fault::kPolygon) | bit(Fault::kSurface) |
+    bit(Fault::kCover) | bit(Fault::kUnexplained);
 constexpr std::uint32_t kAgainstConforming = bit(Fault::kMalformed) | bit(Fault::kLostVertex) | bit(Fault::kLostLoop) |
                                              bit(Fault::kBoundary) | bit(Fault::kZeroArea) | bit(Fault::kInverted) |
                                              bit(Fault::kOpened) | bit(Fault::kNewVertex) | bit(Fault::kNewOffLine) |
@@ -29,7 +30,8 @@ constexpr std::uint32_t kAgainstDelaunay =
 constexpr std::uint32_t kAgainstQuality = bit(Fault::kMalformed) | bit(Fault::kLockedBoundary) | bit(Fault::kUnlisted) |
                                           bit(Fault::kListedInVain) | bit(Fault::kCertificate) |
                                           bit(Fault::kShortEdge) | bit(Fault::kTooManyFaces);
-static_assert((kAgainstSurface | kAgainstConforming | kAgainstDelaunay | kAgainstQuality) == (1u << kFaultCount) - 1);
+static_assert((kAgainstSurface | kAgainstConforming | kAgainstDelaunay | kAgainstQuality) ==
+              (std::uint64_t{1} << kFaultCount) - 1);
 
 std::string words(const FoundFault& found) {
   const std::string id = std::to_string(found.element);
@@ -70,6 +72,8 @@ std::string words(const FoundFault& found) {
       return "output face " + id + " intersects another face, but their patches do not intersect in the input";
     case Fault::kSurface: return "the surface of the curved patch is not valid";
     case Fault::kCover: return "the curved patch covers its surface another number of times than its input does";
+    case Fault::kUnexplained:
+      return "the facets of the curved patch and the options do not explain how far it may be from its surface";
     case Fault::kPolygon: return "the triangles made of input polygon " + id + " do not cover it exactly once";
   }
   return {};

@@ -42,8 +42,9 @@ enum class Fault : std::uint8_t {
   kPolygon,           ///< the faces that were made of an input polygon do not cover that polygon
   kSurface,           ///< the surface that is claimed for a curved patch is not valid
   kCover,             ///< a curved patch does not cover its surface as often as its input does
+  kUnexplained,       ///< a curved patch may be farther from its input than that explains and than the options allow
 };
-inline constexpr int kFaultCount = static_cast<int>(Fault::kCover) + 1;
+inline constexpr int kFaultCount = static_cast<int>(Fault::kUnexplained) + 1;
 
 /// One fault at one place. The patch is invalid if the fault belongs to the whole mesh.
 struct FoundFault {

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -53,6 +54,12 @@ struct CurvedClaim {
   /// Model units. Input and output of the patch may be this far apart, plus the plane tolerance, and each of them may
   /// be this far from the surface. What exceeds half of the radius of a cylinder, sphere or tube has no effect.
   double tolerance = 0;
+  /// What the options allow: the surface tolerance in model units, and the number of edges per full turn. If there is no
+  /// surface tolerance, the tolerance must be what the input's own facets explain, and what the number of edges adds.
+  std::optional<double> surface_tolerance = {};
+  std::optional<double> elements_per_circle = {};
+  /// Facets that turn by more than this, in degrees, do not belong to one surface.
+  double feature_angle_deg = 30;
 };
 
 /// The pipeline's claim that it has moved a vertex of the surface.
@@ -105,7 +112,8 @@ struct Claim {
 ///   is within the tolerance of the chord that replaces it.
 /// - Where a patch is curved, `plane_tolerance` is replaced by the claimed tolerance plus `plane_tolerance`. Both sides
 ///   of the patch lie that close to the claimed surface, look the same way as it does, and cover it equally often
-///   (curved_patch.h). A boundary chain with a curved patch beside it may have new vertices anywhere within that
+///   (curved_patch.h). The claimed tolerance is explained by the turns between the input's facets and by the options
+///   (explained_distance.h). A boundary chain with a curved patch beside it may have new vertices anywhere within that
 ///   tolerance. A plane beside it still keeps its plane exactly.
 /// - Euler number, closedness, area and volume change by no more than the deviations explain. `volume_bound` is that
 ///   bound for the volume. For each patch it is the larger of its input and output area, plus the area between the

@@ -306,5 +306,93 @@ TEST(surface_recognition, an_analysis_tells_the_same_surfaces_as_a_run) {
   }
 }
 
+/// Rounds all coordinates of a mesh to multiples of a step.
+PolygonMesh rounded_to(PolygonMesh mesh, double step) {
+  for (Vec3& p : mesh.positions)
+    for (int axis = 0; axis < 3; ++axis) p[axis] = std::nearbyint(p[axis] / step) * step;
+  return mesh;
+}
+
+TEST(surface_recognition, bores_with_few_decimals_are_cylinders) {
+  Random random(20261128);
+  int found = 0, drawn = 0;
+  while (drawn < 60) {
+    const int n = random.integer(13, 52);
+    const double radius = random.uniform(2, 10), wall = radius * random.uniform(0.5, 2);
+    const Model model = primitives::tube(n, radius, wall, radius * random.uniform(0.3, 3));
+    const double diagonal = 2 * std::numbers::sqrt2 * (radius + wall);
+    // The chord height is at least four steps. The step is a power of ten, as for decimals.
+    const double step = std::pow(10, std::floor(std::log10(2e-5 * diagonal)));
+    if (radius * (1 - std::cos(std::numbers::pi / n)) < 4 * step) continue;
+    ++drawn;
+    const Claims claims = claims_of(rounded_to(model.mesh, step));
+    const auto is_right = [&](const RecognisedSurface& s) {
+      return s.shape.kind == SurfaceKind::kCylinder && (std::fabs(s.shape.radius - radius) < 1e-3 * radius ||
+                                                        std::fabs(s.shape.radius - radius - wall) < 1e-3 * radius);
+    };
+    if (curved_surfaces(claims) == 2 &&
+        std::count_if(claims.surfaces().begin(), claims.surfaces().end(), is_right) == 2)
+      ++found;
+  }
+  EXPECT_GE(found, 59);
+}
+
+TEST(surface_recognition, corners_beside_their_cylinder_are_found_with_their_distance) {
+  // Some programs put corners off the surface, here by up to a fifth of the chord height.
+  Random random(7);
+  for (const int n : {24, 36, 48}) {
+    Model model = primitives::cylinder(n, 10, 12);
+    const double height = 10 * (1 - std::cos(std::numbers::pi / n));
+    double off = 0;
+    for (Vec3& p : model.mesh.positions) {
+      const double by = random.uniform(-0.2, 0.2) * height;
+      off = std::max(off, std::fabs(by));
+      p.x *= 1 + by / 10;
+      p.y *= 1 + by / 10;
+    }
+    const Claims claims = claims_of(model.mesh);
+    ASSERT_EQ(curved_surfaces(claims), 1u) << n;
+    for (const RecognisedSurface& s : claims.surfaces()) {
+      if (s.shape.kind != SurfaceKind::kCylinder) continue;
+      EXPECT_NEAR(s.shape.radius, 10, off) << n;
+      EXPECT_LE(s.deviation, 2 * off) << n;
+      EXPECT_GE(s.deviation, 0.2 * off) << n;
+      EXPECT_LE(s.deviation, s.tolerance) << n;
+    }
+  }
+}
+
+TEST(surface_recognition, nearly_round_tubes_are_no_cylinders) {
+  // An ellipse with axes of 1.02 : 1 and a boss that tapers by half a degree.
+  Model ellipse = primitives::cylinder(32, 10, 12), boss = primitives::frustum(32, 10, 10 - 12 * std::tan(0.00873), 12);
+  for (Vec3& p : ellipse.mesh.positions) p.x *= 1.02;
+  for (const Model* model : {&ellipse, &boss}) {
+    const Claims claims = claims_of(model->mesh);
+    for (const RecognisedSurface& s : claims.surfaces()) EXPECT_NE(s.shape.kind, SurfaceKind::kCylinder) << model->name;
+  }
+}
+
+TEST(surface_recognition, the_ring_of_a_bore_is_no_barrel_and_no_ring_of_a_hose_is_a_ball) {
+  // A tube around a sine: no two of its rings lie on a surface of a kind.
+  constexpr int kRings = 23, kAround = 16;
+  std::vector<Vec3> positions;
+  std::vector<std::vector<std::uint32_t>> faces;
+  for (int i = 0; i < kRings; ++i) {
+    const double t = 2 * std::numbers::pi * i / (kRings - 1), slope = 6 * std::cos(t) / 5;
+    const Vec3 along = normalized({1, slope, 0}), across = {-along.y, along.x, 0};
+    for (int j = 0; j < kAround; ++j) {
+      const double a = 2 * std::numbers::pi * j / kAround;
+      positions.push_back(Vec3{5 * t, 6 * std::sin(t), 0} + (2 * std::cos(a)) * across + Vec3{0, 0, 2 * std::sin(a)});
+    }
+  }
+  for (std::uint32_t i = 0; i + 1 < kRings; ++i)
+    for (std::uint32_t j = 0; j < kAround; ++j) {
+      const std::uint32_t a = i * kAround + j, b = i * kAround + (j + 1) % kAround;
+      faces.push_back({a, a + kAround, b + kAround});
+      faces.push_back({a, b + kAround, b});
+    }
+  EXPECT_EQ(curved_surfaces(claims_of(shapes::from_lists(positions, faces))), 0u);
+}
+
 }  // namespace
 }  // namespace remesh

@@ -85,7 +85,8 @@ inline Example curved_example(const PatchedMesh& input, const PatchedMesh& outpu
     const double nan = std::nan("");
     e.frames.push_back({{nan, nan, nan}, {nan, 0, 0}, {0, nan, 0}, {0, 0, nan}, nan, nan});
     e.curved_of_patch.push_back(static_cast<std::uint32_t>(e.curved.size()));
-    e.curved.push_back({surfaces[p], tolerance});
+    // The options allow any tolerance.
+    e.curved.push_back({surfaces[p], tolerance, HUGE_VAL});
   }
   e.positions = output.positions;
   e.faces = output.faces;

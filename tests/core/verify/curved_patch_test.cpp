@@ -107,6 +107,61 @@ TEST(verify, the_tolerance_of_a_curved_patch_is_held_exactly) {
   }
 }
 
+/// Returns how far the faces of the input are from a surface, by samples.
+double sampled_depth(const Example& e, const AnalyticSurface& shape) {
+  double depth = 0;
+  for (std::uint32_t f = 0; f < e.surface.face_count(); ++f) {
+    const auto face = e.surface.face(FaceId(f));
+    constexpr int kSteps = 24;
+    for (int i = 0; i <= kSteps; ++i)
+      for (int j = 0; i + j <= kSteps; ++j) {
+        const double u = 1.0 * i / kSteps, v = 1.0 * j / kSteps;
+        const Vec3 p = (1 - u - v) * e.surface.positions[face[0]] + u * e.surface.positions[face[1]] +
+                       v * e.surface.positions[face[2]];
+        depth = std::max(depth, std::fabs(shape.distance(p)));
+      }
+  }
+  return depth;
+}
+
+TEST(verify, the_facets_of_an_honest_tessellation_explain_their_distance_and_not_much_more) {
+  for (const Piece& of : kPieces)
+    for (const auto& [a, b] : std::vector<std::array<int, 2>>{{12, 9}, {9, 14}}) {
+      SCOPED_TRACE(of.name + " " + std::to_string(a) + " by " + std::to_string(b));
+      Example e = remeshed(of, of.place, a, b, 3 * a, 3 * b, 0);
+      e.plane_tolerance = 1e-9;
+      const double depth = sampled_depth(e, of.place.shape());
+      CurvedClaim& claim = e.curved[0];
+      claim.surface_tolerance.reset();
+      claim.tolerance = 1.01 * depth;
+      EXPECT_TRUE(is_verified(e));
+      claim.tolerance = 3 * depth;
+      EXPECT_FALSE(e.verify().surface);
+      // A number of elements explains its own chord height as well.
+      claim.elements_per_circle = 6;
+      EXPECT_TRUE(is_verified(e));
+    }
+}
+
+TEST(verify, one_ring_of_facets_is_no_evidence_for_a_sphere) {
+  // The corners of a bore of radius 1 lie on a sphere, too. It bulges by 0.35 between them.
+  constexpr double kHalf = 0.9;
+  const CurvedPlace bore{SurfaceKind::kCylinder, 1}, ball{SurfaceKind::kSphere, std::hypot(1, kHalf)};
+  const double latitude = std::asin(kHalf / ball.shape().radius);
+  PatchedMesh input, output;
+  input.add_grid(PatchId(0), bore, {0, -kHalf}, {2, kHalf}, 10, 1);
+  output.add_grid(PatchId(0), ball, {0, -latitude}, {2, latitude}, 10, 8);
+  Example e = curved_example(input, output, {ball.shape()}, 0.45);
+  // Everything else is right.
+  EXPECT_TRUE(is_verified(e));
+  e.curved[0].surface_tolerance.reset();
+  e.curved[0].elements_per_circle = 16;
+  const Verdict verdict = e.verify();
+  EXPECT_FALSE(verdict.surface);
+  ASSERT_EQ(verdict.failures.size(), 1u);
+  EXPECT_NE(verdict.failures[0].find("do not explain"), std::string::npos) << verdict.failures[0];
+}
+
 TEST(verify, an_unchanged_curved_patch_passes_with_bound_0_whatever_is_claimed) {
   for (const Piece& of : kPieces) {
     PatchedMesh mesh;
