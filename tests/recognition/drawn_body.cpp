@@ -19,9 +19,28 @@ constexpr double kTurn = 2 * std::numbers::pi;
 /// CAD programs put corners off a surface by up to this part of the chord height.
 constexpr double kSloppyPart = 1.0 / 3;
 
+/// Returns the profile with cones for the arcs whose rows turn by more than the feature angle: then each row is a
+/// surface of its own.
+std::vector<ProfilePiece> without_coarse_arcs(const std::vector<ProfilePiece>& profile) {
+  std::vector<ProfilePiece> pieces;
+  for (const ProfilePiece& piece : profile) {
+    if (piece.row_turn <= kFeatureTurn) {
+      pieces.push_back(piece);
+      continue;
+    }
+    for (int row = 0; row < piece.rows; ++row) {
+      const auto at = [&](int k) { return piece.at(static_cast<double>(k) / piece.rows); };
+      pieces.push_back(line_piece(at(row), at(row + 1), coarse_name(piece.name)));
+    }
+  }
+  return pieces;
+}
+
 Vec2 of_grid(const Vec3& p) { return {std::round(p.x * 0x1p30) * 0x1p-30, std::round(p.y * 0x1p30) * 0x1p-30}; }
 
 }  // namespace
+
+std::string coarse_name(const std::string& name) { return name.starts_with("coarse ") ? name : "coarse " + name; }
 
 ProfilePiece line_piece(Vec2 from, Vec2 to, const std::string& name, int rows) {
   ProfilePiece piece;
@@ -50,7 +69,8 @@ ProfilePiece arc_piece(Vec2 centre, double radius, double from, double to, int r
   };
   piece.rows = rows;
   piece.name = name;
-  piece.chord = radius * (1 - std::cos((to - from) / rows / 2));
+  piece.row_turn = std::fabs(to - from) / rows;
+  piece.chord = radius * (1 - std::cos(piece.row_turn / 2));
   piece.surface = {centre.x == 0 ? SurfaceKind::kSphere : SurfaceKind::kTorus,
                    {0, 0, centre.y},
                    {0, 0, 1},
@@ -80,8 +100,9 @@ void DrawnBody::triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c, std:
   solid_.true_points.push_back(true_points);
 }
 
-std::pair<VertexRing, VertexRing> DrawnBody::turn(int n, const std::vector<ProfilePiece>& profile, Vec2 centre,
+std::pair<VertexRing, VertexRing> DrawnBody::turn(int n, const std::vector<ProfilePiece>& drawn, Vec2 centre,
                                                   const Section& section, bool is_closed) {
+  const std::vector<ProfilePiece> profile = without_coarse_arcs(drawn);
   const double first_angle = random_.uniform(0, kTurn / n);
   const auto point = [&](double i, Vec2 p) {
     const double angle = first_angle + kTurn * i / n;
@@ -119,8 +140,8 @@ std::pair<VertexRing, VertexRing> DrawnBody::turn(int n, const std::vector<Profi
     if (section && truth.kind != SurfaceKind::kPlane) truth = {};
     const bool is_plane = truth.kind == SurfaceKind::kPlane;
     const double widest = std::max({piece.at(0).x, piece.at(0.5).x, piece.at(1).x});
-    const std::uint32_t s =
-        surface(truth, piece.name, is_plane ? 0 : piece.chord + widest * (1 - std::cos(kTurn / n / 2)));
+    const std::uint32_t s = surface(truth, is_plane || kTurn / n <= kFeatureTurn ? piece.name : coarse_name(piece.name),
+                                    is_plane ? 0 : piece.chord + widest * (1 - std::cos(kTurn / n / 2)));
     const int diagonals = random_.below(3);
     for (int row = 0; row < piece.rows; ++row) {
       const double t = static_cast<double>(row) / piece.rows, u = static_cast<double>(row + 1) / piece.rows;

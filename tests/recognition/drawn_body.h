@@ -3,13 +3,20 @@
 
 #include <cstdint>
 #include <functional>
+#include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/recognition/drawn_solid.h"
 #include "tests/support/random.h"
 
 namespace remesh::recognition {
+
+/// Facets that turn by more than the default feature angle are no pieces of one surface. This is a little less.
+constexpr double kFeatureTurn = 29.9 * std::numbers::pi / 180;
+/// The name of a surface whose facets turn by more. Nobody expects that one to be found.
+std::string coarse_name(const std::string& name);
 
 using VertexRing = std::vector<std::uint32_t>;
 
@@ -20,7 +27,8 @@ struct ProfilePiece {
   int rows = 1;
   test::PlainSurface surface;  ///< around the axis z
   std::string name;
-  double chord = 0;  ///< the height of the chords along the profile
+  double chord = 0;     ///< the height of the chords along the profile
+  double row_turn = 0;  ///< the angle by which one row turns to the next, in radians
 };
 
 /// Returns a piece of a plane, a cylinder or a cone.
@@ -45,7 +53,7 @@ class DrawnBody {
   /// planes that reach the axis become discs. Without a section it is a circle.
   /// Input:  `is_closed` - the profile ends where it begins, like that of a ring.
   /// Output: the first and the last ring.
-  std::pair<VertexRing, VertexRing> turn(int n, const std::vector<ProfilePiece>& profile, Vec2 centre = {},
+  std::pair<VertexRing, VertexRing> turn(int n, const std::vector<ProfilePiece>& drawn, Vec2 centre = {},
                                          const Section& section = {}, bool is_closed = false);
   /// Adds a surface by its points: ring k of `count` rings has the points at (i, k) for i from 0 to n - 1.
   /// Output: the first and the last ring. They are the same one if `is_closed`.

@@ -350,9 +350,10 @@ std::string add_turned(DrawnBody& body, Random& random, int most_facets) {
 
 /// Makes a hose along a sine, an elbow, or a loft from a circle to a rounded square.
 std::string add_swept(DrawnBody& body, Random& random, int most_facets) {
-  const int n = drawn_facets(random, 7, std::min(most_facets, 60));
-  const double r = log_uniform(random, 0.5, 4);
   const int kind = random.below(3);
+  // An elbow whose tube has fewer facets is a stack of cones.
+  const int n = drawn_facets(random, kind == 1 ? 13 : 7, std::clamp(most_facets, 14, 60));
+  const double r = log_uniform(random, 0.5, 4);
   std::function<Vec3(double, double)> at;
   int count = 0;
   std::uint32_t s = 0;
@@ -374,8 +375,8 @@ std::string add_swept(DrawnBody& body, Random& random, int most_facets) {
   } else if (kind == 1) {
     part = "elbow";
     const double ring = random.uniform(1.3, 5) * r, sweep = random.uniform(30, 300) * kPi / 180;
-    count = 1 + rows_of(drawn_facets(random, 12, most_facets), sweep);
-    count = std::min(count, std::max(3, 5000 / n));
+    count = 2 + static_cast<int>(drawn_facets(random, 13, std::max(14, most_facets)) * sweep / (2 * kPi));
+    count = std::min(count, std::max(14, 5000 / n));
     const double last = count - 1;
     at = [=](double i, double k) {
       const double a = sweep * k / last, d = ring + r * std::cos(around(i));

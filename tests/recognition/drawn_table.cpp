@@ -47,9 +47,10 @@ struct DrawnSums {
     volumes += verdict.is_volume_right ? 0 : 1;
     for (const auto& [name, counts] : verdict.by_name) {
       by_name[name].add(counts);
-      if (name != "plane") by_rounding[solid.rounding.substr(0, solid.rounding.find(','))].add(counts);
+      const bool is_expected = name != "plane" && !name.starts_with("coarse ");
+      if (is_expected) by_rounding[solid.rounding.substr(0, solid.rounding.find(','))].add(counts);
       for (const char* word : {"far", "sloppy"})
-        if (name != "plane" && solid.rounding.find(word) != std::string::npos) by_rounding[word].add(counts);
+        if (is_expected && solid.rounding.find(word) != std::string::npos) by_rounding[word].add(counts);
       all.add(counts);
     }
     for (const std::string& fault : verdict.faults)
@@ -98,7 +99,7 @@ void hold_to_bounds(const DrawnSums& sums, const std::string& title, bool are_bo
   }
   DrawnCounts curved;
   for (const auto& [name, counts] : sums.by_name)
-    if (name != "plane") curved.add(counts);
+    if (name != "plane" && !name.starts_with("coarse ")) curved.add(counts);
   demand(share(curved.found, curved.surfaces) >= kMinFoundPercent, "too few are found");
   demand(sums.all.wrong + sums.all.off == 0, "something wrong is claimed");
 }
