@@ -452,14 +452,21 @@ DrawnSolid drawn_bore(std::uint64_t seed, std::uint64_t number) {
   while (true) {
     const int decimals = random.integer(3, 5);
     const double step = std::pow(10, -decimals);
-    const double diagonal = step / log_uniform(random, 1e-6, 2e-5);
+    // Rounding to a step of 4e-5 moves a coordinate by up to 2e-5.
+    const double step_part = log_uniform(random, 1e-6, 4e-5);
+    const double diagonal = step / step_part;
+    // People draw plates in whole numbers at the origin, and programs put them anywhere.
+    const bool is_plain = random.chance(0.4);
     const double thick = random.uniform(0.1, 0.5);
-    const double width = diagonal / std::sqrt(2 + thick * thick);
+    const double any_width = diagonal / std::sqrt(2 + thick * thick);
+    const double width = is_plain ? 100 * step * std::ceil(any_width / (100 * step)) : any_width;
     DrawnBody body(random, false);
     const int kind = random.below(3);
     const int n = drawn_facets(random, kind == 0 ? 6 : 24, 200);
     const int facets = kind == 0 ? n : n / 4;
-    const double r = random.uniform(0.03, 0.42) * width, h = thick * width;
+    const double any_r = random.uniform(0.03, 0.42) * width, any_h = thick * width;
+    const double h = is_plain ? 100 * step * std::ceil(any_h / (100 * step)) : any_h;
+    const double r = is_plain && random.chance(0.5) ? 100 * step * std::ceil(any_r / (100 * step)) : any_r;
     const double chord = r * (1 - std::cos(kPi / (kind == 0 ? n : 4 * facets)));
     if (facets < 6 || chord < kLowestSteps * step) continue;
     std::string part;
@@ -484,10 +491,15 @@ DrawnSolid drawn_bore(std::uint64_t seed, std::uint64_t number) {
       body.plane(high, {}, true);
       body.plane(low, {}, false);
     }
-    const Pose pose = drawn_pose(random, random.chance(0.5), 0.1 * width);
+    Pose pose = drawn_pose(random, !is_plain && random.chance(0.7), is_plain ? 0 : 0.1 * width);
+    if (is_plain && random.chance(0.5)) pose.by = {width / 2, width / 2, 0};
     DrawnSolid solid = body.take(part, pose.turned, pose.by, [=](double x) { return with_decimals(x, decimals); });
     solid.step = step;
-    solid.rounding = std::to_string(decimals) + " decimals";
+    const char* const size = step_part <= 5e-6   ? "5e-6"
+                             : step_part <= 1e-5 ? "1e-5"
+                             : step_part <= 2e-5 ? "2e-5"
+                                                 : "4e-5";
+    solid.rounding = std::string("steps to ") + size + (is_plain ? ", plain" : "");
     return solid;
   }
 }

@@ -28,8 +28,8 @@ struct DrawnSolid {
 /// Input: the same seed and number give the same solid.
 DrawnSolid drawn_solid(std::uint64_t seed, std::uint64_t number);
 
-/// Draws a part with one cylinder: a bore, a rounded corner or a fillet. Coordinates are rounded by 1e-6 to 2e-5 of the
-/// diagonal. The chord height is at least 4 steps, and the arc has at least 6 facets.
+/// Draws a part with one cylinder: a bore, a rounded corner or a fillet. Coordinates are rounded to steps of 1e-6 to
+/// 4e-5 of the diagonal, which moves them by up to 2e-5 of the diagonal. The chord height is at least 4 steps, and the arc has at least 6 facets.
 DrawnSolid drawn_bore(std::uint64_t seed, std::uint64_t number);
 
 /// Writes the solid as PATH.obj, and what is true of it as PATH.truth.tsv: one row for each face.

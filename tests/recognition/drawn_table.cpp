@@ -49,7 +49,7 @@ struct DrawnSums {
       by_name[name].add(counts);
       const bool is_expected = name != "plane" && !name.starts_with("coarse ");
       if (is_expected) by_rounding[solid.rounding.substr(0, solid.rounding.find(','))].add(counts);
-      for (const char* word : {"far", "sloppy"})
+      for (const char* word : {"far", "plain", "sloppy"})
         if (is_expected && solid.rounding.find(word) != std::string::npos) by_rounding[word].add(counts);
       all.add(counts);
     }
