@@ -26,6 +26,8 @@ struct KindAreas {
   double evident = 0;        ///< the area of faces with enough evidence, whatever their corners (see right_claim.h)
   double evident_right = 0;  ///< and of those what is claimed with the right kind and radii, by the record's deviation
   double too_far = 0;        ///< free-form: claimed by a surface that is farther from the face than the record tells
+
+  void add(const KindAreas& other);
 };
 
 /// One STEP face, and the surfaces that its triangles are claimed for.
