@@ -31,6 +31,7 @@ std::vector<ProfilePiece> without_coarse_arcs(const std::vector<ProfilePiece>& p
     for (int row = 0; row < piece.rows; ++row) {
       const auto at = [&](int k) { return piece.at(static_cast<double>(k) / piece.rows); };
       pieces.push_back(line_piece(at(row), at(row + 1), coarse_name(piece.name)));
+      pieces.back().also = piece.surface;
     }
   }
   return pieces;
@@ -81,10 +82,12 @@ ProfilePiece arc_piece(Vec2 centre, double radius, double from, double to, int r
   return piece;
 }
 
-std::uint32_t DrawnBody::surface(const PlainSurface& s, const std::string& name, double chord) {
+std::uint32_t DrawnBody::surface(const PlainSurface& s, const std::string& name, double chord,
+                                 const PlainSurface& also) {
   solid_.model.surfaces.push_back(s);
   solid_.names.push_back(name);
   solid_.chord.push_back(chord);
+  solid_.also.push_back(also);
   return static_cast<std::uint32_t>(solid_.names.size() - 1);
 }
 
@@ -136,12 +139,13 @@ std::pair<VertexRing, VertexRing> DrawnBody::turn(int n, const std::vector<Profi
   for (std::size_t k = 0; k < profile.size(); ++k) {
     const ProfilePiece& piece = profile[k];
     PlainSurface truth = piece.surface;
-    truth.point += Vec3{centre.x, centre.y, 0};
+    PlainSurface also = piece.also;
+    for (PlainSurface* const moved : {&truth, &also}) moved->point += Vec3{centre.x, centre.y, 0};
     if (section && truth.kind != SurfaceKind::kPlane) truth = {};
     const bool is_plane = truth.kind == SurfaceKind::kPlane;
     const double widest = std::max({piece.at(0).x, piece.at(0.5).x, piece.at(1).x});
     const std::uint32_t s = surface(truth, is_plane || kTurn / n <= kFeatureTurn ? piece.name : coarse_name(piece.name),
-                                    is_plane ? 0 : piece.chord + widest * (1 - std::cos(kTurn / n / 2)));
+                                    is_plane ? 0 : piece.chord + widest * (1 - std::cos(kTurn / n / 2)), also);
     const int diagonals = random_.below(3);
     for (int row = 0; row < piece.rows; ++row) {
       const double t = static_cast<double>(row) / piece.rows, u = static_cast<double>(row + 1) / piece.rows;
@@ -262,10 +266,11 @@ DrawnSolid DrawnBody::take(const std::string& part, const std::function<Vec3(con
     const Vec3 q = turned(p) + by;
     model.mesh.positions.push_back({round(q.x), round(q.y), round(q.z)});
   }
-  for (PlainSurface& s : model.surfaces) {
-    s.point = turned(s.point) + by;
-    s.axis = turned(s.axis);
-  }
+  for (auto* const surfaces : {&model.surfaces, &solid_.also})
+    for (PlainSurface& s : *surfaces) {
+      s.point = turned(s.point) + by;
+      s.axis = turned(s.axis);
+    }
   for (std::vector<Vec3>& points : solid_.true_points)
     for (Vec3& p : points) p = turned(p) + by;
   for (const auto& face : faces_) {

@@ -26,6 +26,7 @@ struct ProfilePiece {
   std::function<Vec2(double)> at;  ///< from 0 to 1
   int rows = 1;
   test::PlainSurface surface;  ///< around the axis z
+  test::PlainSurface also;     ///< see DrawnSolid
   std::string name;
   double chord = 0;     ///< the height of the chords along the profile
   double row_turn = 0;  ///< the angle by which one row turns to the next, in radians
@@ -43,7 +44,8 @@ class DrawnBody {
  public:
   DrawnBody(Random& random, bool is_sloppy) : random_(random), is_sloppy_(is_sloppy) {}
 
-  std::uint32_t surface(const test::PlainSurface& s, const std::string& name, double chord = 0);
+  std::uint32_t surface(const test::PlainSurface& s, const std::string& name, double chord = 0,
+                        const test::PlainSurface& also = {});
   std::uint32_t vertex(const Vec3& p);
   const Vec3& position(std::uint32_t v) const { return positions_[v]; }
   void triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t surface,

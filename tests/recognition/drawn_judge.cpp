@@ -5,6 +5,7 @@
 #include <numbers>
 #include <set>
 #include <sstream>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/remesh.h"
@@ -27,7 +28,7 @@ bool is_claimable(SurfaceKind kind) {
 
 /// Points that cover a triangle.
 std::vector<Vec3> points_over(const PlainTriangle& t) {
-  constexpr int kParts = 4;
+  constexpr int kParts = 3;
   std::vector<Vec3> points;
   for (int i = 0; i <= kParts; ++i)
     for (int j = 0; i + j <= kParts; ++j)
@@ -43,6 +44,19 @@ double plain_volume(const std::vector<PlainTriangle>& triangles, const Vec3& fro
 }
 
 double plain_area(const PlainTriangle& t) { return norm(cross(t[1] - t[0], t[2] - t[0])) / 2; }
+
+/// True if each side of a triangle is that of one other triangle, which runs through it the other way.
+bool is_closed(const PolygonMesh& mesh) {
+  std::set<std::pair<VertexId, VertexId>> sides;
+  for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
+    const auto c = mesh.face(FaceId(f));
+    for (std::size_t i = 0; i < c.size(); ++i)
+      if (!sides.insert({c[i], c[(i + 1) % c.size()]}).second) return false;
+  }
+  return std::all_of(sides.begin(), sides.end(), [&](const auto& side) {
+    return sides.contains({side.second, side.first});
+  });
+}
 
 class SolidJudge {
  public:
@@ -65,6 +79,8 @@ class SolidJudge {
   }
 
   DrawnVerdict verdict() {
+    if (!(plain_volume(input_, centre_) > 0)) verdict_.error = "the drawn solid is turned inside out";
+    if (!verdict_.error.empty()) tell(verdict_.error);
     judge_claims();
     judge_distances();
     judge_volume();
@@ -135,7 +151,7 @@ class SolidJudge {
       const bool is_kind = truth.kind == claim.kind;
       const bool is_near = part.distance <= (is_kind ? 2 : 1) * told + slack();
       if (!is_kind) {
-        if (is_near) continue;
+        if (is_near || is_right_claim(claim, solid_.also[of], part.corners, told + slack())) continue;
         is_wrong = true;
       } else if (!is_near || !is_right_claim(claim, truth, part.corners, std::max(told, solid_.off) + slack())) {
         is_off = true;
@@ -272,6 +288,12 @@ DrawnVerdict judge_solid(const DrawnSolid& solid, const Options& options) {
   RunControl control;
   RunSettings settings;
   settings.want_face_source = true;
+  if (!is_closed(solid.model.mesh)) {
+    DrawnVerdict open;
+    open.error = "the drawn solid is not closed";
+    open.faults.push_back(open.error);
+    return open;
+  }
   try {
     const Result result = remesh_surface(solid.model.mesh, options, settings, control);
     return SolidJudge(solid, options, result).verdict();

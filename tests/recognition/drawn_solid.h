@@ -16,6 +16,9 @@ struct DrawnSolid {
   primitives::Model model;
   /// By surface of the model, what it is of the part, such as "bore" or "ellipse". It is "plane" for planes.
   std::vector<std::string> names;
+  /// By surface, another one that may be claimed as well, or one of kind kFree: rows that turn by more than the feature
+  /// angle are cones, but all of them together may lie on the sphere or the torus from which they were made.
+  std::vector<test::PlainSurface> also;
   /// By surface, the greatest distance of its facets from it, if corners were on it. It is 0 for planes.
   std::vector<double> chord;
   /// By face, points of the true surface above or below the face. It is empty for faces of planes.
@@ -29,7 +32,8 @@ struct DrawnSolid {
 DrawnSolid drawn_solid(std::uint64_t seed, std::uint64_t number);
 
 /// Draws a part with one cylinder: a bore, a rounded corner or a fillet. Coordinates are rounded to steps of 1e-6 to
-/// 4e-5 of the diagonal, which moves them by up to 2e-5 of the diagonal. The chord height is at least 4 steps, and the arc has at least 6 facets.
+/// 4e-5 of the diagonal, which moves them by up to 2e-5 of the diagonal. The chord height is at least 4 steps, and the
+/// arc has at least 6 facets.
 DrawnSolid drawn_bore(std::uint64_t seed, std::uint64_t number);
 
 /// Writes the solid as PATH.obj, and what is true of it as PATH.truth.tsv: one row for each face.

@@ -5,7 +5,7 @@
 ///   --case, --bore-case  judges one solid alone, and writes its mesh and its truth: drawn-N.obj, drawn-N.truth.tsv
 ///   --faults tells of so many faults (20)
 ///   --only-circle  leaves out the options for volume meshing
-///   --short  what the tests run: few solids, and only what must hold already makes it fail
+///   --short  few solids with 16 elements per circle, which are held only to what no single solid may break
 /// Exit code: 0 - all bounds hold; 1 - the bounds that do not hold are listed; 2 - usage.
 #include <algorithm>
 #include <cstdio>
@@ -85,14 +85,18 @@ void print_sums(const DrawnSums& sums, const std::string& title, std::size_t mos
 }
 
 /// Lists what the bounds do not allow.
-void hold_to_bounds(const DrawnSums& sums, const std::string& title, bool are_bores, std::vector<std::string>& broken) {
+/// Input: `is_short` - only what no solid may break is asked: a few solids say nothing about shares.
+void hold_to_bounds(const DrawnSums& sums, const std::string& title, bool are_bores, bool is_short,
+                    std::vector<std::string>& broken) {
   const auto demand = [&](bool holds, const std::string& what) {
     if (!holds) broken.push_back(title + ": " + what);
   };
   demand(sums.failed == 0, std::to_string(sums.failed) + " runs failed");
   demand(sums.moved == 0, std::to_string(sums.moved) + " surfaces are farther than told");
-  demand(sums.unexplained == 0, std::to_string(sums.unexplained) + " surfaces are farther than their chords explain");
   demand(sums.volumes == 0, std::to_string(sums.volumes) + " volumes have changed by more than told");
+  demand(sums.remeshed > 0, "no surface is remeshed, so that nothing is judged");
+  if (is_short) return;
+  demand(sums.unexplained == 0, std::to_string(sums.unexplained) + " surfaces are farther than their chords explain");
   if (!are_bores) {
     demand(share(sums.all.wrong, sums.all.surfaces) <= kMaxWrongPercent, "too many kinds are wrong");
     return;
@@ -147,6 +151,9 @@ int run_drawn(const std::vector<std::string>& arguments) {
       settings.want_volume = false;
     } else if (word == "--short") {
       settings.is_short = true;
+      settings.want_volume = false;
+      settings.solids = 16;
+      settings.bores = 20;
     } else if (!word.empty() && word.find_first_not_of("0123456789") == std::string::npos) {
       settings.solids = std::strtoull(word.c_str(), nullptr, 10);
     } else {
@@ -170,7 +177,7 @@ int run_drawn(const std::vector<std::string>& arguments) {
       sums.add(solid, judge_solid(solid, circle_options(16)), "bore case " + std::to_string(n));
     }
     print_sums(sums, "bores, corners and fillets", settings.faults);
-    hold_to_bounds(sums, "bores", true, broken);
+    hold_to_bounds(sums, "bores", true, settings.is_short, broken);
   }
   if (settings.solids > 0) {
     DrawnSums circle, volume;
@@ -181,10 +188,10 @@ int run_drawn(const std::vector<std::string>& arguments) {
       if (settings.want_volume) volume.add(solid, judge_solid(solid, volume_options()), which);
     }
     print_sums(circle, "solids with 16 elements per circle", settings.faults);
-    hold_to_bounds(circle, "16 elements per circle", false, broken);
+    hold_to_bounds(circle, "16 elements per circle", false, settings.is_short, broken);
     if (settings.want_volume) {
       print_sums(volume, "solids for volume meshing", settings.faults);
-      hold_to_bounds(volume, "for volume meshing", false, broken);
+      hold_to_bounds(volume, "for volume meshing", false, settings.is_short, broken);
     }
   }
   std::printf("\n%zu bounds do not hold\n", broken.size());

@@ -122,14 +122,14 @@ void add_too_far(KindAreas& sum, const FaceVerdict& verdict, const PolygonMesh& 
 
 }  // namespace
 
-void KindAreas::add(const KindAreas& other) {
+void KindAreas::add(const KindAreas& other, double whole) {
   faces += other.faces;
   judged_faces += other.judged_faces;
   for (double KindAreas::*const area :
        {&KindAreas::all, &KindAreas::judged, &KindAreas::right, &KindAreas::wrong_kind, &KindAreas::wrong_shape,
         &KindAreas::unclaimed, &KindAreas::claimed, &KindAreas::fitting, &KindAreas::evident, &KindAreas::evident_right,
         &KindAreas::too_far})
-    this->*area += other.*area;
+    this->*area += other.*area / whole;
 }
 
 double surfaces_ms(const Report& report) {

@@ -27,7 +27,8 @@ struct KindAreas {
   double evident_right = 0;  ///< and of those what is claimed with the right kind and radii, by the record's deviation
   double too_far = 0;        ///< free-form: claimed by a surface that is farther from the face than the record tells
 
-  void add(const KindAreas& other);
+  /// Adds the areas of `other` as shares of `whole`.
+  void add(const KindAreas& other, double whole);
 };
 
 /// One STEP face, and the surfaces that its triangles are claimed for.

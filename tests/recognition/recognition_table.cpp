@@ -53,7 +53,7 @@ struct Settings {
 
 using Faults = std::vector<std::string>;
 
-/// What all judged files have together, by kind.
+/// What all judged files have together, by kind. Each file has an area of 1, whatever its units.
 using KindSums = std::map<SurfaceKind, KindAreas>;
 
 PolygonMesh read_file(const std::string& path) {
@@ -238,7 +238,9 @@ void judge_file(const std::string& path, const Settings& settings, KindSums& sum
   const auto truth = truth_beside(path);
   const auto finer = truth ? finer_beside(path) : std::nullopt;
   const JudgedFile file = judge(mesh, truth ? &*truth : nullptr, settings.runs, finer ? &*finer : nullptr);
-  for (const auto& [kind, areas] : file.kinds) sums[kind].add(areas);
+  double whole = 0;
+  for (const auto& [kind, areas] : file.kinds) whole += areas.all;
+  for (const auto& [kind, areas] : file.kinds) sums[kind].add(areas, whole);
   const std::string name = std::filesystem::path(path).filename().string();
   std::printf("%s: %zu faces, %zu facets, step %.3g (the report's is %.3g), %.3f us a face\n", name.c_str(),
               mesh.face_count(), file.claims.report.patches.size(), file.step, file.claims.report.rounding_step,
@@ -316,7 +318,7 @@ int run(const std::vector<std::string>& arguments) {
     }
   }
   if (!sums.empty()) {
-    std::printf("\nall files\n");
+    std::printf("\nall files, each with the same weight\n");
     print_evident(sums, "all files", faults);
   }
   if (settings.want_million) judge_millions(faults);

@@ -65,7 +65,7 @@ bool Evidence::is_enough(const PlainSurface& truth, std::span<const Vec3> points
 
 bool is_right_claim(const PlainSurface& claim, const PlainSurface& truth, std::span<const Vec3> points,
                     double deviation) {
-  if (claim.kind != truth.kind) return false;
+  if (claim.kind != truth.kind || truth.kind == SurfaceKind::kFree) return false;
   const test::Arcs arcs = test::arcs_of(truth, points);
   switch (truth.kind) {
     case SurfaceKind::kCylinder:
