@@ -42,7 +42,7 @@ double with_decimals(double x, int decimals) {
   return std::strtod(text, nullptr);
 }
 
-/// Where a solid lies.
+/// Tells where a solid lies.
 struct Pose {
   std::function<Vec3(const Vec3&)> turned;
   Vec3 by;
@@ -141,7 +141,7 @@ std::vector<OutlineArc> rectangle(double width, double depth, double radius, int
   return arcs;
 }
 
-/// What stands on a plate or is cut into it.
+/// The features stand on a plate or are cut into it.
 enum class Feature {
   kBore,
   kFilletedBore,

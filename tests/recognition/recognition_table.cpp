@@ -53,7 +53,7 @@ struct Settings {
 
 using Faults = std::vector<std::string>;
 
-/// What all judged files have together, by kind. Each file has an area of 1, whatever its units.
+/// The areas of all judged files together, by kind. Each file counts as much as any other, whatever its units.
 using KindSums = std::map<SurfaceKind, KindAreas>;
 
 PolygonMesh read_file(const std::string& path) {
