@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "core/remesh.h"
+#include "tests/recognition/right_claim.h"
+#include "tests/recognition/triangle_boxes.h"
 #include "tests/support/unrefined_options.h"
 
 namespace remesh::recognition {
@@ -11,6 +14,8 @@ namespace {
 
 constexpr double kMaxOffSteps = 6;
 constexpr std::size_t kMinFacets = 4;
+/// Corners of tessellations are floats, so the truth is known to about a step.
+constexpr double kMaxTruthSteps = 2;
 
 bool is_curved(SurfaceKind kind) { return kind != SurfaceKind::kPlane && kind != SurfaceKind::kFree; }
 
@@ -62,7 +67,70 @@ void add_to(KindAreas& sum, const FaceVerdict& verdict, const PolygonMesh& mesh,
   }
 }
 
+/// Adds what is claimed of a face with enough evidence, held against what the records tell.
+void add_evident(KindAreas& sum, const FaceVerdict& verdict, const PolygonMesh& mesh, const JudgedFile& file) {
+  const StepFace& face = *verdict.face;
+  std::vector<Vec3> corners;
+  for (std::uint32_t f = face.first; f < face.first + face.count; ++f)
+    for (const Vec3& p : test::corners_of(mesh, FaceId(f))) corners.push_back(p);
+  const std::set<Vec3> different(corners.begin(), corners.end());
+  const Evidence evidence{verdict.shape.facets, different.size(), verdict.shape.off};
+  if (!evidence.is_enough(face.surface, corners)) return;
+  sum.evident += verdict.shape.area;
+  for (const auto& [s, part] : verdict.parts) {
+    if (!s.is_valid() || !part.error.is_kind_right) continue;
+    const RecognisedSurface& record = file.claims.surfaces()[s];
+    const double told = std::max(told_deviation(record), verdict.shape.off) + kMaxTruthSteps * file.step;
+    if (part.error.distance <= 2 * told && is_right_claim(test::plain(record), face.surface, corners, told))
+      sum.evident_right += part.area;
+  }
+}
+
+/// Returns the largest distance of a free-form face from a surface where the face is claimed for that surface. It is
+/// taken at corners, which lie on the face.
+double distance_where_claimed(const PolygonMesh& mesh, const StepFace& face, SurfaceId s, const JudgedFile& file,
+                              const FinerTessellation* finer) {
+  const test::PlainSurface claim = test::plain(file.claims.surfaces()[s]);
+  std::vector<PlainTriangle> claimed, others;
+  double farthest = 0;
+  for (std::uint32_t f = face.first; f < face.first + face.count; ++f) {
+    const std::vector<Vec3> c = test::corners_of(mesh, FaceId(f));
+    const bool is_claimed = file.claims.surface_of(FaceId(f)) == s;
+    (is_claimed ? claimed : others).push_back({c[0], c[1], c[2]});
+    if (is_claimed)
+      for (const Vec3& p : c) farthest = std::max(farthest, claim.distance(p));
+  }
+  if (finer == nullptr) return farthest;
+  const TriangleBoxes near(claimed), far(others);
+  for (const StepFace& same : finer->faces) {
+    if (same.number != face.number) continue;
+    for (std::uint32_t f = same.first; f < same.first + same.count; ++f)
+      for (const Vec3& p : test::corners_of(finer->mesh, FaceId(f)))
+        if (near.distance(p) < far.distance(p)) farthest = std::max(farthest, claim.distance(p));
+  }
+  return farthest;
+}
+
+void add_too_far(KindAreas& sum, const FaceVerdict& verdict, const PolygonMesh& mesh, const JudgedFile& file,
+                 const FinerTessellation* finer) {
+  for (const auto& [s, part] : verdict.parts) {
+    if (!s.is_valid() || !is_curved(file.claims.surfaces()[s].shape.kind)) continue;
+    const double told = told_deviation(file.claims.surfaces()[s]) + kMaxTruthSteps * file.step;
+    if (distance_where_claimed(mesh, *verdict.face, s, file, finer) > told) sum.too_far += part.area;
+  }
+}
+
 }  // namespace
+
+void KindAreas::add(const KindAreas& other, double whole) {
+  faces += other.faces;
+  judged_faces += other.judged_faces;
+  for (double KindAreas::*const area :
+       {&KindAreas::all, &KindAreas::judged, &KindAreas::right, &KindAreas::wrong_kind, &KindAreas::wrong_shape,
+        &KindAreas::unclaimed, &KindAreas::claimed, &KindAreas::fitting, &KindAreas::evident, &KindAreas::evident_right,
+        &KindAreas::too_far})
+    this->*area += other.*area / whole;
+}
 
 double surfaces_ms(const Report& report) {
   for (const StageTime& time : report.timing_ms)
@@ -70,7 +138,8 @@ double surfaces_ms(const Report& report) {
   return 0;
 }
 
-JudgedFile judge(const PolygonMesh& mesh, const std::vector<StepFace>* truth, int runs) {
+JudgedFile judge(const PolygonMesh& mesh, const std::vector<StepFace>* truth, int runs,
+                 const FinerTessellation* finer) {
   JudgedFile file;
   file.step = test::float_step(mesh);
   RunControl control;
@@ -85,7 +154,12 @@ JudgedFile judge(const PolygonMesh& mesh, const std::vector<StepFace>* truth, in
   for (const StepFace& face : *truth) {
     if (face.count == 0) continue;
     file.verdicts.push_back(judge_face(mesh, face, file));
-    add_to(file.kinds[face.surface.kind], file.verdicts.back(), mesh, file);
+    KindAreas& sum = file.kinds[face.surface.kind];
+    add_to(sum, file.verdicts.back(), mesh, file);
+    if (face.surface.kind == SurfaceKind::kFree)
+      add_too_far(sum, file.verdicts.back(), mesh, file, finer);
+    else if (face.surface.kind != SurfaceKind::kPlane)
+      add_evident(sum, file.verdicts.back(), mesh, file);
   }
   return file;
 }

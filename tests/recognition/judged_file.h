@@ -18,11 +18,17 @@ struct KindAreas {
   double all = 0;
   double judged = 0;  ///< the area of faces that recognition can be expected to find
   double right = 0;
-  double wrong_kind = 0;   ///< claimed as another kind of curved surface
-  double wrong_shape = 0;  ///< the kind is right, but the place or a radius is not
-  double unclaimed = 0;    ///< claimed as planes, or free, or dropped
-  double claimed = 0;      ///< of all faces, judged or not: claimed as any curved surface
-  double fitting = 0;      ///< free-form: claimed, and the whole face does lie on the claimed surface
+  double wrong_kind = 0;     ///< claimed as another kind of curved surface
+  double wrong_shape = 0;    ///< the kind is right, but the place or a radius is not
+  double unclaimed = 0;      ///< claimed as planes, or free, or dropped
+  double claimed = 0;        ///< of all faces, judged or not: claimed as any curved surface
+  double fitting = 0;        ///< free-form: claimed, and the whole face does lie on the claimed surface
+  double evident = 0;        ///< the area of faces with enough evidence, whatever their corners (see right_claim.h)
+  double evident_right = 0;  ///< and of those what is claimed with the right kind and radii, by the record's deviation
+  double too_far = 0;        ///< free-form: claimed by a surface that is farther from the face than the record tells
+
+  /// Adds the areas of `other` as shares of `whole`.
+  void add(const KindAreas& other, double whole);
 };
 
 /// One STEP face, and the surfaces that its triangles are claimed for.
@@ -51,8 +57,16 @@ struct JudgedFile {
   std::vector<FaceVerdict> verdicts;       ///< one per STEP face
 };
 
+/// A tessellation of a STEP file with smaller steps than the judged one.
+struct FinerTessellation {
+  PolygonMesh mesh;
+  std::vector<StepFace> faces;
+};
+
 /// Judges a mesh. `truth` may be null. The faces of `truth` must outlive the answer.
 /// A STEP face is judged if its corners lie within 6 steps of its surface and if it has at least 4 facets.
-JudgedFile judge(const PolygonMesh& mesh, const std::vector<StepFace>* truth, int runs);
+/// `finer` is null, or another tessellation of the same file, whose corners tell more of free-form faces.
+JudgedFile judge(const PolygonMesh& mesh, const std::vector<StepFace>* truth, int runs,
+                 const FinerTessellation* finer = nullptr);
 
 }  // namespace remesh::recognition

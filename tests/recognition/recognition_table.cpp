@@ -16,9 +16,11 @@
 #include <functional>
 #include <iterator>
 #include <map>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "core/base/tolerance.h"
@@ -35,6 +37,7 @@ namespace {
 
 constexpr double kMinRightPercent = 97;
 constexpr double kMaxFreeFormPercent = 0.5;
+constexpr double kMinEvidentPercent = 95;
 constexpr double kMaxMicrosPerFace = 1.5;
 constexpr double kMaxBytesPerFace = 100;
 /// A smaller mesh is not timed against the bound, because fixed costs and the clock weigh too much.
@@ -49,6 +52,9 @@ struct Settings {
 };
 
 using Faults = std::vector<std::string>;
+
+/// The areas of all judged files together, by kind. Each file counts as much as any other, whatever its units.
+using KindSums = std::map<SurfaceKind, KindAreas>;
 
 PolygonMesh read_file(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
@@ -192,15 +198,57 @@ void print_claims(const PolygonMesh& mesh, const JudgedFile& file, const std::st
   }
 }
 
-void judge_file(const std::string& path, const Settings& settings, Faults& faults) {
+/// Returns the finest tessellation of the same STEP file, NAME-5.stl beside NAME-20.stl.
+std::optional<FinerTessellation> finer_beside(const std::string& path) {
+  const std::size_t dash = path.rfind('-');
+  if (dash == std::string::npos) return std::nullopt;
+  const std::string finest = path.substr(0, dash) + "-5.stl";
+  if (finest == path || !std::filesystem::exists(finest)) return std::nullopt;
+  auto faces = truth_beside(finest);
+  if (!faces) return std::nullopt;
+  return FinerTessellation{read_file(finest), std::move(*faces)};
+}
+
+/// Prints what is claimed of STEP faces with enough evidence, and of free-form ones, by what the records tell.
+void print_evident(const KindSums& kinds, const std::string& name, Faults& faults) {
+  double total = 0, evident = 0, right = 0;
+  for (const auto& [kind, sum] : kinds) total += sum.all;
+  std::printf("  by what is told:");
+  for (const auto& [kind, sum] : kinds) {
+    if (kind == SurfaceKind::kPlane) continue;
+    if (kind == SurfaceKind::kFree) {
+      const double far = percent(sum.too_far, sum.all);
+      std::printf(" other %.2f %% of area, %.3f %% too far;", percent(sum.all, total), far);
+      if (far > kMaxFreeFormPercent)
+        faults.push_back(name + text(": %.3f %% of the free-form area is farther than told", far));
+      continue;
+    }
+    evident += sum.evident;
+    right += sum.evident_right;
+    std::printf(" %s %.2f %% evident, %.2f %% right;", name_of(kind).c_str(), percent(sum.evident, sum.all),
+                percent(sum.evident_right, sum.evident));
+  }
+  std::printf(" all %.2f %% right\n", percent(right, evident));
+  if (percent(right, evident) < kMinEvidentPercent && evident > 0)
+    faults.push_back(name + text(": %.2f %% of the area with enough evidence is right", percent(right, evident)));
+}
+
+void judge_file(const std::string& path, const Settings& settings, KindSums& sums, Faults& faults) {
   const PolygonMesh mesh = read_file(path);
   const auto truth = truth_beside(path);
-  const JudgedFile file = judge(mesh, truth ? &*truth : nullptr, settings.runs);
+  const auto finer = truth ? finer_beside(path) : std::nullopt;
+  const JudgedFile file = judge(mesh, truth ? &*truth : nullptr, settings.runs, finer ? &*finer : nullptr);
+  double whole = 0;
+  for (const auto& [kind, areas] : file.kinds) whole += areas.all;
+  for (const auto& [kind, areas] : file.kinds) sums[kind].add(areas, whole);
   const std::string name = std::filesystem::path(path).filename().string();
   std::printf("%s: %zu faces, %zu facets, step %.3g (the report's is %.3g), %.3f us a face\n", name.c_str(),
               mesh.face_count(), file.claims.report.patches.size(), file.step, file.claims.report.rounding_step,
               file.micros_per_face);
-  if (truth) print_judged(file, name, settings, faults);
+  if (truth) {
+    print_judged(file, name, settings, faults);
+    print_evident(file.kinds, name, faults);
+  }
   print_claims(mesh, file, name, truth ? Settings{} : settings, faults);
   if (mesh.face_count() >= kMinTimedFaces && file.micros_per_face > kMaxMicrosPerFace)
     faults.push_back(name + text(": the stage takes %.2f us a face", file.micros_per_face));
@@ -259,14 +307,19 @@ int run(const std::vector<std::string>& arguments) {
     return 2;
   }
   Faults faults;
+  KindSums sums;
   int code = 0;
   for (const std::string& path : paths) {
     try {
-      judge_file(path, settings, faults);
+      judge_file(path, settings, sums, faults);
     } catch (const std::exception& error) {
       std::fprintf(stderr, "%s: %s\n", path.c_str(), error.what());
       code = 2;
     }
+  }
+  if (!sums.empty()) {
+    std::printf("\nall files, each with the same weight\n");
+    print_evident(sums, "all files", faults);
   }
   if (settings.want_million) judge_millions(faults);
   std::printf("\n%zu bounds do not hold\n", faults.size());
