@@ -222,7 +222,7 @@ void write_surface(JsonWriter& json, SurfaceId id, const RecognisedSurface& surf
   json.member("bound", proven(surface.bound, kind));
   if (!is_free) {
     json.member("fit_tolerance", surface.tolerance);
-    json.member("deviation", surface.deviation);
+    json.member("fit_deviation", surface.deviation);
   }
   write_box(json, "bounding_box", surface.extent);
   if (is_free) write_freedom(json, surface);

@@ -114,7 +114,7 @@ void CurvedStage::recognise(const Partition& partition, Prepared& prepared, cons
   recognised_ = recognise_surfaces({surface, adjacency, partition.patches, partition.loops,
                                     unforced ? *unforced : partition.essential, partition.summaries.patches},
                                    {options.feature_angle_deg, kRecognitionTolerance * prepared.rounding_tolerance,
-                                    kPrintedSteps * prepared.printed_step},
+                                    std::max(kPrintedSteps * prepared.printed_step, options.plane_tolerance.value_or(0))},
                                    control);
 }
 

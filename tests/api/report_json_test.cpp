@@ -159,7 +159,7 @@ TEST(report_json, a_surface_has_the_members_of_its_kind) {
   json all{{"patches", 2}, {"faces", 4}, {"area", 1.5}, {"bounding_box", box}};
   all["bound"] = 0.03125;
   json fitted = all;
-  fitted.update(json{{"point", point}, {"fit_tolerance", 1e-9}, {"deviation", 1e-10}});
+  fitted.update(json{{"point", point}, {"fit_tolerance", 1e-9}, {"fit_deviation", 1e-10}});
   json curved = fitted;
   curved.update(json{{"side", "concave"},
                      {"sweep_deg", 90},

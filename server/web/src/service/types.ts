@@ -93,7 +93,7 @@ export interface RecognisedSurface {
   bound: number | null;
   /** How far corners of facets may be from it, and how far they are. */
   fit_tolerance?: number;
-  deviation?: number;
+  fit_deviation?: number;
   reason?: "no_kind_fits" | "few_facets" | "uneven_facets";
   nearest_kind?: SurfaceKind | null;
   nearest_deviation?: number | null;

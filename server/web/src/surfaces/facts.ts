@@ -100,7 +100,7 @@ export function factsOf(surface: RecognisedSurface): [name: string, value: strin
   fact("Patches", whole(surface.patches));
   fact("Area", surface.area);
   fact("Extent", extent.map(real).join(" × "));
-  fact("Deviation of corners", surface.deviation);
+  fact("Deviation of corners", surface.fit_deviation);
   fact("Fit tolerance", surface.fit_tolerance);
   fact("Surface tolerance", surface.tolerance);
   fact("Vertices outside by", surface.volume_offset);
