@@ -58,8 +58,8 @@ struct Rounding {
   /// True if `possible_steps` come from printing. Otherwise they come from floats or doubles, which arithmetic may have
   /// rounded many times.
   bool is_decimal = false;
-  /// The steps that a limited number of significant digits would explain, even where too few numbers tell whether digits
-  /// were limited at all; at least `possible_steps`.
+  /// The steps that a limited number of significant digits would explain, even where too few numbers tell whether
+  /// digits were limited at all; at least `possible_steps`.
   Vec3 doubtful_steps = {};
 
   /// One length for the three coordinates: the root of the mean of the squares of `steps`.

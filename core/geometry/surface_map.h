@@ -24,7 +24,8 @@ struct MappedPiece {
 class SurfaceMap {
  public:
   SurfaceMap() = default;
-  /// Input: a cylinder, cone, sphere, or a torus. The piece does not touch the axis of a torus. All lengths have the same unit.
+  /// Input: a cylinder, cone, sphere, or a torus. The piece does not touch the axis of a torus. All lengths have the
+  /// same unit.
   SurfaceMap(const AnalyticSurface& shape, const MappedPiece& piece);
 
   /// Returns this map with the plane of a cylinder or a cone squeezed along the rulings, which makes them short. It

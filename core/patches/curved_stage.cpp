@@ -111,11 +111,12 @@ void CurvedStage::recognise(const Partition& partition, Prepared& prepared, cons
     unforced = essential_vertices(surface, adjacency, partition.loops,
                                   IdVector<VertexId, std::uint8_t>(surface.vertex_count(), 0),
                                   prepared.pinched(control), plane_tolerance / surface.unit, control);
-  recognised_ = recognise_surfaces({surface, adjacency, partition.patches, partition.loops,
-                                    unforced ? *unforced : partition.essential, partition.summaries.patches},
-                                   {options.feature_angle_deg, kRecognitionTolerance * prepared.rounding_tolerance,
-                                    std::max(kPrintedSteps * prepared.printed_step, options.plane_tolerance.value_or(0))},
-                                   control);
+  recognised_ =
+      recognise_surfaces({surface, adjacency, partition.patches, partition.loops,
+                          unforced ? *unforced : partition.essential, partition.summaries.patches},
+                         {options.feature_angle_deg, kRecognitionTolerance * prepared.rounding_tolerance,
+                          std::max(kPrintedSteps * prepared.printed_step, options.plane_tolerance.value_or(0))},
+                         control);
 }
 
 /// Cuts the boundaries of curved patches anew. The new vertices follow those of the surface.

@@ -34,8 +34,8 @@ class SheetGeometry {
   /// does. Such a facet has no place in a map.
   bool goes_around(PatchId facet, const AnalyticSurface& shape);
 
-  /// Returns whether a facet reaches the axis at which a torus ends, as at the tip of an ogive. Such a facet has no place
-  /// in a map either.
+  /// Returns whether a facet reaches the axis at which a torus ends, as at the tip of an ogive. Such a facet has no
+  /// place in a map either.
   bool ends_at_axis(PatchId facet, const AnalyticSurface& shape);
 
   /// Returns the sector of each facet of a sheet, which is 0 everywhere if the sheet has a map as it is. Sectors begin

@@ -16,7 +16,8 @@ namespace {
 constexpr std::size_t kMaxIsland = 40, kMinSea = 40;
 constexpr double kIslandShore = 0.6, kIslandArea = 0.05;
 
-/// So many facets whose corners are within this part of the tolerance are no piece of something else, wherever they are.
+/// So many facets whose corners are within this part of the tolerance are no piece of something else, wherever they
+/// are.
 constexpr std::size_t kMinClear = 9;
 constexpr double kClear = 0.1;
 

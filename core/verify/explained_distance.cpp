@@ -112,8 +112,8 @@ class Explained {
     return facet;
   }
 
-  /// Returns the normals of the faces around a facet that turn against it. Those that share no more than a corner with a
-  /// triangle count, too: the other halves of the pieces of a surface lie between the triangle and the next piece.
+  /// Returns the normals of the faces around a facet that turn against it. Those that share no more than a corner with
+  /// a triangle count, too: the other halves of the pieces of a surface lie between the triangle and the next piece.
   std::vector<Vec3> normals_around(const FlatPiece& facet) {
     std::vector<Vec3> normals;
     const auto add = [&](std::uint32_t f) {

@@ -106,8 +106,11 @@ TEST_F(report_files, a_torus_that_crosses_its_axis_is_remeshed) {
   const Report report = remeshed("round-end.stl", Format::kStl, sixteen_elements());
   EXPECT_TRUE(report.verified.all_true());
   EXPECT_EQ(count_of(report, SurfaceKind::kTorus), 1);
-  for (const RecognisedSurface& s : report.surfaces.surfaces)
-    if (s.shape.kind == SurfaceKind::kTorus) EXPECT_GT(s.bound, 0);
+  for (const RecognisedSurface& s : report.surfaces.surfaces) {
+    if (s.shape.kind == SurfaceKind::kTorus) {
+      EXPECT_GT(s.bound, 0);
+    }
+  }
   EXPECT_LE(report.output.faces, 400u);
 }
 
