@@ -1,4 +1,4 @@
-/// What the turns between neighbouring facets tell about the curved surface from which the facets were made.
+/// Measures what the turns between neighbouring facets tell about the surface from which the facets were made.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +19,7 @@ double implied_chord_height(const FacetGraph& graph, PatchId p, std::uint32_t si
 /// as the facets before and behind it turn against the facet, or twice as far as the only one of them. A facet without
 /// a neighbour that turns in a direction explains nothing there. Every facet of an honest tessellation is explained.
 /// Input:  a cylinder, cone, sphere or torus, in local units.
-/// Source: rules.md, Explained distance.
+/// Source: rules.md, Evidence for surfaces.
 double explained_height(const FacetGraph& graph, const AnalyticSurface& shape, PatchId p);
 
 }  // namespace remesh

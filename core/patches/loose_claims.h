@@ -17,7 +17,7 @@ namespace remesh {
 ///   tolerance of all of its corners.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:   some fits to the corners.
-/// Source: rules.md, Corners beside their surface.
+/// Source: rules.md, Ends of surfaces.
 bool is_loose_claim_proven(const FacetGraph& graph, const Claim& claim, RunControl& control);
 
 }  // namespace remesh

@@ -16,8 +16,8 @@ namespace {
 constexpr std::size_t kMaxIsland = 40, kMinSea = 40;
 constexpr double kIslandShore = 0.6, kIslandArea = 0.05;
 
-/// So many facets whose corners are within this part of the tolerance are no piece of something else, wherever they
-/// are.
+/// A claim is no piece of something else, wherever it is, if it has so many facets and if all of their corners are
+/// within this part of the tolerance.
 constexpr std::size_t kMinClear = 9;
 constexpr double kClear = 0.1;
 

@@ -29,8 +29,8 @@ struct RecognitionRules {
   /// The largest distance of a facet's corner from its surface, in model units, that the rounding of the input's
   /// coordinates explains where that is proven, with what programs compute less exactly than they print.
   double tolerance = 0;
-  /// What the digits of the coordinates explain alone, proven or not. Where facets are so far from their surface that
-  /// this is little beside their chord height, corners may be off by as much.
+  /// The distance that the digits of the coordinates explain alone, proven or not. Where facets are so far from their
+  /// surface that this is little beside their chord height, corners may be off by as much.
   double printed = 0;
 };
 

@@ -190,7 +190,7 @@ class CurvedPatchCheck {
     low_height_ = std::max(of_input.height, of_output.height);
   }
 
-  /// Whether the claimed tolerance is what the input explains or the options allow.
+  /// Returns whether the claimed tolerance is what the input explains or the options allow.
   bool is_tolerance_explained() const {
     const CurvedClaim& claim = surface_.claim;
     double rest = surface_.tolerance;
@@ -201,7 +201,7 @@ class CurvedPatchCheck {
                              control_);
   }
 
-  /// The largest distance of the surface from its axis. A cone is no larger than its input.
+  /// Returns the largest distance of the surface from its axis. A cone is no larger than its input.
   double largest_radius() const {
     if (surface_.shape.largest_radius() > 0) return surface_.shape.largest_radius();
     double largest = 0;

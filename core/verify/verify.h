@@ -54,9 +54,8 @@ struct CurvedClaim {
   /// Model units. Input and output of the patch may be this far apart, plus the plane tolerance, and each of them may
   /// be this far from the surface. What exceeds half of the radius of a cylinder, sphere or tube has no effect.
   double tolerance = 0;
-  /// What the options allow: the surface tolerance in model units, and the number of edges per full turn. If there is
-  /// no surface tolerance, the tolerance must be what the input's own facets explain, with what the number of edges
-  /// adds.
+  /// The surface tolerance that the options allow, in model units. If there is none, the tolerance must be what the
+  /// input's own facets explain, with what the number of edges per full turn adds.
   std::optional<double> surface_tolerance = {};
   std::optional<double> elements_per_circle = {};
   /// Facets that turn by more than this, in degrees, do not belong to one surface.
