@@ -56,6 +56,7 @@ constexpr double kLarger = 1.02;
 constexpr double kNearer = 0.9;
 
 /// Makes the claims of all facets.
+/// This class is larger than the bound because it has a short function for each way in which claims begin.
 class Recogniser {
  public:
   Recogniser(const FacetGraph& graph, const RecognitionRules& rules, double unit, RunControl& control)

@@ -24,6 +24,7 @@ constexpr double kFlatArea = 20;
 constexpr std::size_t kMaxExplained = 64, kMaxSamples = 256;
 
 /// Makes the records.
+/// This class is larger than the bound because it has a short function for each kind of record.
 class Records {
  public:
   Records(const Facets& facets, const FacetGraph& graph, const RecognitionRules& rules, RunControl& control)
