@@ -13,8 +13,8 @@
 namespace remesh {
 
 /// Finds faces over the same loop of vertices, and drops all but one of them. The one whose labels are on the smallest
-/// part of the surface stays, so that a wall which two bodies share becomes that of the inner body. Among equals, a whole
-/// face of the input stays rather than a piece of one, and then the first one.
+/// part of the surface stays, so that a wall which two bodies share becomes that of the inner body. Among equals, a
+/// whole face of the input stays rather than a piece of one, and then the first one.
 /// Two kinds of faces may stay all the same:
 /// - A face that repeats another one with the opposite orientation. Such pairs that hang together over edges without
 ///   other faces are a sheet, and each sheet is judged by itself. One face of each pair is dropped if each edge of the
@@ -28,8 +28,7 @@ namespace remesh {
 /// Input:   a welded surface, and the labels of the input that it came from. Polygons that touch themselves are
 ///          ignored.
 /// Output:  with Mend::kYes, the surface without the dropped faces. Counts faces that are dropped, those of fins, and
-///          faces that are left, each as duplicate_face. The
-///          vertices that only fins have go with them.
+///          faces that are left, each as duplicate_face. Vertices that only fins have go with them.
 /// Returns: whether the surface changed.
 /// Cost:    O(n log n) if faces repeat others with the opposite orientation; otherwise O(n).
 bool drop_duplicate_faces(Surface& surface, const Adjacency& edges, const FaceLabels& labels, Mend mend,

@@ -71,7 +71,7 @@ class Mending {
   /// Drops repeated corners and faces without area, and leaves polygons that have an area as they are otherwise.
   bool clean(std::vector<Diagnostic>& diagnostics) {
     if (are_all([&](FaceId f) { return is_clean(f); })) return false;
-    leaves_polygons_ = true;
+    cleaned_.emplace();
     StopCheck check(control_);
     for (std::uint32_t f = 0; f < surface_.face_count(); ++f) {
       check();
@@ -82,14 +82,15 @@ class Mending {
     counts_.zero_area.count = 0;
     counts_.zero_area.elements.clear();
     drop_marked();
-    std::vector<std::uint8_t> is_left(sources_without_area_.size(), 0);
+    const std::vector<FaceId>& sources = *cleaned_;
+    std::vector<std::uint8_t> is_left(sources.size(), 0);
     for (const FaceId source : surface_.face_source) {
       check();
-      const auto at = std::lower_bound(sources_without_area_.begin(), sources_without_area_.end(), source);
-      if (at != sources_without_area_.end() && *at == source) is_left[at - sources_without_area_.begin()] = 1;
+      const auto at = std::lower_bound(sources.begin(), sources.end(), source);
+      if (at != sources.end() && *at == source) is_left[static_cast<std::size_t>(at - sources.begin())] = 1;
     }
     for (std::size_t i = 0; i < is_left.size(); ++i)
-      if (is_left[i] == 0) counts_.zero_area.add(sources_without_area_[i].value);
+      if (is_left[i] == 0) counts_.zero_area.add(sources[i].value);
     tell(diagnostics);
     return true;
   }
@@ -197,7 +198,7 @@ class Mending {
 
   void count_without_area(FaceId source) {
     counts_.zero_area.add(source.value);
-    if (leaves_polygons_) sources_without_area_.push_back(source);
+    if (cleaned_) cleaned_->push_back(source);
   }
 
   void take_face(FaceId f) {
@@ -218,7 +219,7 @@ class Mending {
       return;
     }
     if (loop_.size() < surface_.face(f).size()) counts_.repeated.add(source.value);
-    if (loop_.size() == 3 || leaves_polygons_) {
+    if (loop_.size() == 3 || cleaned_) {
       emit(loop_, source, label, false);
       return;
     }
@@ -317,8 +318,9 @@ class Mending {
   const std::vector<std::uint8_t>& keep_verbatim_;
   Mend degenerate_;
   RunControl& control_;
-  bool leaves_polygons_ = false;
-  std::vector<FaceId> sources_without_area_;  ///< ascending; found by clean()
+  /// The input faces that clean() has found without an area, ascending. Only there, polygons with an area are left as
+  /// they are.
+  std::optional<std::vector<FaceId>> cleaned_;
   std::optional<PolygonCuts> cuts_;
   FaceList mended_;
   std::vector<std::uint8_t> is_degenerate_;

@@ -142,7 +142,9 @@ TEST_F(report_files, boxes_with_faces_too_many_are_boxes_in_any_order) {
         EXPECT_NEAR(report.output.volume.value_or(0), c.volume, 1e-9);
         EXPECT_NEAR(report.output.area, c.area, 1e-9);
         EXPECT_EQ(count_of(report, DiagnosticCode::kDuplicateFace), c.dropped);
-        if (!options.refine) EXPECT_EQ(report.output.faces, 12u);
+        if (!options.refine) {
+          EXPECT_EQ(report.output.faces, 12u);
+        }
       }
 }
 
@@ -155,7 +157,9 @@ TEST_F(report_files, a_seam_between_poles_of_faces_without_area_closes_in_any_or
       EXPECT_TRUE(report.output.closed);
       EXPECT_EQ(report.output.euler, 2);
       EXPECT_EQ(report.input.mended_euler, 2);
-      if (!options.elements_per_circle) EXPECT_NEAR(report.output.volume.value_or(0), 348, 0.005);
+      if (!options.elements_per_circle) {
+        EXPECT_NEAR(report.output.volume.value_or(0), 348, 0.005);
+      }
     }
 }
 

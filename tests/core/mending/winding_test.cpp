@@ -61,7 +61,7 @@ TEST(unify_winding, a_sound_surface_is_left_alone) {
   EXPECT_TRUE(result.diagnostics.empty());
 }
 
-TEST(unify_winding, the_faces_of_less_area_turn_and_are_listed) {
+TEST(unify_winding, the_faces_that_look_inwards_or_are_of_less_area_turn_and_are_listed) {
   const PolygonMesh box = shapes::box({1, 2, 3}, 2);
   const Wound result = unify(with_turned(box, {3, 17, 18}));
   EXPECT_TRUE(result.is_changed);
@@ -69,8 +69,10 @@ TEST(unify_winding, the_faces_of_less_area_turn_and_are_listed) {
   EXPECT_EQ(result.diagnostics[0].code, DiagnosticCode::kInconsistentWinding);
   EXPECT_EQ(result.diagnostics[0].elements, (std::vector<std::uint64_t>{3, 17, 18}));
   EXPECT_DOUBLE_EQ(volume(result.surface), 6);
-  // A surface that looks inwards for the most part does so as a whole then.
-  EXPECT_DOUBLE_EQ(volume(unify(with_turned(shapes::turned_over(box), {5})).surface), -6);
+  // The larger area decides only where nothing is enclosed.
+  EXPECT_DOUBLE_EQ(volume(unify(with_turned(shapes::turned_over(box), {5})).surface), 6);
+  const PolygonMesh sheet = shapes::turned_over(shapes::sheet(1, 1, 3, 3));
+  EXPECT_EQ(unify(with_turned(sheet, {5, 7})).diagnostics[0].elements, (std::vector<std::uint64_t>{5, 7}));
 }
 
 TEST(unify_winding, faces_turned_at_random_agree_again_and_pieces_do_so_each_by_itself) {
