@@ -65,14 +65,6 @@ class Walls {
     std::uint32_t half_edge, other;
   };
 
-  /// The corners of a face in order, which do not depend on where its loop begins or how it runs.
-  std::vector<VertexId> corners(FaceId f) const {
-    const auto loop = surface_.face(f);
-    std::vector<VertexId> sorted(loop.begin(), loop.end());
-    sort_stoppable(sorted.begin(), sorted.end(), control_);
-    return sorted;
-  }
-
   Vec3 normal(FaceId f) const {
     const auto loop = surface_.face(f);
     Vec3 sum;
@@ -101,20 +93,20 @@ class Walls {
         }
       if (count != 2 || edges_.from(of_side[0]) != edges_.to(of_side[1])) continue;
       const FaceId f = edges_.face_of(of_side[0]), g = edges_.face_of(of_side[1]);
-      std::array<std::vector<VertexId>, 2> backs;
+      std::array<FaceId, 2> backs;
       std::size_t back = 0;
       for (const std::uint32_t h : around)
-        if (h != of_side[0] && h != of_side[1]) backs[back++] = corners(edges_.face_of(h));
-      std::array<std::vector<VertexId>, 2> fronts{corners(f), corners(g)};
-      if (fronts[0] == fronts[1]) continue;
-      if (fronts != backs) std::swap(backs[0], backs[1]);
-      if (fronts != backs || !do_lie_in_one_plane(f, g)) continue;
+        if (h != of_side[0] && h != of_side[1]) backs[back++] = edges_.face_of(h);
+      if (!do_lie_in_one_plane(f, g, 1) || !do_lie_in_one_plane(backs[0], backs[1], 1) ||
+          !do_lie_in_one_plane(f, backs[0], -1))
+        continue;
       if (!labels_.are_alike() && labels_.set_of[f.value] != labels_.set_of[g.value]) continue;
       inner_.push_back({f, g, of_side[0], of_side[1]});
     }
   }
 
-  bool do_lie_in_one_plane(FaceId f, FaceId g) const {
+  /// Returns whether two faces are in one plane; `sign` is 1 if they have to look the same way, and -1 if not.
+  bool do_lie_in_one_plane(FaceId f, FaceId g, double sign) const {
     const auto is_near = [&](FaceId plane, FaceId corners) {
       const Vec3 n = normal(plane), origin = surface_.local[surface_.face(plane)[0]];
       const auto loop = surface_.face(corners);
@@ -122,7 +114,7 @@ class Walls {
         return std::fabs(dot(n, surface_.local[v] - origin)) <= tolerance_ * norm(n);
       });
     };
-    return dot(normal(f), normal(g)) > 0 && (is_near(f, g) || is_near(g, f));
+    return sign * dot(normal(f), normal(g)) > 0 && (is_near(f, g) || is_near(g, f));
   }
 
   void join_sides() {

@@ -51,6 +51,16 @@ TEST(part_double_walls, only_the_outline_of_a_wall_keeps_edges_with_four_faces) 
     }
 }
 
+TEST(part_double_walls, an_edge_that_both_sides_have_is_enough) {
+  // Each side has a diagonal of its own in both squares of a wall, and the line between the squares is an edge of both.
+  const PolygonMesh mesh =
+      shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}, {1, 1, 0}, {2, 1, 0}},
+                         {{0, 1, 4}, {0, 4, 3}, {1, 2, 5}, {1, 5, 4}, {3, 1, 0}, {3, 4, 1}, {4, 2, 1}, {4, 5, 2}});
+  const Parted result = part(mesh);
+  EXPECT_EQ(result.edges_of_four, 0u);
+  EXPECT_EQ(result.surface.face_count(), 7u);
+}
+
 TEST(part_double_walls, walls_with_other_labels_and_faces_that_must_stay_triangles_are_left) {
   PolygonMesh mesh = two_cubes(1);
   EXPECT_EQ(part(mesh, std::vector<std::uint8_t>(mesh.face_count(), 1)).surface.face_count(), mesh.face_count());
