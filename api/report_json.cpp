@@ -115,6 +115,10 @@ void write_statistics_members(JsonWriter& json, const MeshStatistics& mesh) {
   json.member("closed", mesh.closed);
   json.key("euler");
   json.signed_integer(mesh.euler);
+  if (mesh.mended_euler) {
+    json.key("mended_euler");
+    json.signed_integer(*mesh.mended_euler);
+  }
   json.member("area", mesh.area);
   json.member("volume", mesh.volume);
   json.member("intersecting_pairs", mesh.intersecting_pairs);

@@ -26,7 +26,12 @@ struct MendedFaces {
                       "faces had a corner twice in a row, in the input or after welding, and now have it once; "
                       "`elements` lists these faces by number"};
   Diagnostic nonplanar{
-      DiagnosticCode::kNonplanarPolygon, 0, {}, "polygons whose corners do not lie in one plane were triangulated"};
+      DiagnosticCode::kNonplanarPolygon,
+      0,
+      {},
+      "polygons whose corners do not lie in one plane were triangulated; other triangles over the same "
+      "corners would be another surface, and all distances in this report are from the triangles that "
+      "were chosen"};
   Diagnostic crossing{
       DiagnosticCode::kNonplanarPolygon,
       0,
@@ -56,11 +61,43 @@ class Mending {
         possible_rounding_(possible_rounding),
         keep_verbatim_(keep_verbatim),
         degenerate_(degenerate),
-        control_(control) {}
+        control_(control) {
+    if (degenerate == Mend::kNo)
+      counts_.zero_area.message =
+          "faces have no area; those with three different corners were left, because `repair` does not include "
+          "`degenerate`";
+  }
+
+  /// Drops repeated corners and faces without area, and leaves polygons that have an area as they are otherwise.
+  bool clean(std::vector<Diagnostic>& diagnostics) {
+    if (are_all([&](FaceId f) { return is_clean(f); })) return false;
+    cleaned_.emplace();
+    StopCheck check(control_);
+    for (std::uint32_t f = 0; f < surface_.face_count(); ++f) {
+      check();
+      take_face(FaceId(f));
+    }
+    if (counts_.repeated.count == 0 && counts_.zero_area.count == 0) return false;
+    // Those that stay are counted when the other faces are mended.
+    counts_.zero_area.count = 0;
+    counts_.zero_area.elements.clear();
+    drop_marked();
+    const std::vector<FaceId>& sources = *cleaned_;
+    std::vector<std::uint8_t> is_left(sources.size(), 0);
+    for (const FaceId source : surface_.face_source) {
+      check();
+      const auto at = std::lower_bound(sources.begin(), sources.end(), source);
+      if (at != sources.end() && *at == source) is_left[static_cast<std::size_t>(at - sources.begin())] = 1;
+    }
+    for (std::size_t i = 0; i < is_left.size(); ++i)
+      if (is_left[i] == 0) counts_.zero_area.add(sources[i].value);
+    tell(diagnostics);
+    return true;
+  }
 
   bool run(std::vector<Diagnostic>& diagnostics) {
     const std::size_t faces = surface_.face_count();
-    if (keep_verbatim_.empty() && are_all_sound()) return false;
+    if (keep_verbatim_.empty() && are_all([&](FaceId f) { return is_sound(f); })) return false;
     is_degenerate_.reserve(faces);
     const double before = control_.told_fraction();
     // The rest is for what comes after it.
@@ -71,17 +108,26 @@ class Mending {
       take_face(FaceId(f));
     }
     cuts_.reset();
+    drop_marked();
+    tell(diagnostics);
+    return true;
+  }
+
+ private:
+  /// Gives the surface its new faces, without those that have no area.
+  void drop_marked() {
     surface_.take_faces(std::move(mended_));
     if (degenerate_ == Mend::kYes && std::find(is_degenerate_.begin(), is_degenerate_.end(), 1) != is_degenerate_.end())
       drop_degenerate_faces(surface_, is_degenerate_, keep_verbatim_, control_);
     if (surface_.face_count() == 0) throw Error(Code::kEmptyMesh, Stage::kWeld, "no face of the mesh has an area");
     drop_unused_vertices(surface_, control_);
-    for (Diagnostic* d : counts_.all())
-      if (d->count > 0) diagnostics.push_back(std::move(*d));
-    return true;
   }
 
- private:
+  void tell(std::vector<Diagnostic>& diagnostics) {
+    for (Diagnostic* d : counts_.all())
+      if (d->count > 0) diagnostics.push_back(std::move(*d));
+  }
+
   // Original coordinates, scaled exactly, so that a line of the input is a line here.
   Vec3 exact(VertexId v) const { return (1 / surface_.unit) * surface_.positions[v]; }
 
@@ -95,13 +141,23 @@ class Mending {
   /// Returns whether a face is a triangle with an area. Most faces are, and need no mending.
   bool is_sound(FaceId f) const { return surface_.face(f).size() == 3 && !is_without_area(surface_, f); }
 
-  bool are_all_sound() const {
-    std::atomic<bool> are_sound = true;
+  /// Returns whether a face has an area and no corner twice in a row. A polygon that runs back along itself is not
+  /// clean, though it may have an area.
+  bool is_clean(FaceId f) const {
+    const auto loop = surface_.face(f);
+    for (std::size_t i = 0; i < loop.size(); ++i)
+      if (loop[i] == loop[(i + 1) % loop.size()] || loop[i] == loop[(i + 2) % loop.size()]) return false;
+    return !are_collinear(loop);
+  }
+
+  template <class Is>
+  bool are_all(const Is& is) const {
+    std::atomic<bool> are = true;
     for_blocks(surface_.face_count(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t f = begin; f < end && are_sound; ++f)
-        if (!is_sound(FaceId(f))) are_sound = false;
+      for (std::size_t f = begin; f < end && are; ++f)
+        if (!is(FaceId(f))) are = false;
     });
-    return are_sound;
+    return are;
   }
 
   void emit(std::span<const VertexId> loop, FaceId source, std::uint32_t label, bool is_degenerate) {
@@ -140,6 +196,11 @@ class Mending {
     return end - first < 3;
   }
 
+  void count_without_area(FaceId source) {
+    counts_.zero_area.add(source.value);
+    if (cleaned_) cleaned_->push_back(source);
+  }
+
   void take_face(FaceId f) {
     const FaceId source = surface_.face_source[f];
     const std::uint32_t label = surface_.label(f);
@@ -148,17 +209,17 @@ class Mending {
       if (loop_.empty() || loop_.back() != v) loop_.push_back(v);
     while (loop_.size() > 1 && loop_.front() == loop_.back()) loop_.pop_back();
     if (cancels_itself()) {  // dropping the face opens nothing
-      counts_.zero_area.add(source.value);
+      count_without_area(source);
       return;
     }
     if (are_collinear(loop_)) {
-      counts_.zero_area.add(source.value);
+      count_without_area(source);
       for (std::size_t i = 1; i + 1 < loop_.size(); ++i)
         emit_triangle({loop_[0], loop_[i], loop_[i + 1]}, source, label, true);
       return;
     }
     if (loop_.size() < surface_.face(f).size()) counts_.repeated.add(source.value);
-    if (loop_.size() == 3) {
+    if (loop_.size() == 3 || cleaned_) {
       emit(loop_, source, label, false);
       return;
     }
@@ -257,6 +318,9 @@ class Mending {
   const std::vector<std::uint8_t>& keep_verbatim_;
   Mend degenerate_;
   RunControl& control_;
+  /// The input faces that clean() has found without an area, ascending. Only there, polygons with an area are left as
+  /// they are.
+  std::optional<std::vector<FaceId>> cleaned_;
   std::optional<PolygonCuts> cuts_;
   FaceList mended_;
   std::vector<std::uint8_t> is_degenerate_;
@@ -284,6 +348,11 @@ bool is_without_area(const Surface& surface, FaceId f) {
 std::vector<FaceId> faces_without_area(const Surface& surface, RunControl& control) {
   return select_ids<FaceId>(surface.face_count(), kItemsPerBlock, control,
                             [&](std::size_t f) { return is_without_area(surface, FaceId(f)); });
+}
+
+bool clean_faces(Surface& surface, const std::vector<std::uint8_t>& keep_verbatim, Mend degenerate,
+                 std::vector<Diagnostic>& diagnostics, RunControl& control) {
+  return Mending(surface, 0, keep_verbatim, degenerate, control, 0).clean(diagnostics);
 }
 
 bool mend_faces(Surface& surface, double plane_tolerance, const std::vector<std::uint8_t>& keep_verbatim,

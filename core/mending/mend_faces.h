@@ -12,6 +12,14 @@
 
 namespace remesh {
 
+/// Drops repeated corners and faces without area from a welded surface, as mend_faces does. Polygons with an area stay
+/// polygons. Faces without area hide duplicates, turned copies and seams, because the edges that they lie on have one
+/// face too many. So this comes before those are looked at.
+/// Returns: whether the surface changed.
+/// Errors, cost, source: those of mend_faces.
+bool clean_faces(Surface& surface, const std::vector<std::uint8_t>& keep_verbatim, Mend degenerate,
+                 std::vector<Diagnostic>& diagnostics, RunControl& control);
+
 /// Mends the faces of a welded surface.
 /// Input:   `plane_tolerance` is in local units. `keep_verbatim` has one entry per input face, or is empty. A face with
 ///          1 there must not become a polygon and must not get another vertex; later stages ask for this if a polygon

@@ -9,7 +9,9 @@
 #include "core/base/stoppable.h"
 #include "core/base/tolerance.h"
 #include "core/mending/bending_noise.h"
+#include "core/mending/covered_polygons.h"
 #include "core/mending/cracks.h"
+#include "core/mending/double_walls.h"
 #include "core/mending/duplicate_faces.h"
 #include "core/mending/input_defects.h"
 #include "core/mending/mend_faces.h"
@@ -41,6 +43,7 @@ class Preparation {
     watch.enter(Stage::kWeld);
     choose_tolerance();
     mend();
+    summary_.statistics.mended_euler = is_as_measured_ ? summary_.statistics.euler : euler();
     tell_cracks();
     return std::move(prepared_);
   }
@@ -144,9 +147,14 @@ class Preparation {
       prepared_.release();
       is_as_measured_ = false;
     };
+    // Faces without area are dropped.
+    if_changed(repair.degenerate && !are_clearly_sound() &&
+               clean_faces(surface(), limits_.keep_verbatim, Mend::kYes, found, control_));
     // Faces that repeat others are dropped.
     const std::size_t place = found.size();
     std::vector<Diagnostic> repeated;
+    // Polygons become comparable with the triangles that lie over them.
+    if (repair.duplicates) if_changed(cut_covered_polygons(surface(), adjacency(), tolerance, control_));
     const bool is_repeated =
         drop_duplicate_faces(surface(), adjacency(), input_.labels, mend_if(repair.duplicates), repeated, control_);
     if_changed(is_repeated);
@@ -172,21 +180,33 @@ class Preparation {
         (is_split || mend_seams == Mend::kNo) && seams.close(surface(), adjacency(), mend_seams, control_);
     if_changed(is_joined_again);
     seams.tell(found);
-    // Faces on both sides of a seam may repeat each other now, because they have the same vertices only since the seam
-    // was closed.
-    if ((is_joined || is_joined_again) && repair.duplicates && drop_new_duplicates(repeated, is_repeated ? 1 : 0))
+    // Faces on both sides of a seam, or of edges that were split, may repeat each other now, because they have had the
+    // same vertices only since then.
+    if ((is_joined || is_split || is_joined_again) && repair.duplicates &&
+        drop_new_duplicates(repeated, is_repeated ? 1 : 0))
       if_changed(true);
     found.insert(found.begin() + static_cast<std::ptrdiff_t>(place), repeated.begin(), repeated.end());
+    // Walls that stand twice get edges of their own on each side.
+    if (repair.duplicates)
+      if_changed(part_double_walls(surface(), adjacency(), input_.labels, tolerance, limits_.keep_verbatim, control_));
     // Faces without a plane are split, and faces without area are dropped. Neither opens the surface.
+    std::vector<Diagnostic> mended;
     const bool is_mended =
         !are_clearly_sound() && mend_faces(surface(), tolerance, limits_.keep_verbatim, mend_if(repair.degenerate),
-                                           found, control_, spike_rounding_ / surface().unit);
+                                           mended, control_, spike_rounding_ / surface().unit);
+    for (Diagnostic& d : mended) add_to(found, std::move(d));
     if_changed(is_mended);
     if (is_mended) prepared_.without_area = faces_without_area(surface(), control_);
     // Neighbours get the same orientation. Closed shells get the right orientation if that is asked for.
-    if_changed(unify_winding(surface(), adjacency(), mend_if(repair.winding), found, control_));
+    if_changed(unify_winding(surface(), adjacency(), input_.labels, mend_if(repair.winding), found, control_));
     if (!is_solid())
       if_changed(turn_inside_out(surface(), adjacency(), input_.labels, mend_if(repair.inside_out), found, control_));
+  }
+
+  /// The Euler number of the surface as it is now.
+  std::int64_t euler() {
+    return static_cast<std::int64_t>(surface().vertex_count()) - static_cast<std::int64_t>(adjacency().edge_count()) +
+           static_cast<std::int64_t>(surface().face_count());
   }
 
   bool split_at_vertices(double tolerance, Mend mend) {

@@ -60,14 +60,27 @@ class Unifying {
       const FaceId seed = edges_.face_of(h);
       if (side_[seed.value] != kUnknown) continue;
       if (walk(seed))
-        turn_smaller_side();
+        turn_one_side();
       else
         one_sided.push_back(*std::min_element(piece_.begin(), piece_.end()));
     }
   }
 
+  /// Turns the closed pieces among those that were wound, so that `is_wrong` holds for none of their faces.
+  void correct(const std::vector<std::uint8_t>& is_wrong) {
+    StopCheck check(control_);
+    for (const std::vector<FaceId>& piece : closed) {
+      if (is_wrong[piece[0].value] == 0) continue;
+      for (const FaceId f : piece) {
+        check();
+        is_turned[f.value] ^= 1;
+      }
+    }
+  }
+
   std::vector<std::uint8_t> is_turned;
-  std::vector<FaceId> one_sided;  ///< the first face of each piece that cannot be wound consistently
+  std::vector<FaceId> one_sided;            ///< the first face of each piece that cannot be wound consistently
+  std::vector<std::vector<FaceId>> closed;  ///< the closed pieces that were wound; each encloses a positive volume
 
  private:
   static constexpr std::uint8_t kUnknown = 2;
@@ -105,13 +118,16 @@ class Unifying {
     return around[0] == h ? around[1] : around[0];
   }
 
-  void turn_smaller_side() {
+  /// Turns the side with which the piece would enclose a negative volume. If the piece is open, the smaller side turns.
+  void turn_one_side() {
     struct Side {
       double area = 0;
       std::size_t faces = 0;
       Vec3 place{HUGE_VAL, HUGE_VAL, HUGE_VAL};  ///< decides between equals, independently of the input's order
     };
     std::array<Side, 2> sides;
+    double volume = 0;  // six times that of side 0, with the other side turned
+    const Vec3 origin = surface_.local[surface_.face(piece_[0])[0]];
     StopCheck check(control_);
     for (const FaceId f : piece_) {
       check();
@@ -121,15 +137,50 @@ class Unifying {
       Vec3 sum;
       for (const VertexId v : surface_.face(f)) sum += surface_.local[v];
       side.place = std::min(side.place, (1.0 / static_cast<double>(surface_.face(f).size())) * sum);
+      volume += (side_[f.value] == 0 ? 1 : -1) * volume_below(f, origin);
     }
     const auto is_smaller = [&](const Side& a, const Side& b) {
       return std::tuple(a.area, a.faces, b.place) < std::tuple(b.area, b.faces, a.place);
     };
-    const std::uint8_t turned = is_smaller(sides[0], sides[1]) ? 0 : 1;
+    std::uint8_t turned = is_smaller(sides[0], sides[1]) ? 0 : 1;
+    // A doubled sheet encloses nothing but rounding errors.
+    constexpr double kClearly = 1e-9;
+    const double total = sides[0].area + sides[1].area;
+    if (std::fabs(volume) > kClearly * total * std::sqrt(total) && is_piece_closed()) {
+      turned = volume > 0 ? 1 : 0;
+      closed.push_back(piece_);
+    }
     for (const FaceId f : piece_) {
       check();
       is_turned[f.value] = side_[f.value] == turned;
     }
+  }
+
+  /// Six times the volume between a face and a point.
+  double volume_below(FaceId f, const Vec3& from) const {
+    const auto loop = surface_.face(f);
+    const Vec3 a = surface_.local[loop[0]] - from;
+    double sum = 0;
+    for (std::size_t i = 1; i + 1 < loop.size(); ++i)
+      sum += dot(a, cross(surface_.local[loop[i]] - from, surface_.local[loop[i + 1]] - from));
+    return sum;
+  }
+
+  /// Returns whether the piece has an even number of faces at each of its edges.
+  bool is_piece_closed() const {
+    std::vector<EdgeId> odd;
+    StopCheck check(control_);
+    for (const FaceId f : piece_)
+      for (std::uint32_t h = surface_.face_begin[f.value]; h < surface_.face_begin[f.value + 1]; ++h) {
+        check();
+        if (other_of_two(h) == kNone && edges_.from(h) != edges_.to(h)) odd.push_back(edges_.edge_of(h));
+      }
+    sort_stoppable(odd.begin(), odd.end(), control_);
+    for (std::size_t begin = 0, end = 0; begin < odd.size(); begin = end) {
+      while (end < odd.size() && odd[end] == odd[begin]) ++end;
+      if ((end - begin) % 2 != 0) return false;
+    }
+    return true;
   }
 
   const Surface& surface_;
@@ -165,8 +216,8 @@ InsideOutFaces find_inside_out_faces(const Surface& surface, const Adjacency& ed
   return result;
 }
 
-bool unify_winding(Surface& surface, const Adjacency& edges, Mend mend, std::vector<Diagnostic>& diagnostics,
-                   RunControl& control) {
+bool unify_winding(Surface& surface, const Adjacency& edges, const FaceLabels& labels, Mend mend,
+                   std::vector<Diagnostic>& diagnostics, RunControl& control) {
   const std::vector<std::uint32_t> inconsistent = inconsistent_edges(edges, control);
   if (inconsistent.empty()) return false;
   if (mend == Mend::kNo) {
@@ -181,10 +232,20 @@ bool unify_winding(Surface& surface, const Adjacency& edges, Mend mend, std::vec
   }
   Unifying unifying(surface, edges, control);
   unifying.run(inconsistent);
+  if (!unifying.closed.empty()) {
+    Surface wound = surface;
+    turn_over(wound, unifying.is_turned, control);
+    const Adjacency own_edges(wound.vertex_count(), wound.face_begin, wound.corners, control);
+    const InsideOutFaces found = find_inside_out_faces(wound, own_edges, labels, control);
+    if (!found.first.empty()) unifying.correct(found.is_inside_out);
+  }
   Diagnostic turned{DiagnosticCode::kInconsistentWinding,
                     0,
                     {},
                     "faces were turned over to have the same orientation as their neighbours"};
+  if (!unifying.closed.empty())
+    turned.message +=
+        "; closed shells whose faces disagreed now enclose a positive volume, or as cavities a negative one";
   Diagnostic left{DiagnosticCode::kInconsistentWinding,
                   0,
                   {},

@@ -15,14 +15,16 @@
 namespace remesh {
 
 /// Turns faces over so that neighbours have the same orientation. It works piece by piece, where pieces are connected
-/// over edges with two faces. In each piece, the faces of smaller total area turn. A piece that cannot be wound
-/// consistently (a Moebius strip) stays as it is.
+/// over edges with two faces. If a piece is closed, those faces turn with which it would enclose a negative volume, or
+/// a positive one if it is a cavity (geometry/inside_out.h). Otherwise the faces of smaller total area turn. A piece
+/// that has one orientation already keeps it, and so does a piece that cannot be wound consistently (a Moebius strip).
+/// Input:   `labels` are those of the input from which the surface came.
 /// Output:  counts inconsistent_winding. With Mend::kYes, counts the faces that turned, and the pieces that stay (one
 ///          face of each); otherwise the edges whose two faces have opposite orientations (the first face of each).
 /// Returns: whether the surface changed.
-/// Cost:    O(n).
-bool unify_winding(Surface& surface, const Adjacency& edges, Mend mend, std::vector<Diagnostic>& diagnostics,
-                   RunControl& control);
+/// Cost:    O(n); see find_inside_out for closed pieces.
+bool unify_winding(Surface& surface, const Adjacency& edges, const FaceLabels& labels, Mend mend,
+                   std::vector<Diagnostic>& diagnostics, RunControl& control);
 
 /// The faces of the closed shells that have the wrong orientation.
 struct InsideOutFaces {

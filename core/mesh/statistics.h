@@ -43,6 +43,8 @@ struct MeshStatistics {
   std::uint64_t non_manifold_edges = 0;
   bool closed = false;
   std::int64_t euler = 0;
+  /// The Euler number after mending. Only the statistics of the input have it.
+  std::optional<std::int64_t> mended_euler;
   double area = 0;
   std::optional<double> volume;
   /// The number of pairs of faces that intersect. For the input, it is counted after mending, without the pairs inside

@@ -376,9 +376,10 @@ TEST(remesh_surface, a_cylinder_of_a_thousand_facets_in_full_doubles_keeps_them_
 }
 
 TEST(remesh_surface, a_bent_polygon_whose_every_cut_is_an_edge_already_joins_no_edges) {
-  // Three triangles of a tetrahedron, and a quad over all four of its corners: either diagonal has faces.
+  // Three triangles of a tetrahedron, and a quad over all four of its corners: either diagonal has faces. The quad
+  // looks the other way, or it would be a copy of two of the triangles.
   const PolygonMesh mesh =
-      shapes::from_lists({{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0, 2, 1}}, {{0, 1, 3}, {0, 1, 2, 3}, {1, 2, 3}, {2, 0, 3}});
+      shapes::from_lists({{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0, 2, 1}}, {{0, 1, 3}, {3, 2, 1, 0}, {1, 2, 3}, {2, 0, 3}});
   for (const Options& options : {unrefined(), Options{}}) {
     const Result result = remeshed(mesh, options);
     EXPECT_TRUE(result.report.verified.all_true());

@@ -206,13 +206,13 @@ TEST(remesh_surface, a_double_sheet_stays_two) {
   }
 }
 
-TEST(remesh_surface, sheets_whose_inner_edges_are_shared_keep_every_face) {
-  // Each inner edge has four faces: nothing says which two belong together.
+TEST(remesh_surface, both_sides_of_a_sheet_are_patches_that_share_no_inner_edge) {
+  // Each inner edge of the input has four faces, two of each side.
   const Result result = remeshed(shapes::double_sheet(3));
   EXPECT_TRUE(result.report.verified.all_true());
-  // These are two sheets of 3 x 3 squares, each of two triangles.
-  EXPECT_EQ(result.mesh.faces.size(), 2u * 3 * 3 * 2);
-  EXPECT_EQ(result.report.output.non_manifold_edges, result.report.input.non_manifold_edges);
+  EXPECT_EQ(result.mesh.faces.size(), 4u);
+  EXPECT_EQ(result.report.output.non_manifold_edges, 0u);
+  EXPECT_NEAR(result.report.output.area, result.report.input.area, 1e-12);
 }
 
 TEST(remesh_surface, parallel_sheets_stay_two_however_close) {

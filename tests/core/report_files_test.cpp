@@ -4,13 +4,18 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "core/io/mesh_files.h"
 #include "core/remesh.h"
+#include "tests/support/shapes.h"
 #include "tests/support/shared_meshes.h"
 #include "tests/support/unrefined_options.h"
 
@@ -21,11 +26,50 @@ class report_files : public testing::Test {
  protected:
   void SetUp() override { test::has_shared_mesh("reports"); }
 
-  static Report remeshed(const char* name, Format format, const Options& options = unrefined()) {
+  static PolygonMesh read(const char* name, Format format) {
     std::ifstream file(folder() / name, std::ios::binary);
     const std::string text{std::istreambuf_iterator<char>(file), {}};
     RunControl control;
-    return remesh_surface(read_mesh(format, text, {}, control).mesh, options, {}, control).report;
+    return read_mesh(format, text, {}, control).mesh;
+  }
+
+  static Report remeshed(const char* name, Format format, const Options& options = unrefined()) {
+    RunControl control;
+    return remesh_surface(read(name, format), options, {}, control).report;
+  }
+
+  /// A mesh as it was read from a file; with vertices of its own for each face, as text STL and many other files have
+  /// them; and with its vertices and faces in other orders.
+  static std::vector<PolygonMesh> forms(const char* name) {
+    const PolygonMesh mesh = read(name, std::string(name).ends_with(".stl") ? Format::kStl : Format::kObj);
+    PolygonMesh apart;
+    apart.face_begin = mesh.face_begin;
+    for (const VertexId v : mesh.corners) {
+      apart.corners.push_back(VertexId(apart.positions.size()));
+      apart.positions.push_back(mesh.positions[v]);
+    }
+    std::vector<PolygonMesh> all{mesh, apart};
+    for (unsigned seed = 1; seed <= 4; ++seed) all.push_back(shapes::renumbered(mesh, seed));
+    return all;
+  }
+
+  /// Without refinement, with it, with the options of `preset=volume`, and with those of facets that stay.
+  static std::vector<Options> usual_options() {
+    std::vector<Options> all(4);
+    all[0] = unrefined();
+    all[2].proximity = 0.25;
+    all[2].elements_per_circle = 16;
+    all[3].feature_angle_deg = 0;
+    all[3].split_boundaries = false;
+    all[3].defeature_size = 0;
+    return all;
+  }
+
+  static std::uint64_t count_of(const Report& report, DiagnosticCode code) {
+    std::uint64_t count = 0;
+    for (const Diagnostic& d : report.diagnostics)
+      if (d.code == code) count += d.count;
+    return count;
   }
 
   static std::uint64_t listed(const Report& report) {
@@ -126,6 +170,77 @@ TEST_F(report_files, thin_sheets_and_wedges_list_what_gaps_ask_for_in_vain) {
     EXPECT_TRUE(report.verified.all_true());
     EXPECT_GT(2 * listed(report), report.output.faces);
   }
+}
+
+TEST_F(report_files, boxes_with_faces_too_many_are_boxes_in_any_order) {
+  struct Case {
+    const char* name;
+    double volume, area;
+    std::uint64_t dropped;  // faces that are told as duplicates
+  };
+  // One face again from behind and one without area; each of 24 polygons again as its triangles; both sides of a fin.
+  for (const Case& c : {Case{"duplicate-and-degenerate.stl", 6, 22, 1}, Case{"quads-and-triangles.obj", 27, 54, 24},
+                        Case{"fin.stl", 6, 22, 2}})
+    for (const PolygonMesh& mesh : forms(c.name))
+      for (const Options& options : usual_options()) {
+        SCOPED_TRACE(c.name);
+        RunControl control;
+        const Report report = remesh_surface(mesh, options, {}, control).report;
+        EXPECT_TRUE(report.verified.all_true());
+        EXPECT_TRUE(report.output.closed);
+        EXPECT_EQ(report.output.euler, 2);
+        EXPECT_EQ(report.input.mended_euler, 2);
+        EXPECT_NEAR(report.output.volume.value_or(0), c.volume, 1e-9);
+        EXPECT_NEAR(report.output.area, c.area, 1e-9);
+        EXPECT_EQ(count_of(report, DiagnosticCode::kDuplicateFace), c.dropped);
+        if (!options.refine) {
+          EXPECT_EQ(report.output.faces, 12u);
+        }
+      }
+}
+
+TEST_F(report_files, a_seam_between_poles_of_faces_without_area_closes_in_any_order) {
+  for (const PolygonMesh& mesh : forms("pole-seam.stl"))
+    for (const Options& options : usual_options()) {
+      RunControl control;
+      const Report report = remesh_surface(mesh, options, {}, control).report;
+      EXPECT_TRUE(report.verified.all_true());
+      EXPECT_TRUE(report.output.closed);
+      EXPECT_EQ(report.output.euler, 2);
+      EXPECT_EQ(report.input.mended_euler, 2);
+      if (!options.elements_per_circle) {
+        EXPECT_NEAR(report.output.volume.value_or(0), 348, 0.005);
+      }
+    }
+}
+
+TEST_F(report_files, a_wall_that_stands_twice_has_no_edge_inside_that_both_sides_share) {
+  // The wall is a square at height 10. Only its outline has edges with four faces, however vertices are numbered.
+  for (const PolygonMesh& mesh : forms("touching-bodies.stl"))
+    for (Options options : usual_options())
+      for (const bool is_fine : {false, true}) {
+        if (is_fine) options.max_edge_length = 3;
+        RunControl control;
+        const Result result = remesh_surface(mesh, options, {}, control);
+        EXPECT_TRUE(result.report.verified.all_true());
+        EXPECT_NEAR(result.report.output.area, 600 + 1200, 1e-9);
+        EXPECT_GT(count_of(result.report, DiagnosticCode::kDuplicateFace), 0u);
+        std::map<std::pair<Vec3, Vec3>, int> faces_at;
+        double volume = 0;
+        for (const Triangle& t : result.mesh.faces) {
+          std::array<Vec3, 3> corners;
+          for (std::size_t k = 0; k < 3; ++k) corners[k] = result.mesh.positions[t[k]];
+          volume += dot(corners[0], cross(corners[1], corners[2])) / 6;
+          for (std::size_t k = 0; k < 3; ++k) ++faces_at[std::minmax({corners[k], corners[(k + 1) % 3]})];
+        }
+        EXPECT_NEAR(volume, 1000 + 2500, 1e-9);
+        for (const auto& [edge, count] : faces_at) {
+          const Vec3 middle = 0.5 * (edge.first + edge.second);
+          const bool is_at_height = edge.first.z == 10 && edge.second.z == 10;
+          const bool is_on_outline = middle.x == 0 || middle.x == 10 || middle.y == 0 || middle.y == 10;
+          EXPECT_EQ(count, is_at_height && is_on_outline ? 4 : 2);
+        }
+      }
 }
 
 }  // namespace

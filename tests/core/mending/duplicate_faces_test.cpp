@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <set>
 #include <string>
@@ -106,6 +107,68 @@ TEST(drop_duplicate_faces, a_wall_that_two_bodies_have_one_of_them_mirrored_stay
     EXPECT_EQ(found.first.size(), 1u);
     EXPECT_EQ(std::count(found.is_inside_out.begin(), found.is_inside_out.end(), 1), 48);
   }
+}
+
+/// A box of quads with vertices 8 and 9 above its upper edge, and 10 and 11 beside that edge.
+PolygonMesh quads_and(const Faces& more) {
+  Faces faces{{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
+  faces.insert(faces.end(), more.begin(), more.end());
+  return shapes::from_lists({{0, 0, 0},
+                             {3, 0, 0},
+                             {0, 2, 0},
+                             {3, 2, 0},
+                             {0, 0, 1},
+                             {3, 0, 1},
+                             {0, 2, 1},
+                             {3, 2, 1},
+                             {0, 0, 2},
+                             {3, 0, 2},
+                             {0, -1, 1},
+                             {3, -1, 1}},
+                            faces);
+}
+
+TEST(drop_duplicate_faces, both_sides_of_a_fin_on_a_closed_surface_go_and_are_told_apart) {
+  const Faces up{{4, 5, 9}, {9, 5, 4}, {4, 9, 8}, {8, 9, 4}}, out{{4, 5, 11, 10}, {10, 11, 5, 4}}, wall{{6, 7, 5, 4}};
+  Faces all = up;
+  all.insert(all.end(), out.begin(), out.end());
+  all.insert(all.end(), wall.begin(), wall.end());
+  for (unsigned seed = 0; seed < 8; ++seed) {
+    const PolygonMesh mesh = quads_and(all);
+    const Dropped result = drop(seed == 0 ? mesh : shapes::renumbered(mesh, seed));
+    EXPECT_EQ(result.surface.face_count(), 6u);
+    EXPECT_EQ(result.surface.vertex_count(), 8u);
+    ASSERT_EQ(result.diagnostics.size(), 2u);
+    EXPECT_EQ(result.diagnostics[0].count, 1u);
+    EXPECT_EQ(result.diagnostics[1].count, 6u);
+  }
+}
+
+TEST(drop_duplicate_faces, a_fin_on_an_open_surface_or_alone_stays) {
+  Faces open{{4, 5, 9, 8}, {8, 9, 5, 4}};
+  PolygonMesh mesh = quads_and(open);
+  mesh.corners.erase(mesh.corners.begin(), mesh.corners.begin() + 4);  // the box has no bottom
+  mesh.face_begin.pop_back();
+  EXPECT_EQ(drop(mesh).surface.face_count(), 7u);
+  EXPECT_EQ(drop(quads_and({{8, 9, 11, 10}, {10, 11, 9, 8}})).surface.face_count(), 8u);
+}
+
+TEST(drop_duplicate_faces, a_wall_between_solids_stays_where_a_fin_goes_on_from_it) {
+  // Two cubes with a common face, and a fin on one of that face's edges.
+  PolygonMesh mesh =
+      shapes::welded(shapes::joined(shapes::box({1, 1, 1}, 1), shapes::moved(shapes::box({1, 1, 1}, 1), {1, 0, 0})));
+  const std::size_t faces = mesh.face_count();
+  std::vector<VertexId> edge;
+  for (std::uint32_t v = 0; v < mesh.vertex_count(); ++v)
+    if (mesh.positions[VertexId(v)].x == 1 && mesh.positions[VertexId(v)].z == 1) edge.push_back(VertexId(v));
+  ASSERT_EQ(edge.size(), 2u);
+  const VertexId top(mesh.vertex_count());
+  mesh.positions.push_back({1, 0.5, 2});
+  for (const auto& loop : {std::array{edge[0], edge[1], top}, std::array{top, edge[1], edge[0]}}) {
+    mesh.corners.insert(mesh.corners.end(), loop.begin(), loop.end());
+    mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corners.size()));
+  }
+  EXPECT_EQ(drop(mesh).surface.face_count(), faces);
 }
 
 TEST(drop_duplicate_faces, where_nothing_is_to_be_mended_they_are_counted_only) {

@@ -26,7 +26,12 @@ Wound run(const PolygonMesh& mesh, Mend mend, const Stage& stage) {
   result.is_changed = stage(result.surface, edges, mend, result.diagnostics, control);
   return result;
 }
-Wound unify(const PolygonMesh& mesh, Mend mend = Mend::kYes) { return run(mesh, mend, unify_winding); }
+Wound unify(const PolygonMesh& mesh, Mend mend = Mend::kYes) {
+  return run(mesh, mend,
+             [&](Surface& surface, const Adjacency& edges, Mend if_asked, auto& diagnostics, auto& control) {
+               return unify_winding(surface, edges, mesh.labels, if_asked, diagnostics, control);
+             });
+}
 Wound turn(const PolygonMesh& mesh, Mend mend = Mend::kYes) {
   return run(mesh, mend,
              [&](Surface& surface, const Adjacency& edges, Mend if_asked, auto& diagnostics, auto& control) {
@@ -56,7 +61,7 @@ TEST(unify_winding, a_sound_surface_is_left_alone) {
   EXPECT_TRUE(result.diagnostics.empty());
 }
 
-TEST(unify_winding, the_faces_of_less_area_turn_and_are_listed) {
+TEST(unify_winding, the_faces_that_look_inwards_or_are_of_less_area_turn_and_are_listed) {
   const PolygonMesh box = shapes::box({1, 2, 3}, 2);
   const Wound result = unify(with_turned(box, {3, 17, 18}));
   EXPECT_TRUE(result.is_changed);
@@ -64,8 +69,10 @@ TEST(unify_winding, the_faces_of_less_area_turn_and_are_listed) {
   EXPECT_EQ(result.diagnostics[0].code, DiagnosticCode::kInconsistentWinding);
   EXPECT_EQ(result.diagnostics[0].elements, (std::vector<std::uint64_t>{3, 17, 18}));
   EXPECT_DOUBLE_EQ(volume(result.surface), 6);
-  // A surface that looks inwards for the most part does so as a whole then.
-  EXPECT_DOUBLE_EQ(volume(unify(with_turned(shapes::turned_over(box), {5})).surface), -6);
+  // The larger area decides only where nothing is enclosed.
+  EXPECT_DOUBLE_EQ(volume(unify(with_turned(shapes::turned_over(box), {5})).surface), 6);
+  const PolygonMesh sheet = shapes::turned_over(shapes::sheet(1, 1, 3, 3));
+  EXPECT_EQ(unify(with_turned(sheet, {5, 7})).diagnostics[0].elements, (std::vector<std::uint64_t>{5, 7}));
 }
 
 TEST(unify_winding, faces_turned_at_random_agree_again_and_pieces_do_so_each_by_itself) {
@@ -80,6 +87,27 @@ TEST(unify_winding, faces_turned_at_random_agree_again_and_pieces_do_so_each_by_
     EXPECT_TRUE(once.is_changed);
     const double v = volume(once.surface);
     EXPECT_TRUE(std::fabs(std::fabs(v) - 7) < 1e-12 || std::fabs(std::fabs(v) - 5) < 1e-12) << v;
+  }
+}
+
+TEST(unify_winding, a_closed_mixture_faces_outwards_and_a_cavity_inwards_whatever_the_areas) {
+  // One or three of four faces of a tetrahedron are turned, so the larger area faces inwards once.
+  const PolygonMesh tetrahedron =
+      shapes::from_lists({{0, 0, 0}, {6, 0, 0}, {0, 6, 0}, {0, 0, 6}}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}});
+  const PolygonMesh cavity = shapes::moved(shapes::scaled(tetrahedron, 0.125), {0.5, 0.5, 0.5});
+  for (const std::vector<std::size_t>& turned : {std::vector<std::size_t>{0}, {0, 1, 2}, {2}, {0, 2}}) {
+    EXPECT_NEAR(volume(unify(with_turned(tetrahedron, turned)).surface), 36, 1e-12);
+    PolygonMesh hollow = shapes::joined(tetrahedron, with_turned(cavity, turned));
+    for (unsigned seed = 0; seed < 3; ++seed) {
+      const double inner = 36.0 / 512;
+      EXPECT_NEAR(volume(unify(shapes::renumbered(hollow, seed)).surface), 36 - inner, 1e-12);
+      // A body of another material inside is a body.
+      PolygonMesh filled = hollow;
+      filled.labels.material.names = {"a", "b"};
+      filled.labels.material.of_face.assign(8, 0);
+      for (std::size_t f = 4; f < 8; ++f) filled.labels.material.of_face[FaceId(f)] = 1;
+      EXPECT_NEAR(volume(unify(shapes::renumbered(filled, seed)).surface), 36 + inner, 1e-12);
+    }
   }
 }
 
