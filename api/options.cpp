@@ -21,12 +21,13 @@ namespace {
 template <class T>
 using Word = std::pair<std::string_view, bool T::*>;
 
-constexpr std::array<Word<Repair>, 6> kRepairWords{{{"duplicates", &Repair::duplicates},
+constexpr std::array<Word<Repair>, 7> kRepairWords{{{"duplicates", &Repair::duplicates},
                                                     {"degenerate", &Repair::degenerate},
                                                     {"t_junctions", &Repair::t_junctions},
                                                     {"winding", &Repair::winding},
                                                     {"seams", &Repair::seams},
-                                                    {"inside_out", &Repair::inside_out}}};
+                                                    {"inside_out", &Repair::inside_out},
+                                                    {"holes", &Repair::holes}}};
 constexpr std::array<Word<Barriers>, 3> kBarrierWords{
     {{"object", &Barriers::object}, {"group", &Barriers::group}, {"material", &Barriers::material}}};
 
@@ -51,7 +52,7 @@ constexpr std::array<PresetValue, 5> kPresetValues{{
 constexpr std::array<std::pair<std::string_view, CircleFit>, 2> kCircleFitWords{
     {{"inscribed", CircleFit::kInscribed}, {"volume", CircleFit::kVolume}}};
 
-const std::array<OptionSpec, 27> kTable{{
+const std::array<OptionSpec, 28> kTable{{
     {.name = "refine",
      .type = OptionType::kBoolean,
      .field = &Options::refine,
@@ -200,6 +201,13 @@ const std::array<OptionSpec, 27> kTable{{
          "them, as near as the rounding of the coordinates explains; a plain list replaces the default, +word or "
          "-word changes it",
      .example = "duplicates,degenerate"},
+    {.name = "max_hole_edges",
+     .type = OptionType::kInteger,
+     .field = &Options::max_hole_edges,
+     .help = "with holes in repair: flat holes whose rims have at most so many edges are closed; none: those smaller "
+             "than defeature_size, or without it those of at most 12 edges or under 5 % of the bounding box's diagonal",
+     .unset = "none",
+     .example = "64"},
     {.name = "barriers",
      .type = OptionType::kWords,
      .field = &Options::barriers,

@@ -13,6 +13,7 @@ std::string_view diagnostic_name(DiagnosticCode code) {
     case DiagnosticCode::kNonManifoldEdge: return "non_manifold_edge";
     case DiagnosticCode::kNonManifoldVertex: return "non_manifold_vertex";
     case DiagnosticCode::kOpenBoundary: return "open_boundary";
+    case DiagnosticCode::kClosedHole: return "closed_hole";
     case DiagnosticCode::kSelfIntersection: return "self_intersection";
     case DiagnosticCode::kOverlappingFaces: return "overlapping_faces";
     case DiagnosticCode::kUnusedVertex: return "unused_vertex";

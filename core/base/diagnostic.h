@@ -20,6 +20,7 @@ enum class DiagnosticCode {
   kNonManifoldEdge,
   kNonManifoldVertex,
   kOpenBoundary,
+  kClosedHole,
   kSelfIntersection,
   kOverlappingFaces,
   kUnusedVertex,

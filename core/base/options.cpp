@@ -15,7 +15,7 @@ namespace {
 constexpr NumberRange kAboveZero{.minimum = 0, .above_minimum = true};
 constexpr NumberRange kNotNegative{.minimum = 0};
 
-constexpr std::array<NumberOption, 17> kNumberOptions{{
+constexpr std::array<NumberOption, 18> kNumberOptions{{
     {"min_angle_deg", &Options::min_angle_deg, {.minimum = 0, .maximum = Options::kMaxMinAngleDeg}},
     // The minimum is 1 / (2 sin 33 degrees), cut after three decimals.
     {"max_radius_edge_ratio", &Options::max_radius_edge_ratio, {.minimum = 0.918}},
@@ -35,6 +35,7 @@ constexpr std::array<NumberOption, 17> kNumberOptions{{
     {"elements_per_circle", &Options::elements_per_circle, {.minimum = 3, .maximum = 1000}},
     {"normal_tolerance", &Options::normal_tolerance, {.minimum = 0, .maximum = 0.5}},
     {"weld_tolerance", &Options::weld_tolerance, kNotNegative},
+    {"max_hole_edges", &Options::max_hole_edges, {.minimum = 3, .maximum = 1'000'000}},
 }};
 
 std::string shortest_text(double value) {
@@ -94,6 +95,8 @@ void check_options(const Options& options) {
     invalid("surface_tolerance_fraction", "excludes surface_tolerance: give one of them");
   if (options.min_edge_length && options.max_edge_length && *options.min_edge_length > *options.max_edge_length)
     invalid("min_edge_length", "must not be above max_edge_length");
+  if (options.max_hole_edges && !options.repair.holes)
+    invalid("max_hole_edges", "needs the word holes in repair, for example repair=+holes");
   if (options.reference_axis == ReferenceAxis::kGiven &&
       (!is_finite(options.reference_direction) || options.reference_direction == Vec3{}))
     invalid("reference_axis", "must be a direction of finite numbers, not all 0");

@@ -23,6 +23,7 @@ struct Repair {
   bool winding = true;
   bool seams = true;
   bool inside_out = false;
+  bool holes = false;
   friend bool operator==(const Repair&, const Repair&) = default;
 };
 
@@ -76,6 +77,9 @@ struct Options {
   CircleFit circle_fit = CircleFit::kInscribed;
   double weld_tolerance = 0;  ///< 0: only equal coordinates are one vertex
   Repair repair;
+  /// Holes whose rims have at most so many edges are closed, if `repair` has `holes`. Empty: those smaller than
+  /// defeature_size, or without such a size those that are small by themselves (core/mending/holes.h).
+  std::optional<std::uint64_t> max_hole_edges;
   Barriers barriers;
   /// If the output format cannot hold the result otherwise, write it relative to an origin near the mesh.
   bool local_origin = false;

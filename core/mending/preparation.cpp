@@ -13,6 +13,7 @@
 #include "core/mending/cracks.h"
 #include "core/mending/double_walls.h"
 #include "core/mending/duplicate_faces.h"
+#include "core/mending/holes.h"
 #include "core/mending/input_defects.h"
 #include "core/mending/mend_faces.h"
 #include "core/mending/seams.h"
@@ -44,7 +45,7 @@ class Preparation {
     choose_tolerance();
     mend();
     summary_.statistics.mended_euler = is_as_measured_ ? summary_.statistics.euler : euler();
-    tell_cracks();
+    tell_of_open_edges();
     return std::move(prepared_);
   }
 
@@ -199,6 +200,14 @@ class Preparation {
     if (is_mended) prepared_.without_area = faces_without_area(surface(), control_);
     // Neighbours get the same orientation. Closed shells get the right orientation if that is asked for.
     if_changed(unify_winding(surface(), adjacency(), input_.labels, mend_if(repair.winding), found, control_));
+    const Mend mend_holes = mend_if(repair.holes && limits_.is_joining_allowed);
+    const HoleRules rules{mend_holes, options_.max_hole_edges, options_.defeature_size.value_or(0),
+                          summary_.statistics.bounding_box.diagonal(), summary_.plane_tolerance};
+    const bool are_closed = close_holes(surface(), adjacency(), input_.labels, rules, found, holes_left_, control_);
+    if (repair.holes && !limits_.is_joining_allowed)
+      holes_left_ += "; none was closed, because the result with the new faces failed its own check";
+    if_changed(are_closed);
+    if (are_closed && !prepared_.without_area.empty()) prepared_.without_area = faces_without_area(surface(), control_);
     if (!is_solid())
       if_changed(turn_inside_out(surface(), adjacency(), input_.labels, mend_if(repair.inside_out), found, control_));
   }
@@ -246,12 +255,13 @@ class Preparation {
     same->count = count;
   }
 
-  /// Adds to the diagnostic on open edges how wide the cracks are that mending has left.
-  void tell_cracks() {
+  /// Adds to the diagnostic on open edges which holes and cracks mending has left.
+  void tell_of_open_edges() {
     std::vector<Diagnostic>& found = summary_.diagnostics;
     const auto open = std::find_if(found.begin(), found.end(),
                                    [](const Diagnostic& d) { return d.code == DiagnosticCode::kOpenBoundary; });
     if (open == found.end()) return;
+    open->message += holes_left_;
     const CrackRules rules{std::min(rounding_, summary_.plane_tolerance), summary_.plane_tolerance};
     open->message += describe_cracks(find_cracks(surface(), adjacency(), rules.rounding, control_), input_, options_,
                                      rules, control_);
@@ -283,6 +293,7 @@ class Preparation {
   InputSummary& summary_;
   RunControl& control_;
   Prepared prepared_;
+  std::string holes_left_;      ///< what is said of them
   double rounding_ = 0;         ///< in model units; how far the rounding of coordinates may move a point
   double spike_rounding_ = 0;   ///< in model units; the same for the step that the digits allow without proof
   bool is_as_measured_ = true;  ///< nothing has been mended since the surface was measured

@@ -50,6 +50,8 @@ struct Surface {
   /// One number per face. Between neighbours with different labels is a barrier: they never belong to one patch. Empty
   /// if there are no labels.
   IdVector<FaceId, std::uint32_t> face_label;
+  /// The faces that were made to close holes, ascending. Each has the source and the label of a face at its hole's rim.
+  std::vector<FaceId> caps;
 
   std::size_t vertex_count() const { return positions.size(); }
   std::size_t face_count() const { return face_begin.size() - 1; }
@@ -79,12 +81,13 @@ struct Surface {
       if (face_source[f] != last) take(last = face_source[f]);
   }
 
-  /// Replaces the faces by these. They use the surface's own vertices.
+  /// Replaces the faces by these, none of which closes a hole. They use the surface's own vertices.
   void take_faces(FaceList&& faces) {
     face_begin = std::move(faces.face_begin);
     corners = std::move(faces.corners);
     face_source = std::move(faces.face_source);
     face_label = std::move(faces.face_label);
+    caps.clear();
   }
   /// Copies all that still belongs to the mesh from which the surface was made, so that the surface no longer needs it.
   void detach() {

@@ -1,5 +1,6 @@
 #include "core/verify/polygons.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <optional>
@@ -111,6 +112,8 @@ class PolygonCheck {
     Vec3 twice_sum;
     double twice_covered = 0, magnitude = outline.magnitude;
     for (std::size_t f = faces.begin; f < faces.end; ++f) {
+      // A face that closes a hole has the source of a face beside it.
+      if (std::binary_search(claim_.surface.caps.begin(), claim_.surface.caps.end(), FaceId(f))) continue;
       face.clear();
       for (const VertexId v : model_.input.face(f)) face.push_back(model_.points[v.value]);
       const OutlineMeasures of_face = measure_outline(face, check);

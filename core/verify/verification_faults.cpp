@@ -9,25 +9,25 @@ namespace {
 
 constexpr std::size_t kMaxFailures = 20;
 
-constexpr std::uint32_t bit(Fault fault) { return 1u << static_cast<int>(fault); }
-static_assert(kFaultCount <= 32);
+constexpr std::uint64_t bit(Fault fault) { return std::uint64_t{1} << static_cast<int>(fault); }
+static_assert(kFaultCount < 64);
 
 // These masks hold the faults that refute each promise. Some faults refute more than one promise. If boundaries do
 // not match, the result is not conforming, and the argument for the distance of the surfaces fails too (see
 // patch_shape.h).
-constexpr std::uint32_t kAgainstSurface =
+constexpr std::uint64_t kAgainstSurface =
     bit(Fault::kMalformed) | bit(Fault::kMovedVertex) | bit(Fault::kForeignVertex) | bit(Fault::kNoFaces) |
     bit(Fault::kLostLoop) | bit(Fault::kBoundary) | bit(Fault::kChord) | bit(Fault::kDeviation) |
     bit(Fault::kFacingAway) | bit(Fault::kArea) | bit(Fault::kInverted) | bit(Fault::kEuler) | bit(Fault::kVolume) |
     bit(Fault::kNewVertex) | bit(Fault::kNewOffLine) | bit(Fault::kPolygon) | bit(Fault::kSurface) |
-    bit(Fault::kCover) | bit(Fault::kUnexplained);
-constexpr std::uint32_t kAgainstConforming = bit(Fault::kMalformed) | bit(Fault::kLostVertex) | bit(Fault::kLostLoop) |
+    bit(Fault::kCover) | bit(Fault::kUnexplained) | bit(Fault::kCap);
+constexpr std::uint64_t kAgainstConforming = bit(Fault::kMalformed) | bit(Fault::kLostVertex) | bit(Fault::kLostLoop) |
                                              bit(Fault::kBoundary) | bit(Fault::kZeroArea) | bit(Fault::kInverted) |
                                              bit(Fault::kOpened) | bit(Fault::kNewVertex) | bit(Fault::kNewOffLine) |
                                              bit(Fault::kNewIntersection);
-constexpr std::uint32_t kAgainstDelaunay =
+constexpr std::uint64_t kAgainstDelaunay =
     bit(Fault::kMalformed) | bit(Fault::kFrame) | bit(Fault::kPlaneCoordinates) | bit(Fault::kNotDelaunay);
-constexpr std::uint32_t kAgainstQuality = bit(Fault::kMalformed) | bit(Fault::kLockedBoundary) | bit(Fault::kUnlisted) |
+constexpr std::uint64_t kAgainstQuality = bit(Fault::kMalformed) | bit(Fault::kLockedBoundary) | bit(Fault::kUnlisted) |
                                           bit(Fault::kListedInVain) | bit(Fault::kCertificate) |
                                           bit(Fault::kShortEdge) | bit(Fault::kTooManyFaces);
 static_assert((kAgainstSurface | kAgainstConforming | kAgainstDelaunay | kAgainstQuality) ==
@@ -75,6 +75,9 @@ std::string words(const FoundFault& found) {
     case Fault::kUnexplained:
       return "the facets of the curved patch and the options do not explain how far it may be from its surface";
     case Fault::kPolygon: return "the triangles made of input polygon " + id + " do not cover it exactly once";
+    case Fault::kCap:
+      return "the face that closes a hole at input face " + id +
+             " is not flat, is not bounded by the hole's rim, or meets other faces";
   }
   return {};
 }
@@ -82,14 +85,14 @@ std::string words(const FoundFault& found) {
 }  // namespace
 
 void FoundFaults::add(PatchId patch, Fault fault, std::uint32_t element) {
-  std::uint32_t& seen = patch.is_valid() ? of_patch_[patch.value] : of_whole_;
+  std::uint64_t& seen = patch.is_valid() ? of_patch_[patch.value] : of_whole_;
   if (seen & bit(fault)) return;
   seen |= bit(fault);
   faults_.push_back({patch, fault, element});
 }
 
 void FoundFaults::write_to(Verdict& verdict) const {
-  std::uint32_t faults = of_whole_;
+  std::uint64_t faults = of_whole_;
   for (std::size_t p = 0; p < of_patch_.size(); ++p) {
     faults |= of_patch_[p];
     if (of_patch_[p] != 0) verdict.failed_patches.push_back(PatchId(p));

@@ -43,8 +43,9 @@ enum class Fault : std::uint8_t {
   kSurface,           ///< the surface that is claimed for a curved patch is not valid
   kCover,             ///< a curved patch does not cover its surface as often as its input does
   kUnexplained,       ///< a curved patch may be farther from its input than that explains and than the options allow
+  kCap,  ///< a face that closes a hole is not flat, has another boundary than the hole, or meets other faces
 };
-inline constexpr int kFaultCount = static_cast<int>(Fault::kUnexplained) + 1;
+inline constexpr int kFaultCount = static_cast<int>(Fault::kCap) + 1;
 
 /// One fault at one place. The patch is invalid if the fault belongs to the whole mesh.
 struct FoundFault {
@@ -70,8 +71,8 @@ class FoundFaults {
 
  private:
   bool is_refined_;
-  std::vector<std::uint32_t> of_patch_;  ///< one bit for each fault
-  std::uint32_t of_whole_ = 0;
+  std::vector<std::uint64_t> of_patch_;  ///< one bit for each fault
+  std::uint64_t of_whole_ = 0;
   std::vector<FoundFault> faults_;
 };
 

@@ -17,6 +17,7 @@
 #include "core/geometry/patch_intersections.h"
 #include "core/mesh/triangle_corners.h"
 #include "core/verify/boundary.h"
+#include "core/verify/caps.h"
 #include "core/verify/edge_table.h"
 #include "core/verify/exact.h"
 #include "core/verify/goal_check.h"
@@ -197,6 +198,7 @@ Verdict verify(const Claim& claim, RunControl& control) {
          [&] { look_at(model.input, claim.surface_edge_order, edges_before, seams_before); });
   const EdgeTable &input_edges = *edges_before, &output_edges = *edges_after;
   const Seams seams{*std::move(seams_before), *std::move(seams_after)};
+  check_caps(claim, model, input_edges, faults, control);
   control.progress(0.6);
 
   // This checks that loops are preserved and edges conform.

@@ -119,6 +119,7 @@ struct Claim {
 ///   bound for the volume. For each patch it is the larger of its input and output area, plus the area between the
 ///   loops, times the largest difference of their heights; rounding is added.
 /// - The faces that were made of an input polygon cover it once, if the polygon does not cross itself.
+/// - The faces that were made to close holes fill these and nothing else (verify/caps.h).
 ///
 /// `conforming`:
 /// - Every output edge has the same faces in the same directions as the input's edges under it.

@@ -74,6 +74,7 @@ TEST(options, the_table_has_every_option_of_the_contract_with_its_default) {
                                                          {"normal_tolerance", "1e-06"},
                                                          {"weld_tolerance", "0"},
                                                          {"repair", "duplicates,degenerate,t_junctions,winding,seams"},
+                                                         {"max_hole_edges", "none"},
                                                          {"barriers", "object,group,material"},
                                                          {"local_origin", "false"},
                                                          {"reference_axis", "dominant_edge"},
@@ -347,7 +348,8 @@ TEST(options, words_with_signs_and_words_without_do_not_mix) {
 }
 
 TEST(options, a_word_that_is_not_known_is_an_error_that_names_those_that_are) {
-  for (const std::string_view text : {"+union", "-holes", "imprint", "winding,self_intersections", " union"}) {
+  for (const std::string_view text :
+       {"+union", "-self_intersections", "imprint", "winding,self_intersections", " union"}) {
     expect_invalid("repair", text);
     const Error error = error_of([&] { read("repair", text); });
     for (const std::string_view word : option_words(*find_option("repair")))
@@ -422,10 +424,22 @@ TEST(options, both_of_a_pair_are_refused_in_either_order) {
   }
 }
 
+TEST(options, a_number_of_edges_of_holes_needs_the_word_holes) {
+  for (const std::string_view repair : {"+holes", "holes", "seams,holes"})
+    EXPECT_EQ(read_all({{"max_hole_edges", "64"}, {"repair", repair}}).core.max_hole_edges, 64u);
+  for (const std::string_view repair : {"-holes", "none", "seams"}) {
+    const Error error = error_of([&] { read_all({{"repair", repair}, {"max_hole_edges", "64"}}); });
+    EXPECT_EQ(error.code, Code::kInvalidOption);
+    EXPECT_EQ(error.option, "max_hole_edges");
+  }
+  EXPECT_EQ(read_all({{"max_hole_edges", "none"}}).core.max_hole_edges, std::nullopt);
+}
+
 TEST(options, all_that_are_declared_exist) {
   for (const OptionSpec& spec : option_table()) {
     SCOPED_TRACE(spec.name);
     OptionReader reader;
+    if (spec.name == "max_hole_edges") reader.add("repair", "+holes");
     reader.add(spec.name, spec.example);
     EXPECT_NO_THROW(reader.check());
   }

@@ -184,7 +184,8 @@ def check_parameters(contract):
         if parameter["in"] == "query" and "example" in parameter:
             value = parameter["example"]
             text = json.dumps(value) if isinstance(value, bool) else str(value)
-            yield f"{parameter['name']}={text}"
+            needed = "repair=%2Bholes&" if parameter["name"] == "max_hole_edges" else ""
+            yield f"{needed}{parameter['name']}={text}"
 
 
 def check_options(contract, daemon):
@@ -196,7 +197,8 @@ def check_options(contract, daemon):
         values = [None, True, {}, -1, 0, 1, 1.5, 2.0, 100, "1", "x", "auto", "none", [], ["x"], [1, 0]]
         if option in ("repair", "barriers", "reference_axis"):  # of their words the schema knows the type only
             values = [value for value in values if not isinstance(value, (str, list))]
-        cases += [{"mesh": square, "options": {option: value}} for value in values]
+        needed = {"repair": "+holes"} if option == "max_hole_edges" else {}
+        cases += [{"mesh": square, "options": {**needed, option: value}} for value in values]
     for case in cases:
         answer = ask(daemon.port, "POST", "/v1/remesh", json.dumps(case).encode(), {"Content-Type": "application/json"})
         code = json.loads(answer.body).get("code")

@@ -83,6 +83,13 @@ std::string draw_value(const OptionSpec& spec, Random& random, double diagonal) 
   return std::string(spec.example);
 }
 
+/// Returns whether holes are to be closed, without which their sizes are refused.
+bool asks_for_holes(const OptionTexts& options) {
+  return std::any_of(options.begin(), options.end(), [](const auto& given) {
+    return given.first == "repair" && given.second.find("holes") != std::string::npos;
+  });
+}
+
 }  // namespace
 
 OptionTexts draw_options(Random& random, double diagonal) {
@@ -97,6 +104,7 @@ OptionTexts draw_options(Random& random, double diagonal) {
       const OptionSpec* other = api::find_option(given.first);
       return given.first == spec.excludes || (other != nullptr && other->excludes == spec.name);
     });
+    if (spec.name == "max_hole_edges" && !asks_for_holes(options) && random.chance(0.95)) continue;
     if (random.chance(probability) && !(is_excluded && random.chance(0.95))) options.emplace_back(spec.name, value);
   }
   return options;

@@ -146,7 +146,7 @@ def words_of_range(option):
     """The range of an option in the words of the documents, or "" where it goes without saying."""
     low, above, high = (option.get(bound) for bound in ("minimum", "exclusive_minimum", "maximum"))
     if high is not None:
-        return f"{low:g} to {high:g}"
+        return f"{low:g} to {high:,.0f}" if high >= 10_000 else f"{low:g} to {high:g}"
     if above:
         return f"above {above:g}"
     return f"at least {low:g}" if low and option["type"] == "number" else ""

@@ -56,6 +56,7 @@ TEST(check_options, each_option_at_fault_is_named) {
       {"plane_tolerance", Code::kInvalidOption, [](Options& o) { o.plane_tolerance = NAN; }},
       {"normal_tolerance", Code::kInvalidOption, [](Options& o) { o.normal_tolerance = -1; }},
       {"normal_tolerance", Code::kInvalidOption, [](Options& o) { o.normal_tolerance = 0.51; }},
+      {"max_hole_edges", Code::kInvalidOption, [](Options& o) { o.max_hole_edges = 10; }},
       {"reference_axis", Code::kInvalidOption, [](Options& o) { o.reference_axis = ReferenceAxis::kGiven; }},
   };
   for (const BadOption& b : bad) {
@@ -91,6 +92,7 @@ TEST(check_options, each_number_is_taken_at_the_ends_of_its_range_and_refused_be
     const NumberRange& range = option.range;
     const auto check = [&](double value) {
       Options options;
+      options.repair.holes = true;  // max_hole_edges needs this
       set(options, option, value);
       check_options(options);
     };
@@ -106,11 +108,12 @@ TEST(check_options, each_number_is_taken_at_the_ends_of_its_range_and_refused_be
     } else {
       EXPECT_NO_THROW(check(range.minimum));
     }
+    const bool is_whole = std::holds_alternative<std::optional<std::uint64_t> Options::*>(option.member);
     if (range.maximum) {
       EXPECT_NO_THROW(check(*range.maximum));
-      expect_refused(std::nextafter(*range.maximum, HUGE_VAL));
+      expect_refused(is_whole ? *range.maximum + 1 : std::nextafter(*range.maximum, HUGE_VAL));
     }
-    if (std::holds_alternative<std::optional<std::uint64_t> Options::*>(option.member)) {
+    if (is_whole) {
       expect_refused(0);
       continue;
     }

@@ -22,6 +22,8 @@ export interface Finding {
 
 /** Obstacles for a volume mesher that an option can remove, with an explanation of each. */
 const kObstacles: Record<string, string> = {
+  open_boundary:
+    "An edge has only one face, so the surface has holes. Tick holes among the repairs to close small flat ones, and set max hole edges for larger ones.",
   inside_out:
     "A closed shell has the wrong orientation: a body faces inwards, or a cavity outwards. Tick inside out among the repairs to turn it over.",
 };
