@@ -21,7 +21,7 @@ constexpr double kMinRise = 8, kMuchNearer = 0.5;
 /// The places of a claim's facets and corners on its surface.
 class LooseClaim {
  public:
-  LooseClaim(const FacetGraph& graph, const Claim& claim, RunControl& control)
+  LooseClaim(const FacetGraph& graph, const SurfaceClaim& claim, RunControl& control)
       : graph_(graph), claim_(claim), shape_(claim.shape), control_(control) {
     Vec3 sum;
     for (const PatchId p : claim.facets) {
@@ -160,7 +160,7 @@ class LooseClaim {
   }
 
   const FacetGraph& graph_;
-  const Claim& claim_;
+  const SurfaceClaim& claim_;
   const AnalyticSurface& shape_;
   RunControl& control_;
   std::vector<Vec3> points_;        ///< the corners, each once, in order
@@ -170,7 +170,7 @@ class LooseClaim {
 
 }  // namespace
 
-bool is_loose_claim_proven(const FacetGraph& graph, const Claim& claim, RunControl& control) {
+bool is_loose_claim_proven(const FacetGraph& graph, const SurfaceClaim& claim, RunControl& control) {
   return LooseClaim(graph, claim, control).is_proven();
 }
 

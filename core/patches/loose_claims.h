@@ -18,6 +18,6 @@ namespace remesh {
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:   some fits to the corners.
 /// Source: rules.md, Ends of surfaces.
-bool is_loose_claim_proven(const FacetGraph& graph, const Claim& claim, RunControl& control);
+bool is_loose_claim_proven(const FacetGraph& graph, const SurfaceClaim& claim, RunControl& control);
 
 }  // namespace remesh

@@ -34,7 +34,7 @@ class BandJoiner {
   void join_all() {
     StopCheck check(control_);
     std::vector<std::optional<Band>> bands;
-    for (const Claim& claim : table_.claims) bands.push_back(band_of(claim));
+    for (const SurfaceClaim& claim : table_.claims) bands.push_back(band_of(claim));
     UnionFind groups(table_.claims.size());
     for (std::uint32_t c = 0; c < table_.claims.size(); ++c) {
       if (!bands[c]) continue;
@@ -58,7 +58,7 @@ class BandJoiner {
   }
 
  private:
-  std::optional<Band> band_of(const Claim& claim) const {
+  std::optional<Band> band_of(const SurfaceClaim& claim) const {
     const SurfaceKind kind = claim.shape.kind;
     if (claim.facets.empty() || (kind != SurfaceKind::kCone && kind != SurfaceKind::kCylinder)) return std::nullopt;
     double low = HUGE_VAL, high = -HUGE_VAL;
@@ -106,7 +106,7 @@ class BandJoiner {
       axes += (dot(band.axis, direction) < 0 ? -1.0 : 1.0) * band.axis;
       for (const Vec2& rim : bands[c]->rims) centres += band.origin + rim.y * band.axis;
     }
-    Claim joined;
+    SurfaceClaim joined;
     joined.shape.kind = SurfaceKind::kRevolution;
     joined.shape.axis = normalized(axes);
     joined.shape.origin = (0.5 / static_cast<double>(group.size())) * centres;
@@ -116,7 +116,7 @@ class BandJoiner {
         const Vec3 centre = bands[c]->shape.origin + rim.y * bands[c]->shape.axis;
         joined.profile.push_back({rim.x, dot(centre - joined.shape.origin, joined.shape.axis)});
       }
-      Claim& band = table_.claims[c];
+      SurfaceClaim& band = table_.claims[c];
       if (band.side != joined.side) joined.side = 0;
       joined.facets.insert(joined.facets.end(), band.facets.begin(), band.facets.end());
       joined.area += band.area;

@@ -324,8 +324,8 @@ double ClaimGrower::drop_uneven(const AnalyticSurface& shape, std::vector<PatchI
   return area > 0 ? height / area : 0;
 }
 
-std::optional<Claim> ClaimGrower::grow(const AnalyticSurface& start, std::span<const PatchId> seed,
-                                       const Growth& growth) {
+std::optional<SurfaceClaim> ClaimGrower::grow(const AnalyticSurface& start, std::span<const PatchId> seed,
+                                              const Growth& growth) {
   ++growth_;
   tolerance_ = growth.tolerance;
   is_doubtful_ = growth.is_doubtful;
@@ -349,7 +349,7 @@ std::optional<Claim> ClaimGrower::grow(const AnalyticSurface& start, std::span<c
   if (members.size() < 2 || 2 * members.size() < seed.size()) return std::nullopt;
   const double height = chord_height(Gauge(shape), members.front());
   first_slack_ = std::clamp(kSlackOfHeight * height / tolerance_, kMinFirstSlack, kFirstSlack);
-  std::optional<Claim> claim;
+  std::optional<SurfaceClaim> claim;
   if (grow_members(shape, side, growth.may_replace, members)) claim = conclude(shape, side, members);
   if (!claim && members.size() >= min_facets(shape.kind)) given_up_ = std::move(members);
   return claim;
@@ -387,7 +387,7 @@ bool ClaimGrower::grow_members(AnalyticSurface& shape, int side, Taken may_repla
   return true;
 }
 
-bool ClaimGrower::goes_on_beyond(const Gauge& gauge, const Claim& claim) {
+bool ClaimGrower::goes_on_beyond(const Gauge& gauge, const SurfaceClaim& claim) {
   // The facets of the claim are marked, and only they are.
   ++growth_;
   for (const PatchId p : claim.facets) mark_[p] = growth_;
@@ -411,7 +411,7 @@ bool ClaimGrower::goes_on_beyond(const Gauge& gauge, const Claim& claim) {
   return soft > kMaxSoft * border;
 }
 
-bool ClaimGrower::is_explained(const Claim& claim) const {
+bool ClaimGrower::is_explained(const SurfaceClaim& claim) const {
   double explained = 0, area = 0;
   for (const PatchId p : claim.facets) {
     if (!graph_.may_be_seed(p)) continue;
@@ -421,7 +421,7 @@ bool ClaimGrower::is_explained(const Claim& claim) const {
   return claim.chord_height * area <= kMaxUnexplained * explained + tolerance_ * area;
 }
 
-std::optional<Claim> ClaimGrower::conclude(AnalyticSurface shape, int side, std::vector<PatchId> members) {
+std::optional<SurfaceClaim> ClaimGrower::conclude(AnalyticSurface shape, int side, std::vector<PatchId> members) {
   constexpr int kMaxFits = 4;
   for (int i = 0; i < kMaxFits; ++i) {
     const double chord_height = drop_uneven(shape, members);
@@ -447,7 +447,7 @@ std::optional<Claim> ClaimGrower::conclude(AnalyticSurface shape, int side, std:
     const std::size_t before = members.size();
     trim(shape, tolerance_, side, members);
     if (members.size() == before) {
-      Claim claim{shape, side, std::move(members), tolerance_, {}, 0, 0, true, chord_height, {}};
+      SurfaceClaim claim{shape, side, std::move(members), tolerance_, {}, 0, 0, true, chord_height, {}};
       claim.is_explained = is_explained(claim);
       const Gauge gauge(shape);
       std::size_t close = 0;

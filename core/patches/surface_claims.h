@@ -20,7 +20,7 @@
 namespace remesh {
 
 /// Facets that are claimed for a surface, in local units.
-struct Claim {
+struct SurfaceClaim {
   AnalyticSurface shape;
   int side = 1;  ///< 1 if the facets' normals point to the positive side of the surface, otherwise -1
   std::vector<PatchId> facets;
@@ -30,7 +30,8 @@ struct Claim {
   double deviation = 0;       ///< largest distance of a corner from the surface
   bool is_explained = true;   ///< the turns between the facets explain how far they are from the surface
   double chord_height = 0;    ///< the facets' distance from the surface: the mean of their largest ones, by area
-  std::vector<Claim> bands;   ///< only a surface of revolution has them: the cones and cylinders that it was made of
+  std::vector<SurfaceClaim>
+      bands;  ///< only a surface of revolution has them: the cones and cylinders that it was made of
 };
 
 /// The claims, and which facets belong to which.
@@ -38,13 +39,13 @@ struct ClaimTable {
   explicit ClaimTable(std::size_t facets) : owner(facets, kNone) {}
 
   /// Adds a claim. Its facets belong to it from now on, even if they belonged to another one.
-  void add(Claim claim) {
+  void add(SurfaceClaim claim) {
     for (const PatchId p : claim.facets) owner[p] = static_cast<std::uint32_t>(claims.size());
     claims.push_back(std::move(claim));
   }
 
   IdVector<PatchId, std::uint32_t> owner;  ///< index in `claims`, or kNone
-  std::vector<Claim> claims;               ///< some may have lost all of their facets
+  std::vector<SurfaceClaim> claims;        ///< some may have lost all of their facets
 };
 
 /// The state of a facet while claims are made.
@@ -70,7 +71,7 @@ class ClaimGrower {
 
   /// Grows a surface from facets that lie about on it, over facets that are not taken, or at most weakly.
   /// Output: nothing if no surface of this kind has enough facets to be believed.
-  std::optional<Claim> grow(const AnalyticSurface& start, std::span<const PatchId> seed, const Growth& growth);
+  std::optional<SurfaceClaim> grow(const AnalyticSurface& start, std::span<const PatchId> seed, const Growth& growth);
 
   /// Returns how much work was done so far. It is counted in steps, so that it is the same on every machine.
   std::uint64_t work() const { return work_; }
@@ -104,10 +105,10 @@ class ClaimGrower {
   double median_by_area(std::vector<std::pair<double, PatchId>>& values) const;
   /// Returns whether the facets around a claim leave its surface so gradually that the claim is a piece of something
   /// larger, to which the surface is only near.
-  bool goes_on_beyond(const Gauge& gauge, const Claim& claim);
-  bool is_explained(const Claim& claim) const;
+  bool goes_on_beyond(const Gauge& gauge, const SurfaceClaim& claim);
+  bool is_explained(const SurfaceClaim& claim) const;
   bool grow_members(AnalyticSurface& shape, int side, Taken may_replace, std::vector<PatchId>& members);
-  std::optional<Claim> conclude(AnalyticSurface shape, int side, std::vector<PatchId> members);
+  std::optional<SurfaceClaim> conclude(AnalyticSurface shape, int side, std::vector<PatchId> members);
 
   const FacetGraph& graph_;
   double tolerance_ = 0;      ///< of this growth

@@ -47,7 +47,7 @@ void drop_islands(const FacetGraph& graph, ClaimTable& table, RunControl& contro
     // A few facets are planes rather than a surface of their own.
     region_area.push_back(region.size() >= kMinSea ? area : 0);
   }
-  for (Claim& claim : table.claims) {
+  for (SurfaceClaim& claim : table.claims) {
     if (claim.facets.empty() || claim.facets.size() > kMaxIsland) continue;
     if (claim.facets.size() >= kMinClear && claim.deviation <= kClear * claim.tolerance) continue;
     double border = 0, shore = 0, sea = 0;

@@ -105,7 +105,7 @@ Vec3 normal_at(const AnalyticSurface& shape, const Vec3& p) {
 
 }  // namespace
 
-FacetMeasures measure_facets(const FacetGraph& graph, const Claim& claim, const AnalyticSurface& shape,
+FacetMeasures measure_facets(const FacetGraph& graph, const SurfaceClaim& claim, const AnalyticSurface& shape,
                              double tolerance, RunControl& control) {
   const bool is_revolution = shape.kind == SurfaceKind::kRevolution;
   FacetMeasures result;

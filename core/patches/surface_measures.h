@@ -20,7 +20,7 @@ struct FacetMeasures {
 /// local units.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:   O(n log n) in the facets.
-FacetMeasures measure_facets(const FacetGraph& graph, const Claim& claim, const AnalyticSurface& shape,
+FacetMeasures measure_facets(const FacetGraph& graph, const SurfaceClaim& claim, const AnalyticSurface& shape,
                              double tolerance, RunControl& control);
 
 }  // namespace remesh

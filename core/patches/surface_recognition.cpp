@@ -70,7 +70,7 @@ class Recogniser {
         check_(control),
         control_(control) {}
 
-  std::vector<Claim> run() {
+  std::vector<SurfaceClaim> run() {
     const std::vector<SurfaceSeed> seeds = find_seeds(graph_, control_);
     claim_ruled(seeds);
     replace_bands();
@@ -106,7 +106,7 @@ class Recogniser {
       const std::array<PatchId, 2> pair{seed.facet, graph_.beyond(seed.side)};
       if (!is_free(pair[0]) || !is_free(pair[1])) continue;
       if (attempts_[pair[0]] >= kMaxAttempts || attempts_[pair[1]] >= kMaxAttempts) continue;
-      std::optional<Claim> best;
+      std::optional<SurfaceClaim> best;
       tolerance_ = tolerance_at(seed);
       for (const AnalyticSurface& guess : guesses.of(seed)) grow(guess, pair, Taken::kFree, best);
       if (best && best->shape.kind == SurfaceKind::kSphere && is_close(*best)) ask_again(best);
@@ -118,7 +118,7 @@ class Recogniser {
 
   /// Tries the other kinds on facets that a sphere fits. If they are a single ring of facets around an axis, their
   /// corners lie on two circles, and a sphere through two circles proves nothing: a cone or a torus fits as well.
-  void ask_again(std::optional<Claim>& best) {
+  void ask_again(std::optional<SurfaceClaim>& best) {
     std::vector<PatchId> seed;
     sample(best->facets, seed);
     collect(seed);
@@ -143,7 +143,7 @@ class Recogniser {
   }
 
   /// Grows those kinds of surfaces that normals help to guess from facets that were collected.
-  void try_kinds(std::span<const PatchId> seed, Taken may_replace, std::optional<Claim>& best) {
+  void try_kinds(std::span<const PatchId> seed, Taken may_replace, std::optional<SurfaceClaim>& best) {
     constexpr std::uint64_t kWorkOfGuess = 40;
     wasted_ += kWorkOfGuess * points_.size();
     const auto attempt = [&](const std::optional<AnalyticSurface>& guess) {
@@ -158,10 +158,10 @@ class Recogniser {
 
   /// Grows a surface, and takes it if it is better. Facets over which it was given up are soon left alone.
   void grow(const AnalyticSurface& guess, std::span<const PatchId> seed, Taken may_replace,
-            std::optional<Claim>& best) {
+            std::optional<SurfaceClaim>& best) {
     if (is_exhausted()) return;
     const std::uint64_t before = grower_.work();
-    std::optional<Claim> claim = grower_.grow(guess, seed, {tolerance_, may_replace, is_doubtful_});
+    std::optional<SurfaceClaim> claim = grower_.grow(guess, seed, {tolerance_, may_replace, is_doubtful_});
     if (!claim) wasted_ += grower_.work() - before;
     if (claim && !claim->is_explained && are_lies_dropped_) claim.reset();
     take_larger(std::move(claim), best);
@@ -172,7 +172,7 @@ class Recogniser {
   /// Returns whether so much work was in vain that the rest of the facets is left free.
   bool is_exhausted() const { return wasted_ > kFreeWaste + kMaxWaste * graph_.size(); }
 
-  static void take_larger(std::optional<Claim> claim, std::optional<Claim>& best) {
+  static void take_larger(std::optional<SurfaceClaim> claim, std::optional<SurfaceClaim>& best) {
     if (!claim) return;
     if (!best) {
       best = std::move(claim);
@@ -183,7 +183,7 @@ class Recogniser {
 
   /// The larger surface is better. Of two that are about as large, it is the one that the facets explain, or else the
   /// one from which they deviate less, or else the one with fewer parameters.
-  static bool is_better(const Claim& a, const Claim& b) {
+  static bool is_better(const SurfaceClaim& a, const SurfaceClaim& b) {
     if (a.area > kLarger * b.area) return true;
     if (b.area > kLarger * a.area) return false;
     if (a.is_explained != b.is_explained) return a.is_explained;
@@ -192,7 +192,7 @@ class Recogniser {
     return parameter_count(a.shape.kind) < parameter_count(b.shape.kind);
   }
 
-  void add(Claim claim) {
+  void add(SurfaceClaim claim) {
     for (const PatchId p : claim.facets) grower_.set_taken(p, Taken::kWeakly);
     table_.add(std::move(claim));
   }
@@ -203,7 +203,7 @@ class Recogniser {
   }
 
   /// Returns whether a claim fits so well that it may be a piece of something larger that fits as well.
-  bool is_close(const Claim& claim) const { return claim.deviation <= kCloseFit * claim.tolerance; }
+  bool is_close(const SurfaceClaim& claim) const { return claim.deviation <= kCloseFit * claim.tolerance; }
 
   void replace_band(std::uint32_t c) {
     if (is_exhausted()) return;
@@ -232,7 +232,7 @@ class Recogniser {
     sample(table_.claims[c].facets, seed_);
     sample(others, seed_);
     collect(seed_);
-    std::optional<Claim> best;
+    std::optional<SurfaceClaim> best;
     if (const auto sphere = guess_sphere(points_)) grow(*sphere, seed_, Taken::kWeakly, best);
     if (band.kind == SurfaceKind::kCone || band.kind == SurfaceKind::kCylinder)
       if (const auto torus = guess_torus(points_, band.origin, band.axis)) grow(*torus, seed_, Taken::kWeakly, best);
@@ -248,7 +248,7 @@ class Recogniser {
   }
 
   /// Adds a claim in the place of those whose facets it has, if it is much larger than each of them.
-  bool replace(Claim claim) {
+  bool replace(SurfaceClaim claim) {
     std::vector<std::uint32_t> owners;
     double largest = 0;
     for (const PatchId p : claim.facets)
@@ -261,7 +261,7 @@ class Recogniser {
     if (!is_close(claim) && !(claim.area > kMuchLargerIfDoubtful * largest)) return false;
     add(std::move(claim));
     for (const std::uint32_t o : owners) {
-      Claim& old = table_.claims[o];
+      SurfaceClaim& old = table_.claims[o];
       std::erase_if(old.facets, [&](PatchId p) { return table_.owner[p] != o; });
       old.area = 0;
       for (const PatchId p : old.facets) old.area += graph_.area(p);
@@ -298,7 +298,7 @@ class Recogniser {
       collect(around);
       if (around.size() < 4) continue;
       tolerance_ = tolerance_at(seed);
-      std::optional<Claim> best;
+      std::optional<SurfaceClaim> best;
       try_kinds(around, Taken::kFree, best);
       if (best) add(std::move(*best));
     }
@@ -320,7 +320,7 @@ class Recogniser {
       tried_[f] = tried_[g] = kInCluster;
       if (cluster.size() < kMinCluster) continue;
       collect(cluster);
-      std::optional<Claim> best;
+      std::optional<SurfaceClaim> best;
       tolerance_ = tolerance_at(seed);
       try_kinds(cluster, Taken::kFree, best);
       if (!best) {
@@ -338,7 +338,7 @@ class Recogniser {
   /// which facets belong together: a ring around a torus is a piece of a sphere, too.
   void drop_unexplained() {
     are_lies_dropped_ = true;
-    for (Claim& claim : table_.claims) {
+    for (SurfaceClaim& claim : table_.claims) {
       if (claim.facets.empty() || claim.is_explained) continue;
       for (const PatchId p : claim.facets) {
         table_.owner[p] = kNone;
@@ -371,8 +371,8 @@ class Recogniser {
     }
   }
 
-  std::vector<Claim> take_claims() {
-    std::erase_if(table_.claims, [](const Claim& c) { return c.facets.empty(); });
+  std::vector<SurfaceClaim> take_claims() {
+    std::erase_if(table_.claims, [](const SurfaceClaim& c) { return c.facets.empty(); });
     return std::move(table_.claims);
   }
 
@@ -398,7 +398,7 @@ class Recogniser {
 
 RecognisedSurfaces recognise_surfaces(const Facets& facets, const RecognitionRules& rules, RunControl& control) {
   const FacetGraph graph(facets, rules.feature_angle_deg, control);
-  std::vector<Claim> claims;
+  std::vector<SurfaceClaim> claims;
   if (graph.has_smooth_edges()) claims = Recogniser(graph, rules, facets.surface.unit, control).run();
   return make_records(facets, graph, std::move(claims), rules, control);
 }

@@ -32,9 +32,9 @@ class Records {
     result_.of_patch.assign(graph.size(), SurfaceId());
   }
 
-  RecognisedSurfaces make(std::vector<Claim> claims) {
+  RecognisedSurfaces make(std::vector<SurfaceClaim> claims) {
     join_equal(claims);
-    for (Claim& claim : claims) add_claim(claim);
+    for (SurfaceClaim& claim : claims) add_claim(claim);
     add_free_regions();
     add_planes();
     put_in_order();
@@ -47,7 +47,7 @@ class Records {
   Vec3 in_model(const Vec3& local) const { return facets_.surface.centre + unit() * local; }
 
   /// Returns numbers that are about equal for equal surfaces.
-  std::array<double, 8> key_of(const Claim& claim) const {
+  std::array<double, 8> key_of(const SurfaceClaim& claim) const {
     const AnalyticSurface& s = claim.shape;
     const Vec3 axis = s.kind == SurfaceKind::kCone ? s.axis : canonical_direction(s.axis);
     const Vec3 place = s.kind == SurfaceKind::kCylinder ? s.origin - dot(s.origin, axis) * axis : s.origin;
@@ -71,7 +71,7 @@ class Records {
   }
 
   /// Joins claims for equal surfaces into one.
-  void join_equal(std::vector<Claim>& claims) {
+  void join_equal(std::vector<SurfaceClaim>& claims) {
     struct Keyed {
       SurfaceKind kind;
       std::array<double, 8> key;
@@ -84,12 +84,12 @@ class Records {
       while (end < keys.size() && keys[end].kind == keys[begin].kind) ++end;
       join_within(claims, std::span(keys).subspan(begin, end - begin), 0);
     }
-    std::erase_if(claims, [](const Claim& c) { return c.facets.empty(); });
+    std::erase_if(claims, [](const SurfaceClaim& c) { return c.facets.empty(); });
   }
 
   /// Splits a list at gaps of the i-th number, and goes on with the next number.
   template <class Keyed>
-  void join_within(std::vector<Claim>& claims, std::span<Keyed> keys, std::size_t i) {
+  void join_within(std::vector<SurfaceClaim>& claims, std::span<Keyed> keys, std::size_t i) {
     constexpr double kGap = 1e-4;
     if (keys.size() < 2) return;
     if (i == 8) return join(claims, keys);
@@ -103,12 +103,12 @@ class Records {
 
   /// Joins those of some claims that are equal.
   template <class Keyed>
-  void join(std::vector<Claim>& claims, std::span<Keyed> keys) {
+  void join(std::vector<SurfaceClaim>& claims, std::span<Keyed> keys) {
     // Each claim is compared with a few others, so that the work is in proportion.
     constexpr std::size_t kMaxCompared = 16;
     // From large to small. Ties are broken by the place.
     std::sort(keys.begin(), keys.end(), [&](const Keyed& a, const Keyed& b) {
-      const Claim &c = claims[a.claim], &d = claims[b.claim];
+      const SurfaceClaim &c = claims[a.claim], &d = claims[b.claim];
       return c.area != d.area ? c.area > d.area : a.key < b.key;
     });
     std::vector<std::uint32_t> left;
@@ -118,8 +118,8 @@ class Records {
 
   /// Joins those claims of a list that are equal to its first one with this. It does so all at once, so that no corner
   /// is looked at more than a few times. Removes all of them from the list.
-  void join_to_first(std::vector<Claim>& claims, std::vector<std::uint32_t>& left) {
-    Claim& first = claims[left.front()];
+  void join_to_first(std::vector<SurfaceClaim>& claims, std::vector<std::uint32_t>& left) {
+    SurfaceClaim& first = claims[left.front()];
     left.erase(left.begin());
     if (first.shape.kind == SurfaceKind::kRevolution) return;
     // The surface of few facets may be off by more outside of them.
@@ -159,7 +159,7 @@ class Records {
   }
 
   /// Gives the facets of some claims to the first one.
-  static void take_in(Claim& first, std::vector<Claim>& claims, std::vector<std::uint32_t>& left,
+  static void take_in(SurfaceClaim& first, std::vector<SurfaceClaim>& claims, std::vector<std::uint32_t>& left,
                       std::span<const std::uint32_t> near, const AnalyticSurface& shape, std::vector<PatchId> facets) {
     first.shape = shape;
     first.facets = std::move(facets);
@@ -189,10 +189,10 @@ class Records {
     for (const double area : areas) record.area += area;
   }
 
-  void add_claim(const Claim& claim) {
+  void add_claim(const SurfaceClaim& claim) {
     const SurfaceId id = add_surface(claim);
     // Bands may have lost facets since they were joined.
-    for (Claim band : claim.bands) {
+    for (SurfaceClaim band : claim.bands) {
       std::erase_if(band.facets, [&](PatchId p) { return result_.of_patch[p] != id; });
       if (!band.facets.empty()) result_.surfaces[add_surface(band)].whole = id;
     }
@@ -201,7 +201,7 @@ class Records {
   }
 
   /// Makes the record of a claim, and gives the claim's facets to it.
-  SurfaceId add_surface(const Claim& claim) {
+  SurfaceId add_surface(const SurfaceClaim& claim) {
     AnalyticSurface shape = claim.shape;
     // A cone points away from its apex, and the heights of a profile go along the axis.
     if (shape.kind != SurfaceKind::kCone && shape.kind != SurfaceKind::kRevolution)
@@ -385,7 +385,7 @@ class Records {
 
 }  // namespace
 
-RecognisedSurfaces make_records(const Facets& facets, const FacetGraph& graph, std::vector<Claim> claims,
+RecognisedSurfaces make_records(const Facets& facets, const FacetGraph& graph, std::vector<SurfaceClaim> claims,
                                 const RecognitionRules& rules, RunControl& control) {
   return Records(facets, graph, rules, control).make(std::move(claims));
 }

@@ -15,7 +15,7 @@ namespace remesh {
 /// free regions.
 /// Input:  no facet is in two claims.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
-RecognisedSurfaces make_records(const Facets& facets, const FacetGraph& graph, std::vector<Claim> claims,
+RecognisedSurfaces make_records(const Facets& facets, const FacetGraph& graph, std::vector<SurfaceClaim> claims,
                                 const RecognitionRules& rules, RunControl& control);
 
 }  // namespace remesh
