@@ -28,6 +28,23 @@ class Walls {
         keep_verbatim_(keep_verbatim),
         control_(control) {}
 
+  /// Returns whether all faces of a piece are triangles of the input. What was made of a polygon has to cover that
+  /// polygon, so no larger one may take its place.
+  bool are_triangles_of_input(const std::vector<FaceId>& piece) {
+    if (faces_of_source_.empty()) {
+      StopCheck check(control_);
+      for (std::uint32_t f = 0; f < surface_.face_count(); ++f) {
+        check();
+        const std::uint32_t source = surface_.face_source[FaceId(f)].value;
+        if (source >= faces_of_source_.size()) faces_of_source_.resize(source + 1, 0);
+        ++faces_of_source_[source];
+      }
+    }
+    return std::all_of(piece.begin(), piece.end(), [&](FaceId f) {
+      return surface_.face(f).size() == 3 && faces_of_source_[surface_.face_source[f].value] == 1;
+    });
+  }
+
   /// Output: the new faces; none if no wall changes.
   FaceList run() {
     FaceList faces;
@@ -37,6 +54,7 @@ class Walls {
     std::vector<std::uint32_t> replaced(surface_.face_count(), kNone);  // the polygon in the place of a face
     std::vector<std::vector<VertexId>> polygons;
     for (const std::vector<FaceId>& piece : pieces()) {
+      if (!are_triangles_of_input(piece)) continue;
       const std::vector<VertexId> outline = outline_of(piece);
       if (outline.empty()) continue;
       for (const FaceId f : piece) replaced[f.value] = static_cast<std::uint32_t>(polygons.size());
@@ -186,6 +204,7 @@ class Walls {
   const BodyLabels& labels_;
   double tolerance_;
   const std::vector<std::uint8_t>& keep_verbatim_;
+  std::vector<std::uint32_t> faces_of_source_;  ///< by face of the input; empty until they are counted
   RunControl& control_;
   std::vector<InnerEdge> inner_;
   std::vector<std::uint32_t> inside_;  ///< the half-edges of inner_, ascending

@@ -47,7 +47,7 @@ Measures measures_of(const Surface& surface, FaceId f) {
   return m;
 }
 
-std::string number_text(double x) {
+std::string digits_of(double x) {
   constexpr int kDigits = 4;
   std::ostringstream text;
   text.imbue(std::locale::classic());
@@ -71,9 +71,9 @@ Error unresolved(const Surface& surface, FaceId f) {
   const std::uint32_t number = surface.face_source[f].value;
   return Error(Code::kCoordinateRange, Stage::kVerify,
                "face " + std::to_string(number) +
-                   " is too thin or too small for a result to be proven: its sides are " + number_text(m.shortest) +
-                   " to " + number_text(m.longest) + " long and its height is " + number_text(m.height) +
-                   ", but the mesh is " + number_text(2 * surface.unit) +
+                   " is too thin or too small for a result to be proven: its sides are " + digits_of(m.shortest) +
+                   " to " + digits_of(m.longest) + " long and its height is " + digits_of(m.height) +
+                   ", but the mesh is " + digits_of(2 * surface.unit) +
                    " wide, and doubles have only 16 digits. Correct vertices that lie far off, or leave the face out")
       .at_element(number);
 }

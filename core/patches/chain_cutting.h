@@ -27,13 +27,13 @@ struct PatchSurface {
   double sideways = 0;
   /// Curved: how far new pieces of a curve with a formula may be from the surface, in model units.
   double max_depth = HUGE_VAL;
-  /// Curved: the largest distance of an essential vertex from the surface, in model units, if it is more than that of
-  /// CurveRules.
-  double fit_tolerance = 0;
   double area = HUGE_VAL;  ///< curved: area of the patch, in squared local units
   /// Curved: how far a chord of a section may leave the section along the surface, if it is no circle around the axis
   /// of a cone. 0: as far as the tolerance allows.
   double along = 0;
+  /// Curved: the largest distance of an essential vertex from the surface, in model units, if it is more than that of
+  /// CurveRules.
+  double fit_tolerance = 0;
 };
 
 /// The rules by which curves are recognised.

@@ -133,8 +133,9 @@ void CurvedStage::cut_boundaries(Partition& partition, Prepared& prepared, Ladde
                      patch->limits.max_turn,
                      patch->limits.boundary_sideways,
                      patch->limits.max_height,
-                     recognised_.surfaces[patch->surface].tolerance,
                      patch->area};
+    if (const CurvedPatch* patch = curved_.of(p))
+      surfaces[p].fit_tolerance = recognised_.surfaces[patch->surface].tolerance;
     // If the number of elements decides, chords are as deep as it says, whatever the way along the surface is.
     if (!options.elements_per_circle) surfaces[p].along = surfaces[p].sideways;
   }

@@ -325,7 +325,7 @@ double ClaimGrower::drop_uneven(const AnalyticSurface& shape, std::vector<PatchI
 }
 
 std::optional<SurfaceClaim> ClaimGrower::grow(const AnalyticSurface& start, std::span<const PatchId> seed,
-                                              const Growth& growth) {
+                                              const ClaimGrowth& growth) {
   ++growth_;
   tolerance_ = growth.tolerance;
   is_doubtful_ = growth.is_doubtful;

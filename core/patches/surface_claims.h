@@ -55,7 +55,7 @@ enum class Taken : std::uint8_t {
 };
 
 /// How a surface grows.
-struct Growth {
+struct ClaimGrowth {
   double tolerance = 0;  ///< the largest distance of a corner from the surface, in local units
   Taken may_replace = Taken::kFree;
   /// However near its corners are, the claim must end where its surface ends.
@@ -71,7 +71,8 @@ class ClaimGrower {
 
   /// Grows a surface from facets that lie about on it, over facets that are not taken, or at most weakly.
   /// Output: nothing if no surface of this kind has enough facets to be believed.
-  std::optional<SurfaceClaim> grow(const AnalyticSurface& start, std::span<const PatchId> seed, const Growth& growth);
+  std::optional<SurfaceClaim> grow(const AnalyticSurface& start, std::span<const PatchId> seed,
+                                   const ClaimGrowth& growth);
 
   /// Returns how much work was done so far. It is counted in steps, so that it is the same on every machine.
   std::uint64_t work() const { return work_; }

@@ -574,7 +574,12 @@ TEST(openapi, the_report_schema_names_what_a_report_has) {
     for (const json& key : schema["required"]) EXPECT_TRUE(value.contains(key.get<std::string>())) << key;
   };
   expect_same_keys(schemas["Report"], report);
-  expect_same_keys(schemas["Statistics"], report["input"]);
+  json input = report["input"];
+  for (const auto& [key, member] : schemas["InputStatistics"]["allOf"][1]["properties"].items()) {
+    EXPECT_TRUE(input.contains(key)) << key;
+    input.erase(key);
+  }
+  expect_same_keys(schemas["Statistics"], input);
   // The output has what the input has, and members of its own.
   json output = report["output"];
   for (const auto& [key, member] : schemas["OutputStatistics"]["allOf"][1]["properties"].items()) {

