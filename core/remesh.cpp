@@ -458,13 +458,15 @@ class Run : private RunState {
         .at_element(source.value);
   }
 
-  /// Gives up splitting edges at T-junctions and closing seams and holes. Where sheets nearly touch, new vertices in
-  /// faces, closed seams or new faces may be the reason why a result fails verification.
+  /// Gives up splitting edges at T-junctions, closing seams and holes, and dividing polygons that have copies. Where
+  /// sheets nearly touch, new vertices in faces, closed seams or new faces may be the reason why a result fails
+  /// verification.
   /// Output: whether there were any. All of them are left alone from now on.
   bool give_up_joining() {
     const auto is_joining = [&](const Diagnostic& d) {
       return (d.code == DiagnosticCode::kTJunction && options.repair.t_junctions) ||
-             (d.code == DiagnosticCode::kSeam && options.repair.seams) || d.code == DiagnosticCode::kClosedHole;
+             (d.code == DiagnosticCode::kSeam && options.repair.seams) || d.code == DiagnosticCode::kClosedHole ||
+             (d.code == DiagnosticCode::kDuplicateFace && options.repair.duplicates);
     };
     const bool were_joined =
         limits_.is_joining_allowed && std::any_of(report.diagnostics.begin(), report.diagnostics.end(), is_joining);

@@ -155,7 +155,8 @@ class Preparation {
     const std::size_t place = found.size();
     std::vector<Diagnostic> repeated;
     // Polygons become comparable with the triangles that lie over them.
-    if (repair.duplicates) if_changed(cut_covered_polygons(surface(), adjacency(), tolerance, control_));
+    if (repair.duplicates && limits_.is_joining_allowed)
+      if_changed(cut_covered_polygons(surface(), adjacency(), tolerance, control_));
     const bool is_repeated =
         drop_duplicate_faces(surface(), adjacency(), input_.labels, mend_if(repair.duplicates), repeated, control_);
     if_changed(is_repeated);
@@ -188,7 +189,7 @@ class Preparation {
       if_changed(true);
     found.insert(found.begin() + static_cast<std::ptrdiff_t>(place), repeated.begin(), repeated.end());
     // Walls that stand twice get edges of their own on each side.
-    if (repair.duplicates)
+    if (repair.duplicates && limits_.is_joining_allowed)
       if_changed(part_double_walls(surface(), adjacency(), input_.labels, tolerance, limits_.keep_verbatim, control_));
     // Faces without a plane are split, and faces without area are dropped. Neither opens the surface.
     std::vector<Diagnostic> mended;

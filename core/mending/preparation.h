@@ -75,7 +75,8 @@ struct InputSummary {
 /// Mendings that must not be done, because an earlier attempt found that they cause failures.
 struct MendingLimits {
   std::vector<std::uint8_t> keep_verbatim;  ///< one per input face, or empty; see mend_faces
-  /// If false, no T-junction is split and no seam or hole is closed, whatever the options say.
+  /// If false, no T-junction is split, no seam or hole is closed, and no polygon or wall is divided anew, whatever the
+  /// options say.
   bool is_joining_allowed = true;
 };
 

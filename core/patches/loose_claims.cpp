@@ -17,6 +17,8 @@ namespace {
 
 constexpr std::size_t kMinFacets = 8, kMinCornersPerParameter = 2;
 constexpr double kMinRise = 8, kMuchNearer = 0.5;
+/// The least cosine of the angle between a facet and the surface in its middle.
+constexpr double kMinCosine = 0.8;
 
 /// The places of a claim's facets and corners on its surface.
 class LooseClaim {
@@ -108,12 +110,23 @@ class LooseClaim {
            rise(shape_.minor_radius, sweep([&](const Vec3& p) { return angle_of_tube(p); })) >= min_rise;
   }
 
+  /// Returns whether all facets look as a surface does at their corners. A torus whose tube is highest at the corners of
+  /// a ring is near to all of them, however far they are off, but looks another way.
+  bool faces_as(const AnalyticSurface& s) const {
+    bool faces = true;
+    for (const FacetPlace& place : places_) {
+      const Vec3 normal = s.normal(place.middle);
+      faces = faces && std::fabs(dot(normal, place.normal)) >= kMinCosine;
+    }
+    return faces;
+  }
+
   /// Returns whether a kind with more parameters is much nearer to all corners.
   bool is_another_kind_nearer() const {
     const auto is_nearer = [&](const std::optional<AnalyticSurface>& guess) {
       if (!guess || parameter_count(guess->kind) <= parameter_count(shape_.kind)) return false;
       const auto fitted = fit_from(*guess, points_, {.control = &control_});
-      return fitted && deviation_from(*fitted) < kMuchNearer * claim_.deviation;
+      return fitted && faces_as(*fitted) && deviation_from(*fitted) < kMuchNearer * claim_.deviation;
     };
     if (shape_.kind == SurfaceKind::kTorus) return false;
     return is_nearer(guess_cylinder(points_, places_)) || is_nearer(guess_cone(points_, places_)) ||

@@ -324,7 +324,7 @@ class Recogniser {
       tolerance_ = tolerance_at(seed);
       try_kinds(cluster, Taken::kFree, best);
       if (!best) {
-        tolerance_ = std::max(tolerance_, kMaxOfHeight * implied_chord_height(graph_, seed.facet, seed.side));
+        tolerance_ = std::max(tolerance_, kMaxOfHeight * implied_height(cluster));
         is_doubtful_ = true;
         try_kinds(cluster, Taken::kFree, best);
         is_doubtful_ = false;
@@ -346,6 +346,18 @@ class Recogniser {
       }
       claim.facets.clear();
     }
+  }
+
+  /// Returns the largest chord height that the turns between some facets imply.
+  double implied_height(std::span<const PatchId> cluster) const {
+    double height = 0;
+    for (const PatchId p : cluster)
+      for (std::uint32_t s = graph_.sides_begin(p); s < graph_.sides_end(p); ++s) {
+        const PatchId q = graph_.beyond(s);
+        if (q.is_valid() && std::find(cluster.begin(), cluster.end(), q) != cluster.end())
+          height = std::max(height, implied_chord_height(graph_, p, s));
+      }
+    return height;
   }
 
   /// Finds the facets of a seed and whole rings of their free neighbours of about the same size, until there are enough
