@@ -110,8 +110,8 @@ class LooseClaim {
            rise(shape_.minor_radius, sweep([&](const Vec3& p) { return angle_of_tube(p); })) >= min_rise;
   }
 
-  /// Returns whether all facets look as a surface does at their corners. A torus whose tube is highest at the corners of
-  /// a ring is near to all of them, however far they are off, but looks another way.
+  /// Returns whether all facets look as a surface does in their middles. A torus whose tube is highest at the corners
+  /// of a ring is near to all of them, however far they are off, but looks another way.
   bool faces_as(const AnalyticSurface& s) const {
     bool faces = true;
     for (const FacetPlace& place : places_) {
