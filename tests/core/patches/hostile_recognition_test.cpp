@@ -165,13 +165,24 @@ TEST(hostile_recognition, it_stops_within_a_tenth_of_a_second) {
         test::Seconds(0.1), [&] { return time_to_stop_recognition(surface.mesh, test::Seconds(0.02)); }, surface.name);
 }
 
-TEST(hostile_recognition, noise_a_thousand_times_the_rounding_is_not_claimed) {
-  RunControl control;
-  const PolygonMesh mesh = noisy_cylinder(50, 1e-5);
-  const test::Claims claims = test::claims_of(mesh, control);
-  std::size_t claimed = 0;
-  for (std::uint32_t f = 0; f < mesh.face_count(); ++f) claimed += claims.is_curved(FaceId(f)) ? 1 : 0;
-  EXPECT_EQ(claimed, 0u);
+TEST(hostile_recognition, noise_below_a_third_of_the_chord_height_is_told_as_deviation_and_more_is_not_claimed) {
+  // The facets are 8 (1 - cos(3.6 degrees)) = 0.0158 high.
+  for (const double noise : {1e-5, 2e-3}) {
+    RunControl control;
+    const PolygonMesh mesh = noisy_cylinder(50, noise);
+    const test::Claims claims = test::claims_of(mesh, control);
+    std::size_t claimed = 0;
+    for (std::uint32_t f = 0; f < mesh.face_count(); ++f) claimed += claims.is_curved(FaceId(f)) ? 1 : 0;
+    EXPECT_EQ(claimed, noise < 1e-3 ? 1000u : 0u) << noise;
+    for (const RecognisedSurface& s : claims.surfaces()) {
+      if (s.shape.kind == SurfaceKind::kPlane || s.shape.kind == SurfaceKind::kFree) continue;
+      EXPECT_EQ(s.shape.kind, SurfaceKind::kCylinder);
+      EXPECT_NEAR(s.shape.radius, 8, 8 * noise);
+      // Two of the three directions of the noise are across the axis.
+      EXPECT_LE(s.deviation, 1.5 * 8 * noise);
+      EXPECT_GE(s.deviation, 0.5 * 8 * noise);
+    }
+  }
 }
 
 }  // namespace
