@@ -48,6 +48,9 @@ constexpr std::uint64_t kMaxWaste = 100;
 /// of a second.
 constexpr std::uint64_t kFreeWaste = 25'000'000;
 
+/// Of that, so much may go into clusters in all and for each facet: on scans they are mostly in vain.
+constexpr std::uint64_t kFreeWasteOfClusters = 1'000'000, kMaxWasteOfClusters = 30;
+
 /// Areas are about as large unless one of them is larger by this factor.
 constexpr double kLarger = 1.02;
 
@@ -106,6 +109,8 @@ class Recogniser {
       const std::array<PatchId, 2> pair{seed.facet, graph_.beyond(seed.side)};
       if (!is_free(pair[0]) || !is_free(pair[1])) continue;
       if (attempts_[pair[0]] >= kMaxAttempts || attempts_[pair[1]] >= kMaxAttempts) continue;
+      // The others have been tried before.
+      if (are_lies_dropped_ && was_dropped_[pair[0]] == 0 && was_dropped_[pair[1]] == 0) continue;
       std::optional<SurfaceClaim> best;
       tolerance_ = tolerance_at(seed);
       for (const AnalyticSurface& guess : guesses.of(seed)) grow(guess, pair, Taken::kFree, best);
@@ -308,11 +313,12 @@ class Recogniser {
   /// some program has put beside the surface. They begin from all free facets near a seed.
   void claim_clusters(std::span<const SurfaceSeed> seeds) {
     constexpr std::uint8_t kInCluster = 2;
+    const std::uint64_t max_wasted = wasted_ + kFreeWasteOfClusters + kMaxWasteOfClusters * graph_.size();
     std::vector<PatchId> cluster;
     StopCheck check(control_);
     for (const SurfaceSeed& seed : seeds) {
       check();
-      if (is_exhausted()) return;
+      if (is_exhausted() || wasted_ > max_wasted) return;
       const PatchId f = seed.facet, g = graph_.beyond(seed.side);
       if (!is_free(f) || !is_free(g) || tried_[f] == kInCluster || tried_[g] == kInCluster) continue;
       if (attempts_[f] >= kMaxAttempts || attempts_[g] >= kMaxAttempts) continue;
@@ -338,11 +344,13 @@ class Recogniser {
   /// which facets belong together: a ring around a torus is a piece of a sphere, too.
   void drop_unexplained() {
     are_lies_dropped_ = true;
+    was_dropped_.assign(graph_.size(), 0);
     for (SurfaceClaim& claim : table_.claims) {
       if (claim.facets.empty() || claim.is_explained) continue;
       for (const PatchId p : claim.facets) {
         table_.owner[p] = kNone;
         grower_.set_taken(p, Taken::kFree);
+        was_dropped_[p] = 1;
       }
       claim.facets.clear();
     }
@@ -389,10 +397,11 @@ class Recogniser {
   }
 
   const FacetGraph& graph_;
-  double min_tolerance_, max_tolerance_;  ///< of growths
-  double tolerance_ = 0;                  ///< of the growths of this seed
-  bool is_doubtful_ = false;              ///< whether they are doubtful
-  bool are_lies_dropped_ = false;         ///< no claim is made that the facets do not explain
+  double min_tolerance_, max_tolerance_;         ///< of growths
+  double tolerance_ = 0;                         ///< of the growths of this seed
+  bool is_doubtful_ = false;                     ///< whether they are doubtful
+  IdVector<PatchId, std::uint8_t> was_dropped_;  ///< whether a facet was in a claim that was dropped
+  bool are_lies_dropped_ = false;                ///< no claim is made that the facets do not explain
   ClaimGrower grower_;
   ClaimTable table_;
   IdVector<PatchId, std::uint8_t> attempts_;  ///< how many surfaces were given up that had come to a facet
