@@ -110,7 +110,7 @@ class Recogniser {
       if (!is_free(pair[0]) || !is_free(pair[1])) continue;
       if (attempts_[pair[0]] >= kMaxAttempts || attempts_[pair[1]] >= kMaxAttempts) continue;
       // The others have been tried before.
-      if (are_lies_dropped_ && was_dropped_[pair[0]] == 0 && was_dropped_[pair[1]] == 0) continue;
+      if (must_be_explained_ && was_dropped_[pair[0]] == 0 && was_dropped_[pair[1]] == 0) continue;
       std::optional<SurfaceClaim> best;
       tolerance_ = tolerance_at(seed);
       for (const AnalyticSurface& guess : guesses.of(seed)) grow(guess, pair, Taken::kFree, best);
@@ -168,7 +168,7 @@ class Recogniser {
     const std::uint64_t before = grower_.work();
     std::optional<SurfaceClaim> claim = grower_.grow(guess, seed, {tolerance_, may_replace, is_doubtful_});
     if (!claim) wasted_ += grower_.work() - before;
-    if (claim && !claim->is_explained && are_lies_dropped_) claim.reset();
+    if (claim && !claim->is_explained && must_be_explained_) claim.reset();
     take_larger(std::move(claim), best);
     for (const PatchId p : grower_.given_up())
       if (attempts_[p] < kMaxAttempts) ++attempts_[p];
@@ -343,7 +343,7 @@ class Recogniser {
   /// Drops claims from which their facets are farther than the turns between them explain. Until then, such claims tell
   /// which facets belong together: a ring around a torus is a piece of a sphere, too.
   void drop_unexplained() {
-    are_lies_dropped_ = true;
+    must_be_explained_ = true;
     was_dropped_.assign(graph_.size(), 0);
     for (SurfaceClaim& claim : table_.claims) {
       if (claim.facets.empty() || claim.is_explained) continue;
@@ -401,7 +401,7 @@ class Recogniser {
   double tolerance_ = 0;                         ///< of the growths of this seed
   bool is_doubtful_ = false;                     ///< whether they are doubtful
   IdVector<PatchId, std::uint8_t> was_dropped_;  ///< whether a facet was in a claim that was dropped
-  bool are_lies_dropped_ = false;                ///< no claim is made that the facets do not explain
+  bool must_be_explained_ = false;               ///< no claim is made that the facets do not explain
   ClaimGrower grower_;
   ClaimTable table_;
   IdVector<PatchId, std::uint8_t> attempts_;  ///< how many surfaces were given up that had come to a facet

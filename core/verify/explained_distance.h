@@ -13,8 +13,8 @@ namespace remesh::verification {
 /// of faces in one plane, explains its own chord height: along each of two directions of the surface, that of an arc
 /// over which the surface turns as far as over the facet, but no farther than the facet turns against the ones before
 /// and behind it, or than twice as far if there is only one of these. A direction in which no neighbour turns explains
-/// nothing. So two circles of corners explain a cylinder, but no sphere, to which the facets between them are no nearer
-/// for being many. The facet that explains most counts.
+/// nothing. So two circles of corners explain a cylinder, but no sphere: between the circles, no facet turns along
+/// the axis. The facet that explains most counts.
 /// Input:  neighbours that turn by more than `max_turn`, in radians, or that are not the only ones do not count.
 ///         `distance` is in the units of the model.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.

@@ -394,5 +394,44 @@ TEST(surface_recognition, the_ring_of_a_bore_is_no_barrel_and_no_ring_of_a_hose_
   EXPECT_EQ(curved_surfaces(claims_of(shapes::from_lists(positions, faces))), 0u);
 }
 
+TEST(surface_recognition, an_ogive_is_remeshed_as_a_torus_whose_middle_lies_beyond_the_axis) {
+  constexpr int kAround = 32, kRings = 10;
+  constexpr double kMiddle = -30, kTube = 40;
+  const double end = std::acos(-kMiddle / kTube);
+  std::vector<Vec3> positions;
+  std::vector<std::vector<std::uint32_t>> faces;
+  for (int i = 0; i < kRings; ++i)
+    for (int k = 0; k < kAround; ++k) {
+      const double t = end * i / kRings, rho = kMiddle + kTube * std::cos(t), a = 2 * std::numbers::pi * k / kAround;
+      positions.push_back({rho * std::cos(a), rho * std::sin(a), kTube * std::sin(t)});
+    }
+  positions.push_back({0, 0, kTube * std::sin(end)});
+  std::vector<std::uint32_t> base;
+  for (std::uint32_t k = 0; k < kAround; ++k) {
+    const std::uint32_t next = (k + 1) % kAround, top = (kRings - 1) * kAround;
+    for (std::uint32_t i = 0; i + kAround <= top; i += kAround)
+      faces.push_back({i + k, i + next, i + next + kAround, i + k + kAround});
+    faces.push_back({top + k, top + next, kRings * kAround});
+    base.push_back(kAround - 1 - k);
+  }
+  faces.push_back(base);
+  Options options;
+  options.elements_per_circle = 16;
+  RunControl control;
+  const Report report = remesh_surface(shapes::from_lists(positions, faces), options, {}, control).report;
+  EXPECT_TRUE(report.verified.all_true());
+  int tori = 0;
+  for (const RecognisedSurface& s : report.surfaces.surfaces) {
+    if (s.shape.kind != SurfaceKind::kTorus) continue;
+    ++tori;
+    EXPECT_NEAR(s.shape.radius, kMiddle, 1e-6);
+    EXPECT_NEAR(s.shape.minor_radius, kTube, 1e-6);
+    // The result is no longer the facets, and no farther from them than they and 16 elements explain.
+    EXPECT_GT(s.bound, 1e-3);
+    EXPECT_LE(s.bound, s.input_chord_height + 10 * (1 - std::cos(std::numbers::pi / 16)));
+  }
+  EXPECT_EQ(tori, 1);
+}
+
 }  // namespace
 }  // namespace remesh
