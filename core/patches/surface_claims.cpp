@@ -5,7 +5,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/patches/facet_turns.h"
+#include "core/patches/explained_height.h"
 
 namespace remesh {
 namespace {

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/base/stoppable.h"
-#include "core/patches/facet_turns.h"
+#include "core/patches/explained_height.h"
 
 namespace remesh {
 namespace {

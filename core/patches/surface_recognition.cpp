@@ -11,8 +11,8 @@
 
 #include "core/base/stoppable.h"
 #include "core/geometry/surface_fit.h"
+#include "core/patches/explained_height.h"
 #include "core/patches/facet_graph.h"
-#include "core/patches/facet_turns.h"
 #include "core/patches/loose_claims.h"
 #include "core/patches/surface_bands.h"
 #include "core/patches/surface_claims.h"

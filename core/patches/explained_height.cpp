@@ -1,4 +1,4 @@
-#include "core/patches/facet_turns.h"
+#include "core/patches/explained_height.h"
 
 #include <algorithm>
 #include <cmath>
