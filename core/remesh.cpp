@@ -24,6 +24,7 @@
 #include "core/output/run_report.h"
 #include "core/output/run_state.h"
 #include "core/patches/coplanar_regions.h"
+#include "core/patches/curved_limits.h"
 #include "core/patches/curved_stage.h"
 #include "core/patches/input_intersections.h"
 #include "core/patches/ladder.h"
@@ -93,7 +94,7 @@ std::uint64_t counted_faces(const Polygons& mesh) {
 
 /// Returns whether the options allow boundaries to be cut anew, so that patches have more vertices than the input.
 bool may_cut_curves(const Options& options) {
-  return options.elements_per_circle || options.surface_tolerance || options.surface_tolerance_fraction;
+  return may_elements_be_in_force(options) || options.surface_tolerance || options.surface_tolerance_fraction;
 }
 
 /// One run on one surface.

@@ -86,7 +86,11 @@ void CurvedStage::run(Partition& partition, const PatchSet& facets_before, Prepa
   }
   tell_failures(partition);
   surfaces_ = (curved_.has_any() ? curved_.surfaces : recognised_).copy(control);
-  for (std::size_t i = 0; i < limits.size(); ++i) surfaces_.surfaces[SurfaceId(i)].allowed = limits[i].tolerance;
+  for (std::size_t i = 0; i < limits.size(); ++i) {
+    RecognisedSurface& s = surfaces_.surfaces[SurfaceId(i)];
+    s.allowed = limits[i].tolerance;
+    s.elements_per_circle = s.allowed > 0 ? elements_per_circle_of(s, options) : std::nullopt;
+  }
 }
 
 /// Notes in the summaries which patches are finer than was asked for, or facets again, because curved patches failed.
@@ -133,7 +137,7 @@ void CurvedStage::cut_boundaries(Partition& partition, Prepared& prepared, Ladde
                      patch->limits.max_height,
                      patch->area};
     // If the number of elements decides, chords are as deep as it says, whatever the way along the surface is.
-    if (!options.elements_per_circle) surfaces[p].along = surfaces[p].sideways;
+    if (!may_elements_be_in_force(options)) surfaces[p].along = surfaces[p].sideways;
   }
   if (!options.split_boundaries) {
     // The boundary stays as it is, so curved patches are remeshed between its vertices.

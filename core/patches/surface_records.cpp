@@ -9,6 +9,7 @@
 
 #include "core/base/stoppable.h"
 #include "core/geometry/surface_fit.h"
+#include "core/patches/facet_turns.h"
 #include "core/patches/surface_measures.h"
 
 namespace remesh {
@@ -37,6 +38,7 @@ class Records {
     add_free_regions();
     add_planes();
     put_in_order();
+    measure_turns(facets_, graph_, result_, control_);
     return std::move(result_);
   }
 
