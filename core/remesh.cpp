@@ -45,6 +45,7 @@ namespace {
 enum class AttemptOutcome {
   kVerified,          ///< the result passed verification
   kTooManyFaces,      ///< refinement made more faces than are allowed
+  kFacetsCoarser,     ///< facets of curved surfaces stay, because what took their place has more faces
   kOffsetsChanged,    ///< curved surfaces have to be moved by other offsets
   kRefinementFailed,  ///< the check failed on patches whose refinement can be left out
   kRestUnrefined,     ///< without any refinement, the result passed verification
@@ -65,6 +66,8 @@ constexpr std::array kRetries{
     Retry{AttemptOutcome::kVerified, Step::kFinish},
     // Refine again with a smaller budget. The patches and their triangles are used again.
     Retry{AttemptOutcome::kTooManyFaces, Step::kRefine},
+    // Join the facets again, apart from those that stay.
+    Retry{AttemptOutcome::kFacetsCoarser, Step::kPartition},
     // Join the facets again, and move the curved surfaces outwards by better offsets, or not at all.
     Retry{AttemptOutcome::kOffsetsChanged, Step::kPartition},
     // Refine again, but leave the patches that failed as they are. The patches and their triangles are used again.
@@ -233,6 +236,10 @@ class Run : private RunState {
       candidate.has_chords = !flip_chords(candidate.triangulated.meshes, with_cuts().vertex_count(), control);
     // All patches together: improve angles and sizes, and resolve the remaining conflicts between patches.
     refine();
+    if (leave_coarser_facets()) {
+      refiner->forget_patches();
+      return AttemptOutcome::kFacetsCoarser;
+    }
     if (!keep_volumes()) {
       // The patches may be others after this. What is known of these must not be taken for theirs.
       refiner->forget_patches();
@@ -291,6 +298,14 @@ class Run : private RunState {
     Refinement& refinement = candidate.refinement;
     lift_new_vertices(with_cuts(), partition.patches, candidate.triangulated, refinement.first_inner,
                       report.plane_tolerance, refinement.new_positions, control);
+  }
+
+  /// Output: whether there are curved surfaces whose facets are coarser than what was made of them.
+  bool leave_coarser_facets() {
+    if (curves.curved() == nullptr) return false;
+    std::vector<std::uint64_t> triangles;
+    for (const PatchMesh& patch : candidate.triangulated.meshes) triangles.push_back(patch.mesh.triangle_count());
+    return curves.leave_coarser_facets(triangles, partition.patches, options);
   }
 
   /// Moves vertices so that the volumes of curved surfaces are kept, if that is asked for.

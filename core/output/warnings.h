@@ -8,6 +8,7 @@
 #include "core/base/diagnostic.h"
 #include "core/geometry/patch_set.h"
 #include "core/mesh/surface.h"
+#include "core/output/report.h"
 #include "core/patches/curved_patches.h"
 #include "core/patches/recognised_surfaces.h"
 
@@ -28,6 +29,13 @@ struct RefinedFaces {
 void warn_of_curved_surfaces(const Surface& surface, const PatchSet& patches, const RecognisedSurfaces& recognised,
                              const RefinedFaces& refined, std::vector<Diagnostic>& diagnostics,
                              const CurvedPatches* curved = nullptr);
+
+/// Tells which surfaces elements_per_circle=auto has remeshed with fewer facets, what that has done to the volume, and
+/// which options avoid it.
+/// Input:   the report with its surfaces and the statistics of the input; those of the output if `are` is kCounted.
+/// Output:  adds a diagnostic to the report unless no surface was remeshed so. Its elements are the input's faces there.
+void tell_coarsened_surfaces(const Surface& surface, const PatchSet& patches, const CurvedPatches* curved,
+                             RefinedFaces::Are are, Report& report);
 
 /// Warns if most facets are patches of their own. This stands in for warn_of_curved_surfaces where each facet counts as
 /// its own surface (feature_angle_deg is 0).

@@ -19,6 +19,9 @@ constexpr int kPatientSteps = 16;
 /// After this many steps, all curved patches become facets. Parts were seen to take at most five steps, or 13 where
 /// volumes are kept.
 constexpr int kMaxSteps = 32;
+/// So often facets are left because they are coarser. The patches beside them have finer boundaries then, and may be
+/// the next ones.
+constexpr int kMaxLeavings = 3;
 
 /// Returns whether a patch reaches the apex of its cone, at which all rulings meet.
 bool reaches_apex(const Surface& surface, const PatchSet& patches, PatchId p, const SurfaceMap& map, StopCheck& check) {
@@ -75,8 +78,11 @@ void CurvedStage::run(Partition& partition, const PatchSet& facets_before, Prepa
   curved_ = join_curved_facets(surface, prepared.adjacency(control), partition.patches, recognised_,
                                options.feature_angle_deg, limits, rungs_, control);
   if (curved_.has_any()) {
+    coarser_.count_facets(surface, prepared.adjacency(control), partition, curved_, measures.min_angle_deg, control);
     facets_ = take_joined_patches(partition, prepared, curved_, measures.plane_tolerance, ladder, control);
+    coarser_.count_boundaries(prepared.adjacency(control), partition, curved_, nullptr, control);
     cut_boundaries(partition, prepared, ladder, options, measures.min_angle_deg, control);
+    coarser_.count_boundaries(prepared.adjacency(control), partition, curved_, &cuts_, control);
     // Vertices that must stay would be left behind.
     if (options.circle_fit == CircleFit::kVolume && options.split_boundaries && !options.keep_boundary_vertices)
       is_outside_ = outside_.move_outside(
@@ -89,7 +95,13 @@ void CurvedStage::run(Partition& partition, const PatchSet& facets_before, Prepa
   for (std::size_t i = 0; i < limits.size(); ++i) {
     RecognisedSurface& s = surfaces_.surfaces[SurfaceId(i)];
     s.allowed = limits[i].tolerance;
-    s.elements_per_circle = s.allowed > 0 ? elements_per_circle_of(s, options) : std::nullopt;
+    s.is_remeshed = false;
+    s.elements_per_circle.reset();
+  }
+  for (const CurvedPatch& patch : curved_.curved) {
+    RecognisedSurface& s = surfaces_.surfaces[patch.surface];
+    s.is_remeshed = true;
+    s.elements_per_circle = elements_per_circle_of(s, options);
   }
 }
 
@@ -97,7 +109,8 @@ void CurvedStage::run(Partition& partition, const PatchSet& facets_before, Prepa
 void CurvedStage::tell_failures(Partition& partition) const {
   if (rungs_.empty()) return;
   for (std::size_t p = 0; p < partition.patches.count(); ++p) {
-    if (rungs_[partition.patches.faces_of(PatchId(p))[0]] == CurvedRung::kJoined) continue;
+    const CurvedRung rung = rungs_[partition.patches.faces_of(PatchId(p))[0]];
+    if (rung == CurvedRung::kJoined || rung == CurvedRung::kCoarser) continue;
     PatchSummary& summary = partition.summaries.patches[p];
     if (summary.status != PatchStatus::kRemeshed) continue;
     summary.status = PatchStatus::kReduced;
@@ -232,6 +245,18 @@ void CurvedStage::step_up(const std::vector<PatchId>& at_fault, const PatchSet& 
   if (!is_outside_) return;
   outside_.leave(left);
   outside_.forget(changed);
+}
+
+bool CurvedStage::leave_coarser_facets(const std::vector<std::uint64_t>& triangles, const PatchSet& patches,
+                                       const Options& options) {
+  if (!curved_.has_any() || leavings_ == kMaxLeavings) return false;
+  const std::vector<PatchId> coarser = coarser_.find(curved_, triangles, options);
+  if (coarser.empty()) return false;
+  ++leavings_;
+  rungs_.resize(patches.of_face.size(), CurvedRung::kJoined);
+  for (const PatchId p : coarser)
+    for (const FaceId f : patches.faces_of(p)) rungs_[f] = CurvedRung::kCoarser;
+  return true;
 }
 
 std::vector<PatchId> CurvedStage::patches_of(const std::vector<SurfaceId>& surfaces) const {

@@ -70,8 +70,9 @@ class TurnMeasure {
   Ranges ranges_of(PatchId p, const AnalyticSurface& shape) const {
     const Vec3& axis = shape.axis;
     const double ax = std::fabs(axis.x), ay = std::fabs(axis.y), az = std::fabs(axis.z);
-    const Vec3 x =
-        normalized(cross(axis, ax <= ay && ax <= az ? Vec3{1, 0, 0} : ay <= az ? Vec3{0, 1, 0} : Vec3{0, 0, 1}));
+    const Vec3 x = normalized(cross(axis, ax <= ay && ax <= az ? Vec3{1, 0, 0}
+                                          : ay <= az           ? Vec3{0, 1, 0}
+                                                               : Vec3{0, 0, 1}));
     const Vec3 y = cross(axis, x);
     std::array<double, kTurnDirections> first{}, low{}, high{};
     std::array<bool, kTurnDirections> is_any{};
@@ -92,7 +93,8 @@ class TurnMeasure {
       if (shape.kind == SurfaceKind::kTorus) add(kAcrossAxis, std::atan2(along, radius - shape.radius));
     }
     Ranges ranges;
-    for (std::size_t d = 0; d < kTurnDirections; ++d) ranges[d] = {first[d] + 0.5 * (low[d] + high[d]), high[d] - low[d]};
+    for (std::size_t d = 0; d < kTurnDirections; ++d)
+      ranges[d] = {first[d] + 0.5 * (low[d] + high[d]), high[d] - low[d]};
     return ranges;
   }
 
@@ -110,16 +112,13 @@ class TurnMeasure {
       }
       const Ranges other = ranges_of(q, shape);
       for (std::size_t d = 0; d < kTurnDirections; ++d)
-        if (own[d].from(other[d]) > kPartOfWidth * std::min(own[d].width, other[d].width))
-          result[d] = own[d].width;
+        if (own[d].from(other[d]) > kPartOfWidth * std::min(own[d].width, other[d].width)) result[d] = own[d].width;
     });
     return result;
   }
 
   /// Returns the angle between the rulings of a band and the axis.
-  static double slope(const AnalyticSurface& band) {
-    return band.kind == SurfaceKind::kCone ? band.half_angle : 0;
-  }
+  static double slope(const AnalyticSurface& band) { return band.kind == SurfaceKind::kCone ? band.half_angle : 0; }
 
   FacetTurn on_sphere(PatchId p) const {
     const double radius = surface_of(p).shape.radius;
