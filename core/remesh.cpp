@@ -237,7 +237,7 @@ class Run : private RunState {
     // All patches together: improve angles and sizes, and resolve the remaining conflicts between patches.
     refine();
     if (leave_coarser_facets()) {
-      refiner->forget_patches();
+      refiner->forget_attempt();
       return AttemptOutcome::kFacetsCoarser;
     }
     if (!keep_volumes()) {

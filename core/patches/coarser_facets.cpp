@@ -33,6 +33,19 @@ double width_of_polygon(std::span<const Vec3> corners) {
   return width;
 }
 
+/// A joined patch has more triangles than this for each square of the longest edge that its limits allow.
+constexpr double kTrianglesPerEdgeSquared = 0.9;
+
+/// Returns a radius that is at least as large as that of the circles along which a surface turns most.
+double largest_curvature_radius(const RecognisedSurface& surface) {
+  switch (surface.shape.kind) {
+    case SurfaceKind::kCylinder:
+    case SurfaceKind::kSphere: return surface.shape.radius;
+    case SurfaceKind::kTorus: return surface.shape.minor_radius;
+    default: return surface.extent.diagonal() / 2;
+  }
+}
+
 /// Returns whether other options than those of curved surfaces decide how many faces there are, or whether facets are
 /// not what is asked for although they are near enough.
 bool are_faces_asked_for(const Options& options) {
@@ -88,6 +101,27 @@ void CoarserFacets::count_boundaries(const Adjacency& adjacency, const Partition
   }
 }
 
+std::vector<SurfaceId> CoarserFacets::find_hopeless(const CurvedPatches& joined, const Options& options) const {
+  std::vector<SurfaceId> found;
+  // Without refinement, edges run along rulings, however long these are.
+  if (are_faces_asked_for(options) || !options.refine) return found;
+  IdVector<SurfaceId, double> of_facets(joined.surfaces.surfaces.size()), of_joined(joined.surfaces.surfaces.size());
+  for (PatchId p(0); p.value < costs_.size(); ++p.value) {
+    const CurvedPatch* patch = joined.of(p);
+    if (patch == nullptr) continue;
+    const RecognisedSurface& surface = joined.surfaces.surfaces[patch->surface];
+    const double radius = largest_curvature_radius(surface);
+    const double of_depth = 2 * std::acos(std::max(-1.0, 1 - patch->limits.max_height / radius));
+    const double edge = radius * std::min(of_depth, patch->limits.max_turn);
+    of_facets[patch->surface] += costs_[p].facets;
+    // All patches of the surface have its limits, or finer ones.
+    of_joined[patch->surface] = kTrianglesPerEdgeSquared * surface.area / (edge * edge);
+  }
+  for (SurfaceId s(0); s.value < of_joined.size(); ++s.value)
+    if (of_joined[s] > of_facets[s]) found.push_back(s);
+  return found;
+}
+
 std::vector<PatchId> CoarserFacets::find(const CurvedPatches& curved, const std::vector<std::uint64_t>& triangles,
                                          const Options& options) const {
   std::vector<PatchId> found;
@@ -106,10 +140,6 @@ std::vector<PatchId> CoarserFacets::find(const CurvedPatches& curved, const std:
   for (PatchId p(0); p.value < costs_.size(); ++p.value) {
     const CurvedPatch* patch = curved.of(p);
     if (patch == nullptr) continue;
-    const RecognisedSurface& surface = curved.surfaces.surfaces[patch->surface];
-    const std::optional<double> elements = elements_per_circle_of(surface, options);
-    // The half leaves room for rounding.
-    if (elements && *elements > surface.facets_per_turn + 0.5) continue;
     const Total& total = totals[patch->surface];
     if (total.facets <= total.joined) found.push_back(p);
   }

@@ -27,6 +27,10 @@ class CoarserFacets {
   /// Cost:   O(n).
   void count_facets(const Surface& surface, const Adjacency& adjacency, const Partition& facets,
                     const CurvedPatches& joined, double min_angle_deg, RunControl& control);
+  /// Returns the surfaces whose facets are so coarse that no refinement of joined patches could make fewer faces. To find
+  /// that out by refining them could take far more work than the result is worth.
+  /// Input: the joined patches with their limits, whose facets have been counted.
+  std::vector<SurfaceId> find_hopeless(const CurvedPatches& joined, const Options& options) const;
   /// Counts the boundary vertices of the joined patches, before their boundaries are cut and after that.
   /// Cost:   O(n log n).
   void count_boundaries(const Adjacency& adjacency, const Partition& joined, const CurvedPatches& curved,

@@ -75,10 +75,19 @@ void CurvedStage::run(Partition& partition, const PatchSet& facets_before, Prepa
   cuts_ = {};
   with_cuts_.reset();
   is_outside_ = false;
-  curved_ = join_curved_facets(surface, prepared.adjacency(control), partition.patches, recognised_,
-                               options.feature_angle_deg, limits, rungs_, control);
+  const auto join = [&] {
+    curved_ = join_curved_facets(surface, prepared.adjacency(control), partition.patches, recognised_,
+                                 options.feature_angle_deg, limits, rungs_, control);
+    if (curved_.has_any())
+      coarser_.count_facets(surface, prepared.adjacency(control), partition, curved_, measures.min_angle_deg, control);
+  };
+  join();
   if (curved_.has_any()) {
-    coarser_.count_facets(surface, prepared.adjacency(control), partition, curved_, measures.min_angle_deg, control);
+    const std::vector<SurfaceId> hopeless = coarser_.find_hopeless(curved_, options);
+    for (const SurfaceId s : hopeless) limits[s.value] = {};
+    if (!hopeless.empty()) join();
+  }
+  if (curved_.has_any()) {
     facets_ = take_joined_patches(partition, prepared, curved_, measures.plane_tolerance, ladder, control);
     coarser_.count_boundaries(prepared.adjacency(control), partition, curved_, nullptr, control);
     cut_boundaries(partition, prepared, ladder, options, measures.min_angle_deg, control);

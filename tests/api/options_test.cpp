@@ -262,6 +262,8 @@ TEST(options, a_number_has_a_range_in_the_core_for_the_same_member_and_nothing_e
       ++numbers;
       std::visit(
           [&](auto member) {
+            // The number of elements has words beside it.
+            if (std::holds_alternative<ElementsField>(spec.field)) return;
             const auto* field = std::get_if<decltype(member)>(&spec.field);
             EXPECT_TRUE(field != nullptr && *field == member);
           },
