@@ -45,7 +45,7 @@ namespace {
 enum class AttemptOutcome {
   kVerified,          ///< the result passed verification
   kTooManyFaces,      ///< refinement made more faces than are allowed
-  kFacetsCoarser,     ///< facets of curved surfaces stay, because what took their place has more faces
+  kFacetsCoarser,     ///< facets of curved surfaces stay, or are joined again, by what has fewer faces
   kOffsetsChanged,    ///< curved surfaces have to be moved by other offsets
   kRefinementFailed,  ///< the check failed on patches whose refinement can be left out
   kRestUnrefined,     ///< without any refinement, the result passed verification
@@ -300,9 +300,9 @@ class Run : private RunState {
                       report.plane_tolerance, refinement.new_positions, control);
   }
 
-  /// Output: whether there are curved surfaces whose facets are coarser than what was made of them.
+  /// Lets facets of curved surfaces stay, or joins them again, by what has fewer faces.
+  /// Output: whether anything has changed.
   bool leave_coarser_facets() {
-    if (curves.curved() == nullptr) return false;
     std::vector<std::uint64_t> triangles;
     for (const PatchMesh& patch : candidate.triangulated.meshes) triangles.push_back(patch.mesh.triangle_count());
     return curves.leave_coarser_facets(triangles, partition.patches, options);

@@ -36,6 +36,9 @@ double width_of_polygon(std::span<const Vec3> corners) {
 /// A joined patch has more triangles than this for each square of the longest edge that its limits allow.
 constexpr double kTrianglesPerEdgeSquared = 0.9;
 
+/// Joined patches are not tried if they would have so many times the faces that their facets are estimated to have.
+constexpr double kCertainlyFiner = 2;
+
 /// Returns a radius that is at least as large as that of the circles along which a surface turns most.
 double largest_curvature_radius(const RecognisedSurface& surface) {
   switch (surface.shape.kind) {
@@ -118,31 +121,53 @@ std::vector<SurfaceId> CoarserFacets::find_hopeless(const CurvedPatches& joined,
     of_joined[patch->surface] = kTrianglesPerEdgeSquared * surface.area / (edge * edge);
   }
   for (SurfaceId s(0); s.value < of_joined.size(); ++s.value)
-    if (of_joined[s] > of_facets[s]) found.push_back(s);
+    if (of_joined[s] > kCertainlyFiner * of_facets[s]) found.push_back(s);
   return found;
 }
 
-std::vector<PatchId> CoarserFacets::find(const CurvedPatches& curved, const std::vector<std::uint64_t>& triangles,
-                                         const Options& options) const {
+std::vector<PatchId> CoarserFacets::find_coarser(const CurvedPatches& curved,
+                                                 const std::vector<std::uint64_t>& triangles, const Options& options) {
   std::vector<PatchId> found;
   if (are_faces_asked_for(options)) return found;
   struct Total {
-    double facets = 0, joined = 0;
+    double facets = 0, joined = 0, boundary = 0;
   };
   IdVector<SurfaceId, Total> totals(curved.surfaces.surfaces.size());
   for (PatchId p(0); p.value < costs_.size(); ++p.value) {
     const CurvedPatch* patch = curved.of(p);
     if (patch == nullptr) continue;
     const Cost& cost = costs_[p];
-    totals[patch->surface].facets += cost.facets + static_cast<double>(cost.boundary_before);
-    totals[patch->surface].joined += static_cast<double>(triangles[p.value] + cost.boundary_after);
+    Total& total = totals[patch->surface];
+    total.boundary += static_cast<double>(cost.boundary_before);
+    total.facets += cost.facets + static_cast<double>(cost.boundary_before);
+    total.joined += static_cast<double>(triangles[p.value] + cost.boundary_after);
   }
+  allowed_.resize(totals.size());
   for (PatchId p(0); p.value < costs_.size(); ++p.value) {
     const CurvedPatch* patch = curved.of(p);
-    if (patch == nullptr) continue;
+    if (patch == nullptr || allowed_[patch->surface]) continue;
     const Total& total = totals[patch->surface];
     if (total.facets <= total.joined) found.push_back(p);
   }
+  for (const PatchId p : found) {
+    const SurfaceId s = curved.of(p)->surface;
+    if (allowed_[s]) continue;
+    allowed_[s] = totals[s].joined - totals[s].boundary;
+    ++left_;
+  }
+  return found;
+}
+
+std::vector<SurfaceId> CoarserFacets::find_finer(const IdVector<PatchId, SurfaceId>& of_patch,
+                                                 const std::vector<std::uint64_t>& triangles,
+                                                 const std::vector<std::uint8_t>& is_left) {
+  left_ = 0;
+  IdVector<SurfaceId, double> of_facets(allowed_.size());
+  for (PatchId p(0); p.value < of_patch.size(); ++p.value)
+    if (is_left[p.value] != 0) of_facets[of_patch[p]] += static_cast<double>(triangles[p.value]);
+  std::vector<SurfaceId> found;
+  for (SurfaceId s(0); s.value < allowed_.size(); ++s.value)
+    if (allowed_[s] && of_facets[s] > *allowed_[s]) found.push_back(s);
   return found;
 }
 

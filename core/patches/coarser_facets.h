@@ -1,7 +1,9 @@
 /// Decides which curved surfaces keep their facets because these are coarser than what would take their place.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/base/ids.h"
@@ -36,10 +38,19 @@ class CoarserFacets {
   void count_boundaries(const Adjacency& adjacency, const Partition& joined, const CurvedPatches& curved,
                         const CurveCuts* cuts, RunControl& control);
 
-  /// Returns the curved patches of the surfaces whose facets are coarser, and as fine as is asked for.
+  /// Finds surfaces whose facets may be coarser than their joined patches, and remembers what the latter cost.
   /// Input:  the number of triangles that each patch has, after refinement.
-  std::vector<PatchId> find(const CurvedPatches& curved, const std::vector<std::uint64_t>& triangles,
-                            const Options& options) const;
+  /// Output: their curved patches. No surface is found twice.
+  std::vector<PatchId> find_coarser(const CurvedPatches& curved, const std::vector<std::uint64_t>& triangles,
+                                    const Options& options);
+  /// Finds those surfaces that were found before, but whose facets have more triangles after refinement than the joined
+  /// patches had.
+  /// Input:  the surface of each patch, and the number of its triangles; `is_left` tells whether it is a facet that was
+  ///         left.
+  std::vector<SurfaceId> find_finer(const IdVector<PatchId, SurfaceId>& of_patch,
+                                    const std::vector<std::uint64_t>& triangles,
+                                    const std::vector<std::uint8_t>& is_left);
+  bool is_any_left() const { return left_ > 0; }
 
  private:
   /// Counts of one joined patch.
@@ -47,6 +58,9 @@ class CoarserFacets {
     double facets = 0;
     std::uint64_t boundary_before = 0, boundary_after = 0;
   };
+  /// How many triangles the facets of a surface that was found may have. Nothing is known of others.
+  IdVector<SurfaceId, std::optional<double>> allowed_;
+  std::size_t left_ = 0;  ///< surfaces whose facets were left, and have not been compared yet
   IdVector<PatchId, Cost> costs_;
 };
 

@@ -19,9 +19,10 @@ constexpr int kPatientSteps = 16;
 /// After this many steps, all curved patches become facets. Parts were seen to take at most five steps, or 13 where
 /// volumes are kept.
 constexpr int kMaxSteps = 32;
-/// So often facets are left because they are coarser. The patches beside them have finer boundaries then, and may be
+/// So often facets are left because they are probably coarser. If refinement shows that they are not, they are joined
+/// again. The patches beside them have finer boundaries then, and may be
 /// the next ones.
-constexpr int kMaxLeavings = 3;
+constexpr int kMaxLeavings = 2;
 
 /// Returns whether a patch reaches the apex of its cone, at which all rulings meet.
 bool reaches_apex(const Surface& surface, const PatchSet& patches, PatchId p, const SurfaceMap& map, StopCheck& check) {
@@ -258,13 +259,28 @@ void CurvedStage::step_up(const std::vector<PatchId>& at_fault, const PatchSet& 
 
 bool CurvedStage::leave_coarser_facets(const std::vector<std::uint64_t>& triangles, const PatchSet& patches,
                                        const Options& options) {
-  if (!curved_.has_any() || leavings_ == kMaxLeavings) return false;
-  const std::vector<PatchId> coarser = coarser_.find(curved_, triangles, options);
-  if (coarser.empty()) return false;
+  const IdVector<PatchId, SurfaceId>& of_patch = curved_.has_any() ? curved_.surfaces.of_patch : recognised_.of_patch;
+  const auto set_rung = [&](PatchId p, CurvedRung rung) {
+    for (const FaceId f : patches.faces_of(p)) rungs_[f] = rung;
+  };
+  bool is_any = false;
+  if (coarser_.is_any_left()) {
+    std::vector<std::uint8_t> is_left;
+    for (std::size_t p = 0; p < patches.count(); ++p)
+      is_left.push_back(rungs_[patches.faces_of(PatchId(p)).front()] == CurvedRung::kCoarser ? 1 : 0);
+    const std::vector<SurfaceId> finer = coarser_.find_finer(of_patch, triangles, is_left);
+    for (PatchId p(0); p.value < is_left.size(); ++p.value)
+      if (is_left[p.value] != 0 && std::binary_search(finer.begin(), finer.end(), of_patch[p])) {
+        set_rung(p, CurvedRung::kJoined);
+        is_any = true;
+      }
+  }
+  if (!curved_.has_any() || leavings_ == kMaxLeavings) return is_any;
+  const std::vector<PatchId> coarser = coarser_.find_coarser(curved_, triangles, options);
+  if (coarser.empty()) return is_any;
   ++leavings_;
   rungs_.resize(patches.of_face.size(), CurvedRung::kJoined);
-  for (const PatchId p : coarser)
-    for (const FaceId f : patches.faces_of(p)) rungs_[f] = CurvedRung::kCoarser;
+  for (const PatchId p : coarser) set_rung(p, CurvedRung::kCoarser);
   return true;
 }
 

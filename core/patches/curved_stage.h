@@ -61,10 +61,10 @@ class CurvedStage {
   /// patches become facets at once, and after some more, all curved patches do.
   void step_up(const std::vector<PatchId>& at_fault, const PatchSet& patches);
 
-  /// Leaves the facets of those surfaces that would be finer if they were joined than if they stay. All is joined anew
-  /// then.
+  /// Leaves the facets of those surfaces that would probably be finer if they were joined than if they stay, and joins
+  /// those again that have turned out to be finer as facets. All is joined anew then. A surface is left once at most.
   /// Input:   the number of triangles that each patch has, after refinement.
-  /// Output:  whether there are any.
+  /// Output:  whether anything has changed.
   bool leave_coarser_facets(const std::vector<std::uint64_t>& triangles, const PatchSet& patches,
                             const Options& options);
 
