@@ -83,14 +83,18 @@ class TurnMeasure {
       low[d] = std::min(low[d], way);
       high[d] = std::max(high[d], way);
     };
+    const auto radius_of = [&](const Vec3& q) { return std::hypot(dot(q, x), dot(q, y)); };
+    double largest = 0;
+    for (std::uint32_t s = graph_.sides_begin(p); s < graph_.sides_end(p); ++s)
+      largest = std::max(largest, radius_of(corner(s) - shape.origin));
     for (std::uint32_t s = graph_.sides_begin(p); s < graph_.sides_end(p); ++s) {
       if (!graph_.is_corner(s)) continue;
       const Vec3 q = corner(s) - shape.origin;
-      const double along = dot(q, axis), at_x = dot(q, x), at_y = dot(q, y), radius = std::hypot(at_x, at_y);
-      // A corner on the axis, such as the apex of a cone, has no angle around it.
-      constexpr double kOnAxis = 1e-3;
-      if (radius > kOnAxis * norm(q)) add(kAroundAxis, std::atan2(at_y, at_x));
-      if (shape.kind == SurfaceKind::kTorus) add(kAcrossAxis, std::atan2(along, radius - shape.radius));
+      const double radius = radius_of(q);
+      // Near the axis, as at the apex of a cone, rounding alone decides the angle.
+      constexpr double kNearAxis = 0.25;
+      if (radius > kNearAxis * largest) add(kAroundAxis, std::atan2(dot(q, y), dot(q, x)));
+      if (shape.kind == SurfaceKind::kTorus) add(kAcrossAxis, std::atan2(dot(q, axis), radius - shape.radius));
     }
     Ranges ranges;
     for (std::size_t d = 0; d < kTurnDirections; ++d)

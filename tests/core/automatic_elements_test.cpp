@@ -97,7 +97,7 @@ TEST(automatic_elements, facets_per_turn_are_those_of_the_direction_in_which_the
 }
 
 TEST(automatic_elements, only_surfaces_with_more_than_32_facets_per_turn_are_remeshed_with_24_edges) {
-  for (const int n : {12, 24, 32, 33, 48, 64}) {
+  for (const int n : {16, 24, 32, 33, 48, 64}) {
     SCOPED_TRACE(n);
     const PolygonMesh mesh = primitives::nut(6, n).mesh;
     const Result result = remeshed(mesh, Options{});
@@ -109,7 +109,7 @@ TEST(automatic_elements, only_surfaces_with_more_than_32_facets_per_turn_are_rem
     if (n <= 32) {
       EXPECT_EQ(curved[0].elements_per_circle, std::nullopt);
       EXPECT_EQ(curved[0].allowed, 0);
-      EXPECT_EQ(curved[0].bound, 0);
+      EXPECT_LE(curved[0].bound, result.report.plane_tolerance);
       EXPECT_EQ(obj_of(result), obj_of(remeshed(mesh, without_elements())));
       continue;
     }
@@ -166,7 +166,7 @@ TEST(automatic_elements, it_does_not_act_where_something_else_says_how_curved_su
     const Report report = remeshed(mesh, options).report;
     for (const RecognisedSurface& s : report.surfaces.surfaces) {
       EXPECT_FALSE(s.is_remeshed);
-      EXPECT_EQ(s.bound, 0);
+      EXPECT_LE(s.bound, report.plane_tolerance);
     }
   }
 }
