@@ -18,7 +18,7 @@ constexpr double kTrianglesPerSquare = 0.55;
 constexpr double kAngleOfCount = 25;
 
 /// More corners than these are those of a flat face, the width of which is not measured.
-constexpr std::size_t kMostCornersMeasured = 16;
+constexpr std::size_t kMaxCornersMeasured = 16;
 
 /// Returns the smallest width of a polygon, across one of its sides.
 double width_of_polygon(std::span<const Vec3> corners) {
@@ -80,7 +80,7 @@ void CoarserFacets::count_facets(const Surface& surface, const Adjacency& adjace
     const double triangles = static_cast<double>(corners.size()) + 2 * static_cast<double>(last - first) - 4;
     double& cost = costs_[p].facets;
     cost += std::max(triangles, 1.0);
-    if (per_square == 0 || last - first != 1 || corners.size() > kMostCornersMeasured) continue;
+    if (per_square == 0 || last - first != 1 || corners.size() > kMaxCornersMeasured) continue;
     const double width = width_of_polygon(corners);
     const double area = facets.summaries.patches[f.value].area / surface.unit / surface.unit;
     if (width > 0) cost += per_square * std::max(0.0, area / (width * width) - 1);

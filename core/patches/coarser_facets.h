@@ -17,20 +17,20 @@
 
 namespace remesh {
 
-/// What the facets of curved patches would cost if they stayed. A vertex on a boundary costs a face on its other side,
-/// too, so boundaries count with the faces.
+/// Compares the cost of curved patches with that of their facets. A vertex on a boundary costs a face on its other
+/// side, too, so boundaries count with the faces.
 class CoarserFacets {
  public:
   /// Counts the faces that the facets become.
   /// Input:  the partition into facets, and the patches that are joined from them.
-  /// Output: the estimate is rather too low: where both ways cost about the same, the facets are to stay. So a larger
-  ///         tolerance never makes more faces, as the cost of joined patches falls while it grows.
+  /// Output: the estimate is rather too low: where both ways cost about the same, the facets are to stay. So a
+  ///         larger tolerance never makes more faces, as the cost of joined patches falls while it grows.
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
   /// Cost:   O(n).
   void count_facets(const Surface& surface, const Adjacency& adjacency, const Partition& facets,
                     const CurvedPatches& joined, double min_angle_deg, RunControl& control);
-  /// Returns the surfaces whose facets are so coarse that no refinement of joined patches could make fewer faces. To find
-  /// that out by refining them could take far more work than the result is worth.
+  /// Returns the surfaces whose facets are so coarse that no refinement of joined patches could make fewer faces.
+  /// To find that out by refining them could take far more work than the result is worth.
   /// Input: the joined patches with their limits, whose facets have been counted.
   std::vector<SurfaceId> find_hopeless(const CurvedPatches& joined, const Options& options) const;
   /// Counts the boundary vertices of the joined patches, before their boundaries are cut and after that.
@@ -43,10 +43,10 @@ class CoarserFacets {
   /// Output: their curved patches. No surface is found twice.
   std::vector<PatchId> find_coarser(const CurvedPatches& curved, const std::vector<std::uint64_t>& triangles,
                                     const Options& options);
-  /// Finds those surfaces that were found before, but whose facets have more triangles after refinement than the joined
-  /// patches had.
-  /// Input:  the surface of each patch, and the number of its triangles; `is_left` tells whether it is a facet that was
-  ///         left.
+  /// Finds those surfaces that were found before, but whose facets have more triangles after refinement than the
+  /// joined patches had.
+  /// Input:  the surface of each patch, and the number of its triangles; `is_left` tells whether it is a facet that
+  ///         was left.
   std::vector<SurfaceId> find_finer(const IdVector<PatchId, SurfaceId>& of_patch,
                                     const std::vector<std::uint64_t>& triangles,
                                     const std::vector<std::uint8_t>& is_left);

@@ -70,7 +70,7 @@ void limit_on_tube(const AnalyticSurface& torus, double own, CurvedLimits& limit
 
 /// A surface with more facets per turn is one that somebody had divided finely to be near to it. Others may be meant to
 /// have just these facets. The half leaves room for rounding.
-constexpr double kMostFacetsMeant = 32.5;
+constexpr double kMaxFacetsMeant = 32.5;
 /// Such a surface is remeshed with this number of edges per turn. Their chord height is 0.86 % of the radius.
 constexpr double kEdgesOfFineSurfaces = 24;
 
@@ -82,7 +82,7 @@ bool may_elements_be_in_force(const Options& options) {
 
 std::optional<double> elements_per_circle_of(const RecognisedSurface& surface, const Options& options) {
   if (!are_fine_facets_coarsened(options)) return options.elements_per_circle;
-  return surface.facets_per_turn > kMostFacetsMeant ? std::optional(kEdgesOfFineSurfaces) : std::nullopt;
+  return surface.facets_per_turn > kMaxFacetsMeant ? std::optional(kEdgesOfFineSurfaces) : std::nullopt;
 }
 
 std::vector<CurvedLimits> curved_limits(const Surface& surface, const PatchSet& facets,
