@@ -49,14 +49,13 @@ double largest_curvature_radius(const RecognisedSurface& surface) {
   }
 }
 
-/// Returns whether other options than those of curved surfaces decide how many faces there are, or whether facets are
-/// not what is asked for although they are near enough.
-bool are_faces_asked_for(const Options& options) {
-  return options.max_edge_length || options.max_edge_fraction || options.max_area || options.proximity > 0 ||
-         options.gradation || options.circle_fit == CircleFit::kVolume;
-}
-
 }  // namespace
+
+bool may_coarser_facets_stay(const Options& options) {
+  const bool are_sizes_given = options.max_edge_length || options.max_edge_fraction || options.max_area ||
+                               options.proximity > 0 || options.gradation;
+  return !are_sizes_given && options.circle_fit != CircleFit::kVolume;
+}
 
 void CoarserFacets::count_facets(const Surface& surface, const Adjacency& adjacency, const Partition& facets,
                                  const CurvedPatches& joined, double min_angle_deg, RunControl& control) {
@@ -107,7 +106,7 @@ void CoarserFacets::count_boundaries(const Adjacency& adjacency, const Partition
 std::vector<SurfaceId> CoarserFacets::find_hopeless(const CurvedPatches& joined, const Options& options) const {
   std::vector<SurfaceId> found;
   // Without refinement, edges run along rulings, however long these are.
-  if (are_faces_asked_for(options) || !options.refine) return found;
+  if (!may_coarser_facets_stay(options) || !options.refine) return found;
   IdVector<SurfaceId, double> of_facets(joined.surfaces.surfaces.size()), of_joined(joined.surfaces.surfaces.size());
   for (PatchId p(0); p.value < costs_.size(); ++p.value) {
     const CurvedPatch* patch = joined.of(p);
@@ -128,7 +127,7 @@ std::vector<SurfaceId> CoarserFacets::find_hopeless(const CurvedPatches& joined,
 std::vector<PatchId> CoarserFacets::find_coarser(const CurvedPatches& curved,
                                                  const std::vector<std::uint64_t>& triangles, const Options& options) {
   std::vector<PatchId> found;
-  if (are_faces_asked_for(options)) return found;
+  if (!may_coarser_facets_stay(options)) return found;
   struct Total {
     double facets = 0, joined = 0, boundary = 0;
   };

@@ -17,6 +17,10 @@
 
 namespace remesh {
 
+/// Returns whether facets may stay because they are coarser. They may not where other options than those of curved
+/// surfaces decide how many faces there are, or where their volume would be wrong.
+bool may_coarser_facets_stay(const Options& options);
+
 /// Compares the cost of curved patches with that of their facets. A vertex on a boundary costs a face on its other
 /// side, too, so boundaries count with the faces.
 class CoarserFacets {

@@ -38,7 +38,6 @@ class Records {
     add_free_regions();
     add_planes();
     put_in_order();
-    measure_turns(facets_, graph_, result_, control_);
     return std::move(result_);
   }
 
@@ -381,7 +380,9 @@ class Records {
 
 RecognisedSurfaces make_records(const Facets& facets, const FacetGraph& graph, std::vector<Claim> claims,
                                 const RecognitionRules& rules, RunControl& control) {
-  return Records(facets, graph, rules, control).make(std::move(claims));
+  RecognisedSurfaces recognised = Records(facets, graph, rules, control).make(std::move(claims));
+  measure_turns(facets, graph, recognised, control);
+  return recognised;
 }
 
 }  // namespace remesh
