@@ -15,7 +15,6 @@ namespace {
 
 constexpr double kRadius = 5, kTube = 2;
 
-/// The limits of a torus, its facets' distance from it, and what is asked.
 /// Options with a tolerance, and without a number of elements.
 Options with_tolerance_alone() {
   Options options;
@@ -23,6 +22,7 @@ Options with_tolerance_alone() {
   return options;
 }
 
+/// The limits of a torus, its facets' distance from it, and what is asked.
 struct Case {
   CurvedLimits limits{1, 0.2, 0.5, 0.95, 0.3};
   double chord_height = 0.1;
