@@ -54,7 +54,10 @@ double largest_curvature_radius(const RecognisedSurface& surface) {
 bool may_coarser_facets_stay(const Options& options) {
   const bool are_sizes_given = options.max_edge_length || options.max_edge_fraction || options.max_area ||
                                options.proximity > 0 || options.gradation;
-  return !are_sizes_given && options.circle_fit != CircleFit::kVolume;
+  // Where vertices must stay, surfaces stay inscribed whatever is asked for.
+  const bool are_volumes_kept =
+      options.circle_fit == CircleFit::kVolume && options.split_boundaries && !options.keep_boundary_vertices;
+  return !are_sizes_given && !are_volumes_kept;
 }
 
 void CoarserFacets::count_facets(const Surface& surface, const Adjacency& adjacency, const Partition& facets,

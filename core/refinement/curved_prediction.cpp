@@ -94,15 +94,18 @@ class CirclePrediction {
     measure_patches();
     find_chains();
     for (const int elements : kElements)
-      result[elements] = static_cast<std::uint64_t>(std::min(std::ceil(faces_with(elements)), most_faces()));
+      result[elements] = static_cast<std::uint64_t>(std::min(std::ceil(faces_with(elements)), most_faces(elements)));
     return result;
   }
 
  private:
-  /// Returns how many faces there are at most: facets that are coarser stay.
-  double most_faces() const {
+  /// Returns how many faces there are at most: facets that are coarser stay. All of them certainly are if none of the
+  /// surfaces has as many per turn as is asked for.
+  double most_faces(int elements) const {
     constexpr double kMany = 0x1p62;
     if (!may_coarser_facets_stay(options_) || present_.patches.count() != in_.facets.count()) return kMany;
+    for (const CurvedPatch& patch : joined_.curved)
+      if (in_.surfaces.surfaces[patch.surface].facets_per_turn > elements) return kMany;
     return std::min(kMany, std::accumulate(present_.faces.begin(), present_.faces.end(), 0.0));
   }
 
