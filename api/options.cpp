@@ -155,8 +155,9 @@ const std::array<OptionSpec, 28> kTable{{
     {.name = "surface_tolerance",
      .type = OptionType::kNumber,
      .field = &Options::surface_tolerance,
-     .help = "how far the curved parts of input and result may be apart, both ways, in model units; auto: with "
-             "elements_per_circle, as far as the input's own facets are from each curved surface, and otherwise facets "
+     .help = "how far the curved parts of input and result may be apart, both ways, in model units; auto: where "
+             "elements_per_circle acts, as far as the input's own facets are from each curved surface, and otherwise "
+             "facets "
              "stay as they are; 0: facets stay as they are",
      .unset = "auto",
      .excludes = "surface_tolerance_fraction",
@@ -170,17 +171,20 @@ const std::array<OptionSpec, 28> kTable{{
      .example = "0.001"},
     {.name = "elements_per_circle",
      .type = OptionType::kNumber,
-     .field = &Options::elements_per_circle,
+     .field = ElementsField{},
      .help = "number of edges per full turn on curved surfaces and arcs; the distance of such an edge from its arc is "
-             "allowed on top of surface_tolerance; 16 is usual before volume meshing",
-     .unset = "none",
+             "allowed on top of surface_tolerance; 16 is usual before volume meshing; none: facets stay unless a "
+             "surface_tolerance is given; auto: as none, but where no tolerance is given either and boundaries may be "
+             "divided, surfaces with more than 32 facets per turn are remeshed with 24",
+     .unset = "auto",
      .example = "16"},
     {.name = "circle_fit",
      .type = OptionType::kChoice,
      .field = &Options::circle_fit,
-     .help = "where vertices of circles and curved surfaces lie; inscribed: on them, so that shafts lose volume and "
-             "holes get smaller; volume: about half the chord height outside, so that the volume of the recognised "
-             "solid is kept, or the area of an open surface; it needs elements_per_circle or a surface_tolerance",
+     .help =
+         "where vertices of circles and curved surfaces lie; inscribed: on them, so that shafts lose volume and "
+         "holes get smaller; volume: about half the chord height outside, so that the volume of the recognised "
+         "solid is kept, or the area of an open surface; it acts where elements_per_circle or a surface_tolerance does",
      .example = "volume"},
     {.name = "normal_tolerance",
      .type = OptionType::kNumber,
@@ -268,6 +272,8 @@ std::string describe_words(const OptionSpec& spec) {
       expected = (option_words(spec).size() == 1 ? "" : "one of ") + describe_words(spec);
       break;
   }
+  if (spec.type == OptionType::kNumber)
+    for (const std::string_view word : option_words(spec)) expected.append(", ").append(word);
   if (!spec.unset.empty()) expected += ", or " + std::string(spec.unset);
   fail(spec, "must be " + expected + ", not " + in_quotes(text));
 }
@@ -364,6 +370,15 @@ std::string words_text(const std::array<Word<T>, N>& words, const T& set) {
   return text.empty() ? "none" : text;
 }
 
+/// The value of elements_per_circle with which facets stay.
+constexpr std::string_view kNoElements = "none";
+
+void parse_elements(const OptionSpec& spec, std::string_view text, Options& options) {
+  const bool is_word = text == kNoElements || text == spec.unset;
+  options.elements_per_circle = is_word ? std::nullopt : std::optional(parse_number(spec, text));
+  options.coarsens_fine_facets = text != kNoElements;
+}
+
 void parse_axis(const OptionSpec& spec, std::string_view text, Options& options) {
   if (text == "x" || text == "dominant_edge") {
     options.reference_axis = text == "x" ? ReferenceAxis::kX : ReferenceAxis::kDominantEdge;
@@ -434,6 +449,8 @@ void set_value(const OptionSpec& spec, std::string_view text, RequestOptions& op
           core.*field = parse_choice(spec, kCircleFitWords, text);
         } else if constexpr (std::is_same_v<F, AxisField>) {
           parse_axis(spec, text, core);
+        } else if constexpr (std::is_same_v<F, ElementsField>) {
+          parse_elements(spec, text, core);
         } else if constexpr (std::is_same_v<F, PresetField>) {
           options.preset = text == spec.unset ? std::nullopt : std::optional(parse_choice(spec, kPresetWords, text));
         } else {
@@ -441,6 +458,11 @@ void set_value(const OptionSpec& spec, std::string_view text, RequestOptions& op
         }
       },
       spec.field);
+}
+
+bool is_word_of(const OptionSpec& spec, std::string_view text) {
+  const std::vector<std::string_view> words = option_words(spec);
+  return std::find(words.begin(), words.end(), text) != words.end();
 }
 
 // JSON has types, so a string is not accepted as a number. An option that may be unset accepts null or its word.
@@ -455,7 +477,7 @@ void check_kind(const OptionSpec& spec, std::string_view text, ValueKind kind) {
     case ValueKind::kObject: fits = false; break;
     case ValueKind::kString:
       fits = (!spec.unset.empty() && text == spec.unset) || spec.type == OptionType::kWords ||
-             spec.type == OptionType::kAxis || spec.type == OptionType::kChoice;
+             spec.type == OptionType::kAxis || spec.type == OptionType::kChoice || is_word_of(spec, text);
       break;
   }
   if (!fits) fail_value(spec, kind == ValueKind::kNull ? "null" : text);
@@ -504,6 +526,8 @@ std::vector<std::string_view> option_words(const OptionSpec& spec) {
     for (const auto& word : kBarrierWords) words.push_back(word.first);
   } else if (std::holds_alternative<CircleFit Options::*>(spec.field)) {
     for (const auto& word : kCircleFitWords) words.push_back(word.first);
+  } else if (std::holds_alternative<ElementsField>(spec.field)) {
+    words.push_back(kNoElements);
   } else if (std::holds_alternative<PresetField>(spec.field)) {
     for (const auto& word : kPresetWords) words.push_back(word.first);
   } else if (std::holds_alternative<FormatField>(spec.field)) {
@@ -530,6 +554,9 @@ OptionValue option_value(const OptionSpec& spec, const RequestOptions& options) 
           return std::string(choice_name(kCircleFitWords, core.*field));
         } else if constexpr (std::is_same_v<F, AxisField>) {
           return axis_text(core);
+        } else if constexpr (std::is_same_v<F, ElementsField>) {
+          if (core.elements_per_circle) return *core.elements_per_circle;
+          return core.coarsens_fine_facets ? OptionValue() : OptionValue(std::string(kNoElements));
         } else if constexpr (std::is_same_v<F, PresetField>) {
           return options.preset ? OptionValue(std::string(choice_name(kPresetWords, *options.preset))) : OptionValue();
         } else {
@@ -558,6 +585,7 @@ std::string option_text(const OptionSpec& spec, const RequestOptions& options) {
 
 RequestOptions with_defaults(RequestOptions options) {
   Options& core = options.core;
+  core.coarsens_fine_facets = are_fine_facets_coarsened(core);
   if (!core.refine) return options;
   const Goals goals = goals_of(core, /*diagonal=*/1);
   if (!core.max_radius_edge_ratio) core.min_angle_deg = goals.min_angle_deg;

@@ -1,6 +1,6 @@
 /// The options of the API. Each is declared once, in `option_table`. Reading it from a query string, from JSON and
-/// from the command line, /v1/capabilities and the report's `options` all follow from its row there. Only the range of
-/// a number stands elsewhere, in the core's `number_options`.
+/// from the command line, /v1/capabilities and the report's `options` all follow from its row there. Only the range
+/// of a number stands elsewhere, in the core's `number_options`.
 #pragma once
 
 #include <cstdint>
@@ -22,8 +22,8 @@ enum class Preset {
   kExact,   ///< facets and boundaries stay as they are: feature_angle_deg=0, split_boundaries=false, defeature_size=0
 };
 
-/// Everything that a caller may ask for: the options of the pipeline, which have the values of the preset already, and
-/// the format of the answer.
+/// Everything that a caller may ask for: the options of the pipeline, which have the values of the preset already,
+/// and the format of the answer.
 struct RequestOptions {
   Options core;
   std::optional<Preset> preset;
@@ -45,11 +45,13 @@ struct FormatField {};
 struct PresetField {};
 /// Marks the option that sets both `reference_axis` and `reference_direction`.
 struct AxisField {};
+/// Marks the option that sets both `elements_per_circle` and `coarsens_fine_facets`.
+struct ElementsField {};
 
 /// The member in which an option's value is stored.
 using OptionField = std::variant<bool Options::*, double Options::*, std::optional<double> Options::*,
                                  std::optional<std::uint64_t> Options::*, Repair Options::*, Barriers Options::*,
-                                 CircleFit Options::*, AxisField, PresetField, FormatField>;
+                                 CircleFit Options::*, AxisField, ElementsField, PresetField, FormatField>;
 
 struct OptionSpec {
   std::string_view name;
@@ -68,7 +70,8 @@ std::span<const OptionSpec> option_table();
 const OptionSpec* find_option(std::string_view name);
 /// Finds the option whose name takes the fewest edits to reach from `name`. The first one wins a tie.
 const OptionSpec& nearest_option(std::string_view name);
-/// The words that a kWords or kChoice option accepts, without the word for "no value"; empty for other types.
+/// The words that a kWords or kChoice option accepts, and those that an option accepts in place of a number,
+/// without the word for "no value".
 std::vector<std::string_view> option_words(const OptionSpec& spec);
 
 /// A value in the form in which JSON shows it; monostate if none is set.
@@ -77,7 +80,8 @@ OptionValue option_value(const OptionSpec& spec, const RequestOptions& options);
 /// The value as text, in the form that a query string accepts.
 std::string option_text(const OptionSpec& spec, const RequestOptions& options);
 /// Replaces values that were left open by those that the pipeline will use: min_angle_deg if neither it nor
-/// max_radius_edge_ratio is set, and gradation if proximity is set. The returned options ask for the same result.
+/// max_radius_edge_ratio is set, gradation if proximity is set, and `none` for elements_per_circle where `auto`
+/// does not act. The returned options ask for the same result.
 RequestOptions with_defaults(RequestOptions options);
 
 /// The JSON type of an option's value before it became text. Query strings and flags are untyped.

@@ -220,6 +220,9 @@ void write_surface(JsonWriter& json, SurfaceId id, const RecognisedSurface& surf
   if (is_curved) {
     json.member("input_chord_height", surface.input_chord_height);
     json.member("input_turn_deg", surface.input_turn_deg);
+    json.member("facets_per_turn", surface.facets_per_turn > 0 ? std::optional(surface.facets_per_turn) : std::nullopt);
+    json.member("remeshed", surface.is_remeshed);
+    json.member("elements_per_circle", surface.elements_per_circle);
     json.member("tolerance", surface.allowed);
     json.member("volume_offset", surface.outside);
   }

@@ -24,6 +24,7 @@
 #include "core/output/run_report.h"
 #include "core/output/run_state.h"
 #include "core/patches/coplanar_regions.h"
+#include "core/patches/curved_limits.h"
 #include "core/patches/curved_stage.h"
 #include "core/patches/input_intersections.h"
 #include "core/patches/ladder.h"
@@ -44,6 +45,7 @@ namespace {
 enum class AttemptOutcome {
   kVerified,          ///< the result passed verification
   kTooManyFaces,      ///< refinement made more faces than are allowed
+  kFacetsCoarser,     ///< facets of curved surfaces stay, or are joined again, by what has fewer faces
   kOffsetsChanged,    ///< curved surfaces have to be moved by other offsets
   kRefinementFailed,  ///< the check failed on patches whose refinement can be left out
   kRestUnrefined,     ///< without any refinement, the result passed verification
@@ -64,6 +66,8 @@ constexpr std::array kRetries{
     Retry{AttemptOutcome::kVerified, Step::kFinish},
     // Refine again with a smaller budget. The patches and their triangles are used again.
     Retry{AttemptOutcome::kTooManyFaces, Step::kRefine},
+    // Join the facets again, apart from those that stay.
+    Retry{AttemptOutcome::kFacetsCoarser, Step::kPartition},
     // Join the facets again, and move the curved surfaces outwards by better offsets, or not at all.
     Retry{AttemptOutcome::kOffsetsChanged, Step::kPartition},
     // Refine again, but leave the patches that failed as they are. The patches and their triangles are used again.
@@ -93,17 +97,21 @@ std::uint64_t counted_faces(const Polygons& mesh) {
 
 /// Returns whether the options allow boundaries to be cut anew, so that patches have more vertices than the input.
 bool may_cut_curves(const Options& options) {
-  return options.elements_per_circle || options.surface_tolerance || options.surface_tolerance_fraction;
+  return may_elements_be_in_force(options) || options.surface_tolerance || options.surface_tolerance_fraction;
 }
 
-/// Returns what the options say of every curved patch.
-CurvedClaim claim_of_options(const Options& options, double diagonal) {
-  CurvedClaim claim;
-  claim.surface_tolerance = options.surface_tolerance;
-  if (options.surface_tolerance_fraction) claim.surface_tolerance = *options.surface_tolerance_fraction * diagonal;
-  claim.elements_per_circle = options.elements_per_circle;
-  claim.feature_angle_deg = options.feature_angle_deg;
-  return claim;
+/// Returns what is claimed of the curved patches, in their order. There are none if `curved` is null.
+std::vector<CurvedClaim> claims_of(const CurvedPatches* curved, const Options& options, double diagonal) {
+  std::vector<CurvedClaim> claims;
+  if (curved == nullptr) return claims;
+  std::optional<double> tolerance = options.surface_tolerance;
+  if (options.surface_tolerance_fraction) tolerance = *options.surface_tolerance_fraction * diagonal;
+  for (const CurvedPatch& patch : curved->curved) {
+    const RecognisedSurface& surface = curved->surfaces.surfaces[patch.surface];
+    claims.push_back({surface.shape, patch.limits.tolerance, tolerance, elements_per_circle_of(surface, options),
+                      options.feature_angle_deg});
+  }
+  return claims;
 }
 
 /// One run on one surface.
@@ -242,6 +250,10 @@ class Run : private RunState {
       candidate.has_chords = !flip_chords(candidate.triangulated.meshes, with_cuts().vertex_count(), control);
     // All patches together: improve angles and sizes, and resolve the remaining conflicts between patches.
     refine();
+    if (leave_coarser_facets()) {
+      refiner->forget_attempt();
+      return AttemptOutcome::kFacetsCoarser;
+    }
     if (!keep_volumes()) {
       // The patches may be others after this. What is known of these must not be taken for theirs.
       refiner->forget_patches();
@@ -302,6 +314,14 @@ class Run : private RunState {
                       report.plane_tolerance, refinement.new_positions, control);
   }
 
+  /// Lets facets of curved surfaces stay, or joins them again, by what has fewer faces.
+  /// Output: whether anything has changed.
+  bool leave_coarser_facets() {
+    std::vector<std::uint64_t> triangles;
+    for (const PatchMesh& patch : candidate.triangulated.meshes) triangles.push_back(patch.mesh.triangle_count());
+    return curves.leave_coarser_facets(triangles, partition.patches, options);
+  }
+
   /// Moves vertices so that the volumes of curved surfaces are kept, if that is asked for.
   /// Output: false if the surfaces have to be moved by other offsets first, on which everything is done again.
   bool keep_volumes() {
@@ -349,10 +369,11 @@ class Run : private RunState {
     prepared.release_all_but_order();
     watch.enter(Stage::kVerify);
     const InputIntersections known = intersections();
-    const CurvedClaim curved_options = claim_of_options(options, report.input.bounding_box.diagonal());
+    const std::vector<CurvedClaim> curved_claims =
+        claims_of(curves.curved(), options, report.input.bounding_box.diagonal());
     CheckedAgainst against{
-        read_input(),           surface(),     partition.patches, known,           report.plane_tolerance,
-        options.weld_tolerance, asked_goals(), curves.curved(),   &curved_options, refiner->frozen().items(),
+        read_input(),           surface(),     partition.patches, known,         report.plane_tolerance,
+        options.weld_tolerance, asked_goals(), curves.curved(),   curved_claims, refiner->frozen().items(),
         prepared.order()};
     const auto run = [&] {
       against.measure_sizes = nullptr;

@@ -70,10 +70,15 @@ struct Options {
   /// of one curved surface. 0: each facet is its own surface.
   double feature_angle_deg = 30;
   /// How far the curved parts of input and output may be apart, in model units. Empty: as far as the input's own facets
-  /// are from each surface if elements_per_circle is given, and otherwise facets stay. 0: facets stay as they are.
+  /// are from each surface where a number of elements per circle is in force, and otherwise facets stay. 0: facets stay
+  /// as they are.
   std::optional<double> surface_tolerance;
   std::optional<double> surface_tolerance_fraction;  ///< instead of surface_tolerance; a fraction of the diagonal
-  std::optional<double> elements_per_circle;         ///< edges per full turn on curved surfaces
+  /// Edges per full turn on curved surfaces. Empty: see coarsens_fine_facets.
+  std::optional<double> elements_per_circle;
+  /// If nothing else says how curved surfaces are divided, those with many facets per turn are remeshed with fewer
+  /// (elements_per_circle=auto); false: facets stay (elements_per_circle=none). See are_fine_facets_coarsened.
+  bool coarsens_fine_facets = true;
   CircleFit circle_fit = CircleFit::kInscribed;
   double weld_tolerance = 0;  ///< 0: only equal coordinates are one vertex
   Repair repair;
@@ -111,6 +116,10 @@ struct NumberOption {
 std::span<const NumberOption> number_options();
 /// Output: null if no option of that name is a number.
 const NumberRange* number_range(std::string_view name);
+
+/// Returns whether elements_per_circle=auto acts: neither a number of elements nor a tolerance is given, and boundaries
+/// may be cut anew.
+bool are_fine_facets_coarsened(const Options& options);
 
 /// Errors: Code::kInvalidOption - a value is out of its range, or two options exclude each other (`option` is set).
 void check_options(const Options& options);

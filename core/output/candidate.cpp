@@ -116,13 +116,6 @@ Verdict check(Candidate& candidate, const CheckedAgainst& against, RunControl& c
   std::optional<RefinementClaim> refined;
   if (against.goals != nullptr)
     refined = {*against.goals, candidate.unrefined.faces, candidate.unrefined.reasons, against.frozen};
-  std::vector<CurvedClaim> curved;
-  if (against.curved != nullptr)
-    for (const CurvedPatch& patch : against.curved->curved) {
-      curved.push_back(*against.curved_options);
-      curved.back().shape = against.curved->surfaces.surfaces[patch.surface].shape;
-      curved.back().tolerance = patch.limits.tolerance;
-    }
   const std::vector<MovedVertex> moved = find_moved(candidate, against.surface);
   const bool has_new_vertices = !candidate.refinement.new_positions.empty() || against.curved != nullptr;
   std::function<void()> complete;
@@ -139,7 +132,7 @@ Verdict check(Candidate& candidate, const CheckedAgainst& against, RunControl& c
        refined ? &*refined : nullptr, &against.intersections, against.edge_order, against.input, against.weld_tolerance,
        against.curved != nullptr ? std::span<const std::uint32_t>(against.curved->at.items())
                                  : std::span<const std::uint32_t>(),
-       curved, moved, complete},
+       against.curved_claims, moved, complete},
       control);
 }
 

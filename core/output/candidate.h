@@ -87,10 +87,10 @@ struct CheckedAgainst {
   double plane_tolerance = 0;  ///< in model units
   double weld_tolerance = 0;   ///< in model units
   const Goals* goals = nullptr;
-  const CurvedPatches* curved = nullptr;           ///< null if no patch is curved
-  const CurvedClaim* curved_options = nullptr;     ///< what the options say of all of them
-  std::span<const std::uint8_t> frozen = {};       ///< patches that refinement left as they were; see RefinementClaim
-  std::span<const std::uint32_t> edge_order = {};  ///< see Claim::surface_edge_order
+  const CurvedPatches* curved = nullptr;            ///< null if no patch is curved
+  std::span<const CurvedClaim> curved_claims = {};  ///< one per curved patch
+  std::span<const std::uint8_t> frozen = {};        ///< patches that refinement left as they were; see RefinementClaim
+  std::span<const std::uint32_t> edge_order = {};   ///< see Claim::surface_edge_order
   /// If this is set, it finds out which triangles of the candidate miss sizes that vary. It is called only if all else
   /// is right.
   std::function<void(Candidate&)> measure_sizes = {};

@@ -71,6 +71,8 @@ class RunReporter {
                               : static_cast<double>(run_.partition.summaries.patches[p.value].output_faces);
                  },
                  RefinedFaces::Are::kPredicted});
+    tell_coarsened_surfaces(run_.surface(), run_.partition.patches, run_.curves.curved(), RefinedFaces::Are::kPredicted,
+                            run_.report);
     run_.report.predicted_faces_by_elements_per_circle = predict_for_circles(run_.refiner->predicted_of_patch());
     tell_many_faces(RefinedFaces::Are::kPredicted, run_.refiner->predicted_of_patch());
     // Facets count, not the patches that were joined from them, so proximity does not change the answer.
@@ -132,6 +134,8 @@ class RunReporter {
              run_.candidate.clear();
            });
     run_.watch.enter(Stage::kAssembly);
+    tell_coarsened_surfaces(run_.surface(), run_.partition.patches, run_.curves.curved(), RefinedFaces::Are::kCounted,
+                            result.report);
     result.mesh.labels = labels_from(run_.input.labels, source);
     if (settings.want_face_source) {
       result.face_source = source;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -34,6 +35,12 @@ std::string faces_text(double faces, RefinedFaces::Are are) {
   if (are == RefinedFaces::Are::kCounted) return "made " + grouped_digits(static_cast<std::uint64_t>(faces));
   const double step = faces < 100 ? 1 : std::pow(10, std::floor(std::log10(faces)) - 1);
   return "makes about " + grouped_digits(static_cast<std::uint64_t>(std::round(faces / step) * step));
+}
+
+std::string seven_digits(double value) {
+  std::array<char, 32> text{};
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, 7);
+  return {text.data(), end.ptr};
 }
 
 /// Names the options that help: for surfaces whose facets stay flat, and for free regions.
@@ -85,6 +92,39 @@ void warn_of_curved_surfaces(const Surface& surface, const PatchSet& patches, co
                     " facets; each stays flat as a patch of its own, and refinement " + faces_text(faces, refined.are) +
                     " faces of them" + advice(is_any_curved, free > 0);
   diagnostics.push_back(std::move(warning));
+}
+
+void tell_coarsened_surfaces(const Surface& surface, const PatchSet& patches, const CurvedPatches* curved,
+                             RefinedFaces::Are are, Report& report) {
+  if (curved == nullptr || !are_fine_facets_coarsened(report.options)) return;
+  Diagnostic told{DiagnosticCode::kCurvedSurface, 0, {}, ""};
+  FaceId last;
+  for (std::size_t f = 0; f < surface.face_count(); ++f) {
+    const FaceId source = surface.face_source[FaceId(f)];
+    if (source == last || curved->of(patches.of_face[FaceId(f)]) == nullptr) continue;
+    told.add(source.value);
+    last = source;
+  }
+  std::array<std::uint64_t, kKinds> counts{};
+  std::uint64_t count = 0;
+  double elements = 0;
+  for (const RecognisedSurface& s : report.surfaces.surfaces) {
+    if (!s.is_remeshed || !s.elements_per_circle) continue;
+    ++counts[static_cast<std::size_t>(s.shape.kind)];
+    ++count;
+    elements = *s.elements_per_circle;
+  }
+  if (count == 0) return;
+  const bool is_done = are == RefinedFaces::Are::kCounted;
+  told.message = "elements_per_circle=auto " + std::string(is_done ? "remeshed " : "remeshes ") + list_counts(counts) +
+                 (count == 1 ? ", which has" : ", which have") + " more than 32 facets per turn, with " +
+                 grouped_digits(static_cast<std::uint64_t>(elements)) + " edges per turn";
+  if (is_done && report.input.volume && report.output.volume)
+    told.message +=
+        "; the volume was " + seven_digits(*report.input.volume) + " and is " + seven_digits(*report.output.volume);
+  told.message += "; elements_per_circle=none or preset=exact keeps the facets";
+  if (report.options.circle_fit != CircleFit::kVolume) told.message += ", and circle_fit=volume keeps the volume";
+  report.diagnostics.push_back(std::move(told));
 }
 
 void warn_of_curves(const Surface& surface, const PatchSet& patches, std::vector<Diagnostic>& diagnostics) {

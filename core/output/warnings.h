@@ -8,6 +8,7 @@
 #include "core/base/diagnostic.h"
 #include "core/geometry/patch_set.h"
 #include "core/mesh/surface.h"
+#include "core/output/report.h"
 #include "core/patches/curved_patches.h"
 #include "core/patches/recognised_surfaces.h"
 
@@ -20,17 +21,26 @@ struct RefinedFaces {
   Are are = Are::kCounted;
 };
 
-/// Tells which curved surfaces and free regions were found whose facets stay flat, how many faces these facets become,
-/// and which options help. Each facet is a patch of its own, so that a bound on angles or sizes makes many faces there.
+/// Tells which curved surfaces and free regions were found whose facets stay flat, how many faces these facets
+/// become, and which options help. Each facet is a patch of its own, so that a bound on angles or sizes makes many
+/// faces there.
 /// Input:   the patches that were joined from facets are left out; `curved` is null if there are none.
-/// Holds:   nothing is added if all surfaces are planes, or if there are only free regions of few facets. The elements
-///          are the input's faces of curved surfaces and free regions.
+/// Holds:   nothing is added if all surfaces are planes, or if there are only free regions of few facets. The
+///          elements are the input's faces of curved surfaces and free regions.
 void warn_of_curved_surfaces(const Surface& surface, const PatchSet& patches, const RecognisedSurfaces& recognised,
                              const RefinedFaces& refined, std::vector<Diagnostic>& diagnostics,
                              const CurvedPatches* curved = nullptr);
 
-/// Warns if most facets are patches of their own. This stands in for warn_of_curved_surfaces where each facet counts as
-/// its own surface (feature_angle_deg is 0).
+/// Tells which surfaces elements_per_circle=auto has remeshed with fewer facets, what that has done to the volume,
+/// and which options avoid it.
+/// Input:   the report with its surfaces and the statistics of the input; those of the output if `are` is kCounted.
+/// Output:  adds a diagnostic to the report unless no surface was remeshed so. Its elements are the input's faces
+///          there.
+void tell_coarsened_surfaces(const Surface& surface, const PatchSet& patches, const CurvedPatches* curved,
+                             RefinedFaces::Are are, Report& report);
+
+/// Warns if most facets are patches of their own. This stands in for warn_of_curved_surfaces where each facet
+/// counts as its own surface (feature_angle_deg is 0).
 void warn_of_curves(const Surface& surface, const PatchSet& patches, std::vector<Diagnostic>& diagnostics);
 
 /// Adds to the diagnostic incomplete_check that the verdict does not cover all intersections of the result.

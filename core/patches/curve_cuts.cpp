@@ -155,9 +155,20 @@ class CurveCutter {
       const PatchId p = in_.patches.of_face[in_.adjacency.face_of(h)];
       if (!is_curved(surfaces_[p])) continue;
       const AnalyticSurface& shape = *surfaces_[p].shape;
+      if (is_around_cylinder(before, shape) && is_around_cylinder(now, shape)) continue;
       result_.sideways[p] =
           std::max({result_.sideways[p], way_along(before, now, shape), way_along(now, before, shape)});
     }
+  }
+
+  /// Returns whether a polyline runs around the axis of a cylinder. Between two of them in one plane, all ways are
+  /// normal to the cylinder, while the shortest ones to coarse pieces are not.
+  bool is_around_cylinder(std::span<const Vec3> line, const AnalyticSurface& shape) {
+    if (shape.kind != SurfaceKind::kCylinder) return false;
+    return std::all_of(line.begin(), line.end(), [&](const Vec3& p) {
+      check_();
+      return std::fabs(dot(p - line.front(), shape.axis)) <= 2 * rules_.fit_tolerance;
+    });
   }
 
   /// Returns the largest way along a surface from points of one polyline to another one that runs beside it.

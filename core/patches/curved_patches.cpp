@@ -52,7 +52,7 @@ class Joining {
       const PatchId p(i);
       const SurfaceId s = recognised_.of_patch[p];
       const bool is_wanted = limits_[s.value].tolerance > 0 && SurfaceMap::can_map(recognised_.surfaces[s].shape);
-      if (!is_wanted || rung_of(p) == CurvedRung::kFacet) continue;
+      if (!is_wanted || rung_of(p) >= CurvedRung::kCoarser) continue;
       const AnalyticSurface& shape = recognised_.surfaces[s].shape;
       is_candidate_[p] = geometry_.goes_around(p, shape) || geometry_.ends_at_axis(p, shape) ? 0 : 1;
     }

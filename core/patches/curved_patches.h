@@ -31,10 +31,11 @@ struct CurvedLimits {
   CurvedLimits tightened() const;
 };
 
-/// A rung tells what becomes of a face of a curved surface after patches with it have failed.
+/// A rung tells what becomes of a face of a curved surface after patches with it have failed, or were too fine.
 enum class CurvedRung : std::uint8_t {
   kJoined,     ///< it is joined with others
   kTightened,  ///< it is joined with others, within finer limits
+  kCoarser,    ///< its facet stays a planar patch because that is coarser; nothing has failed
   kFacet       ///< its facet stays a planar patch
 };
 

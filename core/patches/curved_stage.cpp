@@ -19,6 +19,10 @@ constexpr int kPatientSteps = 16;
 /// After this many steps, all curved patches become facets. Parts were seen to take at most five steps, or 13 where
 /// volumes are kept.
 constexpr int kMaxSteps = 32;
+/// So often facets are left because they are probably coarser. If refinement shows that they are not, they are joined
+/// again. The patches beside them have finer boundaries then, and may be
+/// the next ones.
+constexpr int kMaxLeavings = 2;
 
 /// Returns whether a patch reaches the apex of its cone, at which all rulings meet.
 bool reaches_apex(const Surface& surface, const PatchSet& patches, PatchId p, const SurfaceMap& map, StopCheck& check) {
@@ -72,11 +76,23 @@ void CurvedStage::run(Partition& partition, const PatchSet& facets_before, Prepa
   cuts_ = {};
   with_cuts_.reset();
   is_outside_ = false;
-  curved_ = join_curved_facets(surface, prepared.adjacency(control), partition.patches, recognised_,
-                               options.feature_angle_deg, limits, rungs_, control);
+  const auto join = [&] {
+    curved_ = join_curved_facets(surface, prepared.adjacency(control), partition.patches, recognised_,
+                                 options.feature_angle_deg, limits, rungs_, control);
+    if (curved_.has_any())
+      coarser_.count_facets(surface, prepared.adjacency(control), partition, curved_, measures.min_angle_deg, control);
+  };
+  join();
+  if (curved_.has_any()) {
+    const std::vector<SurfaceId> hopeless = coarser_.find_hopeless(curved_, options);
+    for (const SurfaceId s : hopeless) limits[s.value] = {};
+    if (!hopeless.empty()) join();
+  }
   if (curved_.has_any()) {
     facets_ = take_joined_patches(partition, prepared, curved_, measures.plane_tolerance, ladder, control);
+    coarser_.count_boundaries(prepared.adjacency(control), partition, curved_, nullptr, control);
     cut_boundaries(partition, prepared, ladder, options, measures.min_angle_deg, control);
+    coarser_.count_boundaries(prepared.adjacency(control), partition, curved_, &cuts_, control);
     // Vertices that must stay would be left behind.
     if (options.circle_fit == CircleFit::kVolume && options.split_boundaries && !options.keep_boundary_vertices)
       is_outside_ = outside_.move_outside(
@@ -86,14 +102,25 @@ void CurvedStage::run(Partition& partition, const PatchSet& facets_before, Prepa
   }
   tell_failures(partition);
   surfaces_ = (curved_.has_any() ? curved_.surfaces : recognised_).copy(control);
-  for (std::size_t i = 0; i < limits.size(); ++i) surfaces_.surfaces[SurfaceId(i)].allowed = limits[i].tolerance;
+  for (std::size_t i = 0; i < limits.size(); ++i) {
+    RecognisedSurface& s = surfaces_.surfaces[SurfaceId(i)];
+    s.allowed = limits[i].tolerance;
+    s.is_remeshed = false;
+    s.elements_per_circle.reset();
+  }
+  for (const CurvedPatch& patch : curved_.curved) {
+    RecognisedSurface& s = surfaces_.surfaces[patch.surface];
+    s.is_remeshed = true;
+    s.elements_per_circle = elements_per_circle_of(s, options);
+  }
 }
 
 /// Notes in the summaries which patches are finer than was asked for, or facets again, because curved patches failed.
 void CurvedStage::tell_failures(Partition& partition) const {
   if (rungs_.empty()) return;
   for (std::size_t p = 0; p < partition.patches.count(); ++p) {
-    if (rungs_[partition.patches.faces_of(PatchId(p))[0]] == CurvedRung::kJoined) continue;
+    const CurvedRung rung = rungs_[partition.patches.faces_of(PatchId(p))[0]];
+    if (rung == CurvedRung::kJoined || rung == CurvedRung::kCoarser) continue;
     PatchSummary& summary = partition.summaries.patches[p];
     if (summary.status != PatchStatus::kRemeshed) continue;
     summary.status = PatchStatus::kReduced;
@@ -137,7 +164,7 @@ void CurvedStage::cut_boundaries(Partition& partition, Prepared& prepared, Ladde
     if (const CurvedPatch* patch = curved_.of(p))
       surfaces[p].fit_tolerance = recognised_.surfaces[patch->surface].tolerance;
     // If the number of elements decides, chords are as deep as it says, whatever the way along the surface is.
-    if (!options.elements_per_circle) surfaces[p].along = surfaces[p].sideways;
+    if (!may_elements_be_in_force(options)) surfaces[p].along = surfaces[p].sideways;
   }
   if (!options.split_boundaries) {
     // The boundary stays as it is, so curved patches are remeshed between its vertices.
@@ -232,6 +259,33 @@ void CurvedStage::step_up(const std::vector<PatchId>& at_fault, const PatchSet& 
   if (!is_outside_) return;
   outside_.leave(left);
   outside_.forget(changed);
+}
+
+bool CurvedStage::leave_coarser_facets(const std::vector<std::uint64_t>& triangles, const PatchSet& patches,
+                                       const Options& options) {
+  const IdVector<PatchId, SurfaceId>& of_patch = curved_.has_any() ? curved_.surfaces.of_patch : recognised_.of_patch;
+  const auto set_rung = [&](PatchId p, CurvedRung rung) {
+    for (const FaceId f : patches.faces_of(p)) rungs_[f] = rung;
+  };
+  bool is_any = false;
+  if (coarser_.is_any_left()) {
+    std::vector<std::uint8_t> is_left;
+    for (std::size_t p = 0; p < patches.count(); ++p)
+      is_left.push_back(rungs_[patches.faces_of(PatchId(p)).front()] == CurvedRung::kCoarser ? 1 : 0);
+    const std::vector<SurfaceId> finer = coarser_.find_finer(of_patch, triangles, is_left);
+    for (PatchId p(0); p.value < is_left.size(); ++p.value)
+      if (is_left[p.value] != 0 && std::binary_search(finer.begin(), finer.end(), of_patch[p])) {
+        set_rung(p, CurvedRung::kJoined);
+        is_any = true;
+      }
+  }
+  if (!curved_.has_any() || leavings_ == kMaxLeavings) return is_any;
+  const std::vector<PatchId> coarser = coarser_.find_coarser(curved_, triangles, options);
+  if (coarser.empty()) return is_any;
+  ++leavings_;
+  rungs_.resize(patches.of_face.size(), CurvedRung::kJoined);
+  for (const PatchId p : coarser) set_rung(p, CurvedRung::kCoarser);
+  return true;
 }
 
 std::vector<PatchId> CurvedStage::patches_of(const std::vector<SurfaceId>& surfaces) const {

@@ -11,6 +11,7 @@
 #include "core/geometry/patch_set.h"
 #include "core/mending/preparation.h"
 #include "core/mesh/surface.h"
+#include "core/patches/coarser_facets.h"
 #include "core/patches/curve_cuts.h"
 #include "core/patches/curved_patches.h"
 #include "core/patches/ladder.h"
@@ -60,6 +61,13 @@ class CurvedStage {
   /// patches become facets at once, and after some more, all curved patches do.
   void step_up(const std::vector<PatchId>& at_fault, const PatchSet& patches);
 
+  /// Leaves the facets of those surfaces that would probably be finer if they were joined than if they stay, and joins
+  /// those again that have turned out to be finer as facets. All is joined anew then. A surface is left once at most.
+  /// Input:   the number of triangles that each patch has, after refinement.
+  /// Output:  whether anything has changed.
+  bool leave_coarser_facets(const std::vector<std::uint64_t>& triangles, const PatchSet& patches,
+                            const Options& options);
+
   /// Returns the curved patches of some surfaces.
   std::vector<PatchId> patches_of(const std::vector<SurfaceId>& surfaces) const;
 
@@ -93,7 +101,9 @@ class CurvedStage {
   RecognisedSurfaces surfaces_;         ///< those of the patches, until they are taken
   IdVector<FaceId, CurvedRung> rungs_;  ///< empty while no curved patch has failed
   int steps_ = 0;                       ///< how often curved patches have been taken a rung up
+  int leavings_ = 0;                    ///< how often facets were left because they are coarser
   CurvedPatches curved_;
+  CoarserFacets coarser_;             ///< only with curved patches
   CurveCuts cuts_;                    ///< only with curved patches
   std::optional<Surface> with_cuts_;  ///< only with curved patches
   PatchSet facets_;                   ///< only with curved patches

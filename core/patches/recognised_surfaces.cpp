@@ -41,6 +41,8 @@ void RecognisedSurfaces::join_bands() {
     if (!band.whole.is_valid()) continue;
     RecognisedSurface& whole = surfaces[band.whole];
     whole.allowed = std::max(whole.allowed, band.allowed);
+    whole.is_remeshed = whole.is_remeshed || band.is_remeshed;
+    if (band.elements_per_circle) whole.elements_per_circle = band.elements_per_circle;
     whole.bound = std::max(whole.bound, band.bound);
   }
   std::erase_if(surfaces.items(), [](const RecognisedSurface& s) { return s.whole.is_valid(); });

@@ -52,11 +52,17 @@ struct RecognisedSurface {
   /// the surface as a tessellation does.
   double explained_height = 0;
   double input_turn_deg = 0;  ///< largest angle by which the surface turns along an edge of a facet
-  double sweep_deg = 0;       ///< how much of a full turn around the axis the facets cover; 360 if all of it
-  double tolerance = 0;       ///< all essential vertices lie within this distance of the surface
-  double deviation = 0;       ///< the largest distance of an essential vertex from the surface
-  double allowed = 0;         ///< the surface tolerance in force: how far input and output may be apart on this surface
-  double bound = 0;           ///< the largest proven distance between input and output of one of its patches
+  /// How many facets a full turn of the surface has in the direction in which they are fewest; see measure_turns. 0 if
+  /// no facet has a neighbour to which the surface turns.
+  double facets_per_turn = 0;
+  double sweep_deg = 0;      ///< how much of a full turn around the axis the facets cover; 360 if all of it
+  double tolerance = 0;      ///< all essential vertices lie within this distance of the surface
+  double deviation = 0;      ///< the largest distance of an essential vertex from the surface
+  double allowed = 0;        ///< the surface tolerance in force: how far input and output may be apart on this surface
+  bool is_remeshed = false;  ///< facets of it were joined, and are remeshed as a whole
+  /// The number of edges per full turn with which it is remeshed. Empty: facets stay, or a tolerance alone decides.
+  std::optional<double> elements_per_circle;
+  double bound = 0;  ///< the largest proven distance between input and output of one of its patches
   /// How far vertices lie outside of the surface, so that its volume is kept. Empty if they lie on it.
   std::optional<double> outside;
   SurfaceSide side = SurfaceSide::kConvex;  ///< it has no meaning for planes and free regions

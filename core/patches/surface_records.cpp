@@ -9,6 +9,7 @@
 
 #include "core/base/stoppable.h"
 #include "core/geometry/surface_fit.h"
+#include "core/patches/facet_turns.h"
 #include "core/patches/surface_measures.h"
 
 namespace remesh {
@@ -387,7 +388,9 @@ class Records {
 
 RecognisedSurfaces make_records(const Facets& facets, const FacetGraph& graph, std::vector<SurfaceClaim> claims,
                                 const RecognitionRules& rules, RunControl& control) {
-  return Records(facets, graph, rules, control).make(std::move(claims));
+  RecognisedSurfaces recognised = Records(facets, graph, rules, control).make(std::move(claims));
+  measure_turns(facets, graph, recognised, control);
+  return recognised;
 }
 
 }  // namespace remesh

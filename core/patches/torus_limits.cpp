@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "core/base/stoppable.h"
+#include "core/patches/curved_limits.h"
 
 namespace remesh {
 namespace {
@@ -58,7 +59,7 @@ void fit_limits_of_tori(const TorusFacets& input, const Options& options, std::v
     if (is_outside[i] == 0) {
       of_surface.max_height = std::max(of_surface.max_height, of_surface.boundary_tolerance);
       if (!options.refine && of_surface.tightened().max_height < own) of_surface = {};
-    } else if (!options.elements_per_circle) {
+    } else if (!may_elements_be_in_force(options)) {
       const double depth = kDepthShare * of_surface.tolerance - own;
       if (depth >= own) {
         of_surface.max_height = std::min(of_surface.max_height, depth);

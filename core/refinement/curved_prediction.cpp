@@ -4,9 +4,11 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "core/base/stoppable.h"
 #include "core/base/union_find.h"
+#include "core/patches/coarser_facets.h"
 #include "core/patches/curved_limits.h"
 #include "core/patches/curved_patches.h"
 #include "core/refinement/goals.h"
@@ -92,11 +94,21 @@ class CirclePrediction {
     measure_patches();
     find_chains();
     for (const int elements : kElements)
-      result[elements] = static_cast<std::uint64_t>(std::min(std::ceil(faces_with(elements)), 0x1p62));
+      result[elements] = static_cast<std::uint64_t>(std::min(std::ceil(faces_with(elements)), most_faces(elements)));
     return result;
   }
 
  private:
+  /// Returns how many faces there are at most: facets that are coarser stay. All of them certainly are if none of the
+  /// surfaces has as many per turn as is asked for.
+  double most_faces(int elements) const {
+    constexpr double kMany = 0x1p62;
+    if (!may_coarser_facets_stay(options_) || present_.patches.count() != in_.facets.count()) return kMany;
+    for (const CurvedPatch& patch : joined_.curved)
+      if (in_.surfaces.surfaces[patch.surface].facets_per_turn > elements) return kMany;
+    return std::min(kMany, std::accumulate(present_.faces.begin(), present_.faces.end(), 0.0));
+  }
+
   void measure_patches() {
     measures_.resize(joined_.patches.count());
     for (std::size_t i = 0; i < measures_.size(); ++i) {

@@ -136,6 +136,11 @@ class GoalRefinement {
     effort_.note_other_patches();
     forget_patches();
   }
+  /// Forgets the last attempt, whose only fault was the number of its faces, and what is known of its patches.
+  void forget_attempt() {
+    effort_.give_back_last();
+    forget_patches();
+  }
   /// Forgets what is known of the patches because others are made. The last attempt was not wrong.
   void forget_patches() {
     sizes_.is_smallest_gap_known = false;

@@ -59,7 +59,7 @@ TEST(capabilities, an_option_tells_its_type_default_bounds_and_words_and_nothing
   EXPECT_EQ(option_told("surface_tolerance"), json::parse(R"({"name": "surface_tolerance", "type": "number",
       "default": null, "unset": "auto", "minimum": 0, "excludes": "surface_tolerance_fraction"})"));
   EXPECT_EQ(option_told("elements_per_circle"), json::parse(R"({"name": "elements_per_circle", "type": "number",
-      "default": null, "unset": "none", "minimum": 3, "maximum": 1000})"));
+      "default": null, "unset": "auto", "minimum": 3, "maximum": 1000, "values": ["none"]})"));
 }
 
 TEST(capabilities, what_is_told_of_an_option_is_what_it_takes) {
@@ -138,7 +138,10 @@ TEST(openapi, its_parameters_are_the_table_of_options) {
     for (const char* bound : {"minimum", "exclusiveMinimum", "maximum"})
       EXPECT_EQ(member.value(bound, json()), schema.value(bound, json())) << bound;
     if (option.contains("unset") && (option["type"] == "number" || option["type"] == "integer")) {
-      EXPECT_EQ(member["pattern"], "^" + option["unset"].get<std::string>() + "$");
+      std::string words = option["unset"];
+      for (const json& word : option.value("values", json::array())) words += "|" + word.get<std::string>();
+      const bool is_one = !option.contains("values");
+      EXPECT_EQ(member["pattern"], is_one ? "^" + words + "$" : "^(" + words + ")$");
     }
     for (const char* path : {"/v1/remesh", "/v1/analyze"}) {
       const json& parameters = document["paths"][path]["post"]["parameters"];

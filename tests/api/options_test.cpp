@@ -69,7 +69,7 @@ TEST(options, the_table_has_every_option_of_the_contract_with_its_default) {
                                                          {"feature_angle_deg", "30"},
                                                          {"surface_tolerance", "auto"},
                                                          {"surface_tolerance_fraction", "none"},
-                                                         {"elements_per_circle", "none"},
+                                                         {"elements_per_circle", "auto"},
                                                          {"circle_fit", "inscribed"},
                                                          {"normal_tolerance", "1e-06"},
                                                          {"weld_tolerance", "0"},
@@ -263,6 +263,8 @@ TEST(options, a_number_has_a_range_in_the_core_for_the_same_member_and_nothing_e
       ++numbers;
       std::visit(
           [&](auto member) {
+            // The number of elements has words beside it.
+            if (std::holds_alternative<ElementsField>(spec.field)) return;
             const auto* field = std::get_if<decltype(member)>(&spec.field);
             EXPECT_TRUE(field != nullptr && *field == member);
           },
@@ -293,6 +295,43 @@ TEST(options, ranges_hold_at_their_ends) {
   EXPECT_EQ(read("elements_per_circle", "1000").core.elements_per_circle, 1000.0);
   expect_invalid("elements_per_circle", "2.999");
   expect_invalid("elements_per_circle", "1000.001");
+}
+
+TEST(options, elements_per_circle_is_a_number_or_auto_or_none) {
+  const auto automatic = read("elements_per_circle", "auto");
+  EXPECT_TRUE(automatic.core.coarsens_fine_facets);
+  EXPECT_EQ(automatic.core.elements_per_circle, std::nullopt);
+  EXPECT_TRUE(read("elements_per_circle", "null", ValueKind::kNull).core.coarsens_fine_facets);
+  for (const ValueKind kind : {ValueKind::kUntyped, ValueKind::kString}) {
+    const auto none = read("elements_per_circle", "none", kind);
+    EXPECT_FALSE(none.core.coarsens_fine_facets);
+    EXPECT_EQ(none.core.elements_per_circle, std::nullopt);
+    EXPECT_EQ(option_text(*find_option("elements_per_circle"), none), "none");
+  }
+  expect_invalid("elements_per_circle", "None");
+  expect_invalid("elements_per_circle", "16", ValueKind::kString);
+  EXPECT_THAT(error_of([] { read("elements_per_circle", "few"); }).what(),
+              HasSubstr("must be a number from 3 to 1000, none, or auto, not \"few\""));
+}
+
+TEST(options, elements_per_circle_is_told_as_none_where_auto_does_not_act) {
+  const auto told = [](const Given& given) {
+    return option_text(*find_option("elements_per_circle"), with_defaults(read_all(given)));
+  };
+  EXPECT_EQ(told({}), "auto");
+  EXPECT_EQ(told({{"circle_fit", "volume"}}), "auto");
+  EXPECT_EQ(told({{"preset", "volume"}}), "16");
+  EXPECT_EQ(told({{"preset", "volume"}, {"elements_per_circle", "auto"}}), "auto");
+  const Given not_acting[] = {{{"elements_per_circle", "none"}},
+                              {{"surface_tolerance", "0.1"}},
+                              {{"surface_tolerance", "0"}},
+                              {{"surface_tolerance_fraction", "0.001"}},
+                              {{"refine", "false"}},
+                              {{"split_boundaries", "false"}},
+                              {{"keep_boundary_vertices", "true"}},
+                              {{"preset", "exact"}},
+                              {{"elements_per_circle", "auto"}, {"surface_tolerance", "0.1"}}};
+  for (const Given& given : not_acting) EXPECT_EQ(told(given), "none") << given.back().first;
 }
 
 TEST(options, booleans_are_true_or_false) {

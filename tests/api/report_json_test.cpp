@@ -135,6 +135,9 @@ Report report_of_all_kinds() {
     surface.area = 1.5;
     surface.input_chord_height = 0.125;
     surface.input_turn_deg = 10;
+    surface.facets_per_turn = 36;
+    surface.is_remeshed = true;
+    if (kind != SurfaceKind::kCone) surface.elements_per_circle = 24;
     surface.sweep_deg = 90;
     surface.tolerance = 1e-9;
     surface.deviation = 1e-10;
@@ -165,6 +168,9 @@ TEST(report_json, a_surface_has_the_members_of_its_kind) {
                      {"sweep_deg", 90},
                      {"input_chord_height", 0.125},
                      {"input_turn_deg", 10},
+                     {"facets_per_turn", 36},
+                     {"remeshed", true},
+                     {"elements_per_circle", 24},
                      {"tolerance", 0.0625},
                      {"volume_offset", nullptr}});
   const auto with = [](json members, const json& more) {
@@ -174,7 +180,12 @@ TEST(report_json, a_surface_has_the_members_of_its_kind) {
   const json expected{
       with(fitted, {{"id", 0}, {"kind", "plane"}, {"normal", axis}, {"offset", -3}}),
       with(curved, {{"id", 1}, {"kind", "cylinder"}, {"axis", axis}, {"radius", 5}}),
-      with(curved, {{"id", 2}, {"kind", "cone"}, {"axis", axis}, {"half_angle_deg", 45}, {"volume_offset", 0.0078125}}),
+      with(curved, {{"id", 2},
+                    {"kind", "cone"},
+                    {"axis", axis},
+                    {"half_angle_deg", 45},
+                    {"volume_offset", 0.0078125},
+                    {"elements_per_circle", nullptr}}),
       with(curved, {{"id", 3}, {"kind", "sphere"}, {"radius", 5}}),
       with(curved, {{"id", 4}, {"kind", "torus"}, {"axis", axis}, {"major_radius", 5}, {"minor_radius", 0.5}}),
       with(curved, {{"id", 5}, {"kind", "revolution"}, {"axis", axis}, {"profile", {{1, 0}, {2, 0.5}}}}),

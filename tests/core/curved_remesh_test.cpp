@@ -47,6 +47,13 @@ std::size_t faces_of(const PolygonMesh& mesh, const Options& options) {
   return remeshed(mesh, options, {1, true}).mesh.faces.size();
 }
 
+/// Returns the number of faces if all facets stay.
+std::size_t faces_of_facets(const PolygonMesh& mesh) {
+  Options options;
+  options.coarsens_fine_facets = false;
+  return faces_of(mesh, options);
+}
+
 bool is_curved(SurfaceKind kind) {
   return kind != SurfaceKind::kPlane && kind != SurfaceKind::kFree && kind != SurfaceKind::kRevolution;
 }
@@ -213,13 +220,23 @@ TEST(curved_remesh, every_model_is_sound_and_follows_its_surfaces) {
   std::vector<double> ratios;
   for (const Model& model : models()) {
     std::size_t fewer = 0;
+    const std::size_t of_facets = faces_of_facets(model.mesh);
     for (const double elements : kElements) {
       SCOPED_TRACE(model.name + " with " + std::to_string(static_cast<int>(elements)) + " elements per circle");
       const Options options = with_circle(elements);
       const Result result = remeshed(model.mesh, options, {1, true});
       expect_sound(options, result);
-      EXPECT_FALSE(joined_patches(model, result).empty());
-      EXPECT_LE(steps_off(model, result), 4);
+      // Facets stay only if they are coarser, so there are never more faces.
+      if (joined_patches(model, result).empty()) {
+        EXPECT_EQ(result.mesh.faces.size(), of_facets);
+      }
+      EXPECT_LE(static_cast<double>(result.mesh.faces.size()), 1.02 * static_cast<double>(of_facets));
+      // Beside facets that stay, boundaries are divided along the edges of these.
+      const auto& surfaces = result.report.surfaces.surfaces;
+      if (std::all_of(surfaces.begin(), surfaces.end(),
+                      [](const auto& s) { return s.is_remeshed || !is_curved(s.shape.kind); })) {
+        EXPECT_LE(steps_off(model, result), 4);
+      }
       if (elements == 12) expect_proven_distances(model, result, ratios);
       // Some faces more or less are a matter of where the planes beside a curve are divided.
       EXPECT_GE(static_cast<double>(result.mesh.faces.size()), 0.98 * static_cast<double>(fewer) - 30);
@@ -293,6 +310,12 @@ TEST(curved_remesh, cones_are_as_coarse_as_asked_at_once_and_their_rims_have_equ
         if (s.shape.kind != SurfaceKind::kCone) continue;
         EXPECT_LE(s.allowed, s.input_chord_height + lower * (1 - std::cos(std::numbers::pi / elements)) * (1 + 1e-6));
         EXPECT_LE(s.bound, s.allowed + result.report.plane_tolerance);
+      }
+      // Where facets are coarser, they stay.
+      const auto& surfaces = result.report.surfaces.surfaces;
+      if (std::none_of(surfaces.begin(), surfaces.end(), [](const auto& s) { return s.is_remeshed; })) {
+        EXPECT_EQ(result.mesh.faces.size(), faces_of_facets(model.mesh));
+        continue;
       }
       // Where the side is narrow, edges of a rim are shorter than was asked for.
       const double slant = std::hypot(lower - upper, height);
@@ -548,6 +571,7 @@ TEST(curved_remesh, without_refinement_the_result_is_the_coarsest) {
     for (const double elements : {0.0, 8.0, 24.0}) {
       SCOPED_TRACE(model.name + " " + std::to_string(elements));
       Options options;
+      options.coarsens_fine_facets = false;
       if (elements > 0) options.elements_per_circle = elements;
       options.refine = false;
       const Result result = remeshed(model.mesh, options, {1, true});

@@ -69,7 +69,10 @@ std::string draw_value(const OptionSpec& spec, Random& random, double diagonal) 
   if (!spec.example.empty() && random.chance(0.1)) return std::string(spec.example);
   switch (spec.type) {
     case OptionType::kBoolean: return random.chance(0.5) ? "true" : "false";
-    case OptionType::kNumber: return api::number_text(draw_number(spec, random, diagonal));
+    case OptionType::kNumber:
+      if (const auto words = api::option_words(spec); !words.empty() && random.chance(0.1))
+        return std::string(words.front());
+      return api::number_text(draw_number(spec, random, diagonal));
     case OptionType::kInteger:
       return api::number_text(
           static_cast<std::uint64_t>(number_range(spec.name)->minimum + std::pow(10.0, random.uniform(0, 5))));

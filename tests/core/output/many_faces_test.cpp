@@ -142,7 +142,9 @@ TEST(many_faces, of_a_plate_with_a_size_are_as_many_with_the_option_that_is_name
 TEST(many_faces, of_narrow_facets_are_as_many_with_the_options_that_are_named) {
   // A rod with narrow facets: each needs length / width pieces or so.
   const PolygonMesh rod = shapes::cylinder(96, 1, 6);
-  const Result result = remeshed(rod, {});
+  Options with_facets;
+  with_facets.coarsens_fine_facets = false;
+  const Result result = remeshed(rod, with_facets);
   const Diagnostic* const many = find_many_faces(result.report.diagnostics);
   ASSERT_NE(many, nullptr);
   Options named;
@@ -175,7 +177,9 @@ TEST(many_faces, without_a_floor_that_was_found_are_as_many_as_is_told) {
 TEST(many_faces, names_options_that_need_no_floor_where_the_floor_leaves_all_facets) {
   // All facets are of one width, so no floor leads to a number of faces between a few hundred and 36,000.
   const PolygonMesh rod = shapes::cylinder(96, 1, 40);
-  const Result result = remeshed(rod, {});
+  Options with_facets;
+  with_facets.coarsens_fine_facets = false;
+  const Result result = remeshed(rod, with_facets);
   ASSERT_GT(result.report.min_edge_length, 0);
   EXPECT_LT(result.mesh.faces.size(), 1000u);
   const Diagnostic* const many = find_many_faces(result.report.diagnostics);

@@ -15,12 +15,19 @@ namespace {
 
 constexpr double kRadius = 5, kTube = 2;
 
+/// Options with a tolerance, and without a number of elements.
+Options with_tolerance_alone() {
+  Options options;
+  options.surface_tolerance = 1;
+  return options;
+}
+
 /// The limits of a torus, its facets' distance from it, and what is asked.
 struct Case {
   CurvedLimits limits{1, 0.2, 0.5, 0.95, 0.3};
   double chord_height = 0.1;
   SurfaceKind kind = SurfaceKind::kTorus;
-  Options options{};
+  Options options = with_tolerance_alone();
 };
 
 /// Returns new limits of a torus, of whose facets only those stay whose corners are all within. Each facet is a patch.

@@ -85,6 +85,9 @@ export interface RecognisedSurface {
   sweep_deg?: number;
   input_chord_height?: number;
   input_turn_deg?: number;
+  facets_per_turn?: number | null;
+  remeshed?: boolean;
+  elements_per_circle?: number | null;
   /** How far input and result may be apart on it. */
   tolerance?: number;
   /** How far vertices lie outside of it, so that its volume is kept; null if they lie on it. */

@@ -96,6 +96,8 @@ export function factsOf(surface: RecognisedSurface): [name: string, value: strin
   fact("Side", sideInWords(surface));
   fact("Chord height", surface.input_chord_height);
   fact("Turn of an edge", surface.input_turn_deg === undefined ? null : degrees(surface.input_turn_deg));
+  fact("Facets per turn", surface.facets_per_turn ? real(surface.facets_per_turn) : null);
+  fact("Edges per turn", surface.elements_per_circle ? real(surface.elements_per_circle) : null);
   fact("Faces", whole(surface.faces));
   fact("Patches", whole(surface.patches));
   fact("Area", surface.area);

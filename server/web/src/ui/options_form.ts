@@ -231,7 +231,8 @@ export class OptionsForm {
       value,
       fault: () => {
         const text = value();
-        return text === null || !isNumber || text === spec.unset ? null : faultOfNumber(spec, text);
+        const isWord = text === spec.unset || (text !== null && spec.values?.includes(text));
+        return text === null || !isNumber || isWord ? null : faultOfNumber(spec, text);
       },
       reset: () => {
         input.value = "";
@@ -274,5 +275,6 @@ export function faultOfNumber(spec: OptionSpec, text: string): string | null {
     !(value > (spec.maximum ?? Infinity));
   if (isInside) return null;
   const number = spec.type === "integer" ? "a whole number" : "a number";
-  return `This takes ${number}, ${range(spec)}${spec.unset ? `; or ${spec.unset}` : ""}.`;
+  const words = [...(spec.values ?? []), ...(spec.unset ? [spec.unset] : [])];
+  return `This takes ${number}, ${range(spec)}${words.length > 0 ? `; or ${words.join(" or ")}` : ""}.`;
 }
