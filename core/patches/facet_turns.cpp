@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <numbers>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -24,9 +25,13 @@ constexpr double kPartOfWidth = 0.25;
 /// A direction counts if facets of this part of the area have neighbours in it.
 constexpr double kPartOfArea = 0.1;
 
+/// More than this part of a facet's turn is a turn from corner to corner.
+constexpr double kPartOfSteps = 0.02;
+
 /// An interval of angles.
 struct AngleRange {
   double middle = 0, width = 0;
+  double step = 0;  ///< the mean angle between neighbouring corners
 
   /// Returns the angle between the middles of two intervals, 0 to half a turn.
   double from(const AngleRange& other) const {
@@ -39,6 +44,60 @@ constexpr std::size_t kAroundAxis = 0, kAcrossAxis = 1, kTurnDirections = 2;
 
 /// By how much the surface turns from a facet to its neighbours in each direction. 0 stands for no neighbour.
 using FacetTurn = std::array<double, kTurnDirections>;
+
+/// The angles of places around the axis of a surface, and around the tube of a torus.
+class Turning {
+ public:
+  explicit Turning(const AnalyticSurface& shape) : shape_(shape) {
+    const Vec3& axis = shape.axis;
+    const double ax = std::fabs(axis.x), ay = std::fabs(axis.y), az = std::fabs(axis.z);
+    x_ = normalized(cross(axis, ax <= ay && ax <= az ? Vec3{1, 0, 0} : ay <= az ? Vec3{0, 1, 0} : Vec3{0, 0, 1}));
+    y_ = cross(axis, x_);
+  }
+
+  double radius_of(const Vec3& place) const {
+    const Vec3 q = place - shape_.origin;
+    return std::hypot(dot(q, x_), dot(q, y_));
+  }
+
+  /// Returns whether a corner has an angle. Near the axis, as at the apex of a cone, rounding alone decides the angle
+  /// around it. `largest` is the largest radius of a corner of the facet.
+  bool has_angle(std::size_t direction, const Vec3& place, double largest) const {
+    constexpr double kNearAxis = 0.25;
+    return direction == kAroundAxis ? radius_of(place) > kNearAxis * largest : shape_.kind == SurfaceKind::kTorus;
+  }
+
+  double angle(std::size_t direction, const Vec3& place) const {
+    const Vec3 q = place - shape_.origin;
+    if (direction == kAroundAxis) return std::atan2(dot(q, y_), dot(q, x_));
+    return std::atan2(dot(q, shape_.axis), radius_of(place) - shape_.radius);
+  }
+
+  /// Returns whether a place between two angles is nearer to the circle than to the chord between these.
+  bool is_off_chord(std::size_t direction, const Vec3& place, double from, double to) const {
+    const Vec3 q = place - shape_.origin;
+    const double along = dot(q, shape_.axis);
+    double radius = radius_of(place), of_circle = 0;
+    if (direction != kAroundAxis) {
+      radius = std::hypot(along, radius - shape_.radius);
+      of_circle = shape_.minor_radius;
+    } else if (shape_.kind == SurfaceKind::kCylinder) {
+      of_circle = shape_.radius;
+    } else if (shape_.kind == SurfaceKind::kCone) {
+      of_circle = std::fabs(along) * std::tan(shape_.half_angle);
+    } else {
+      return false;
+    }
+    const double half = 0.5 * std::remainder(to - from, kFullTurnOfFacets);
+    const double of_chord =
+        of_circle * std::cos(half) / std::cos(std::remainder(angle(direction, place) - from - half, kFullTurnOfFacets));
+    return radius > 0.5 * (of_circle + of_chord);
+  }
+
+ private:
+  const AnalyticSurface& shape_;
+  Vec3 x_, y_;
+};
 
 /// Measures facets one by one. All lengths are in model units.
 class TurnMeasure {
@@ -68,38 +127,67 @@ class TurnMeasure {
 
   /// Returns the angles that a facet covers around the axis of a surface, and around the tube of a torus.
   Ranges ranges_of(PatchId p, const AnalyticSurface& shape) const {
-    const Vec3& axis = shape.axis;
-    const double ax = std::fabs(axis.x), ay = std::fabs(axis.y), az = std::fabs(axis.z);
-    const Vec3 x = normalized(cross(axis, ax <= ay && ax <= az ? Vec3{1, 0, 0}
-                                          : ay <= az           ? Vec3{0, 1, 0}
-                                                               : Vec3{0, 0, 1}));
-    const Vec3 y = cross(axis, x);
-    std::array<double, kTurnDirections> first{}, low{}, high{};
-    std::array<bool, kTurnDirections> is_any{};
-    const auto add = [&](std::size_t d, double angle) {
-      if (!is_any[d]) first[d] = angle;
-      is_any[d] = true;
-      const double way = std::remainder(angle - first[d], kFullTurnOfFacets);
-      low[d] = std::min(low[d], way);
-      high[d] = std::max(high[d], way);
-    };
-    const auto radius_of = [&](const Vec3& q) { return std::hypot(dot(q, x), dot(q, y)); };
+    const Turning turning(shape);
     double largest = 0;
     for (std::uint32_t s = graph_.sides_begin(p); s < graph_.sides_end(p); ++s)
-      largest = std::max(largest, radius_of(corner(s) - shape.origin));
+      largest = std::max(largest, turning.radius_of(corner(s)));
+    Ranges ranges;
+    std::array<double, kTurnDirections> first{}, low{}, high{};
+    std::array<bool, kTurnDirections> is_any{};
     for (std::uint32_t s = graph_.sides_begin(p); s < graph_.sides_end(p); ++s) {
       if (!graph_.is_corner(s)) continue;
-      const Vec3 q = corner(s) - shape.origin;
-      const double radius = radius_of(q);
-      // Near the axis, as at the apex of a cone, rounding alone decides the angle.
-      constexpr double kNearAxis = 0.25;
-      if (radius > kNearAxis * largest) add(kAroundAxis, std::atan2(dot(q, y), dot(q, x)));
-      if (shape.kind == SurfaceKind::kTorus) add(kAcrossAxis, std::atan2(dot(q, axis), radius - shape.radius));
+      for (std::size_t d = 0; d < kTurnDirections; ++d) {
+        if (!turning.has_angle(d, corner(s), largest)) continue;
+        const double angle = turning.angle(d, corner(s));
+        if (!is_any[d]) first[d] = angle;
+        is_any[d] = true;
+        const double way = std::remainder(angle - first[d], kFullTurnOfFacets);
+        low[d] = std::min(low[d], way);
+        high[d] = std::max(high[d], way);
+      }
     }
-    Ranges ranges;
-    for (std::size_t d = 0; d < kTurnDirections; ++d)
-      ranges[d] = {first[d] + 0.5 * (low[d] + high[d]), high[d] - low[d]};
+    for (std::size_t d = 0; d < kTurnDirections; ++d) {
+      ranges[d] = {first[d] + 0.5 * (low[d] + high[d]), high[d] - low[d], 0};
+      ranges[d].step = mean_step(p, turning, d, largest, ranges[d].width);
+    }
     return ranges;
+  }
+
+  /// Returns the mean angle between neighbouring corners of a facet. Where facets are so fine beside the rounding
+  /// that several of them have become one plane, the corners between them still lie on the surface, and not on a chord.
+  double mean_step(PatchId p, const Turning& turning, std::size_t d, double largest, double width) const {
+    const std::uint32_t begin = graph_.sides_begin(p), end = graph_.sides_end(p);
+    std::uint32_t first = begin;
+    while (first < end && !graph_.is_corner(first)) ++first;
+    if (first == end) return width;
+    double sum = 0, count = 0, before = 0, chord_begin = 0;
+    bool is_known = false;
+    std::uint32_t next_corner = first;
+    for (std::uint32_t i = 0; i <= end - begin; ++i) {
+      const std::uint32_t s = begin + (first - begin + i) % (end - begin);
+      if (!turning.has_angle(d, corner(s), largest)) {
+        is_known = is_known && !graph_.is_corner(s);
+        continue;
+      }
+      const double angle = turning.angle(d, corner(s));
+      if (graph_.is_corner(s)) {
+        chord_begin = angle;
+        next_corner = s;
+        do next_corner = next_corner + 1 == end ? begin : next_corner + 1;
+        while (!graph_.is_corner(next_corner));
+      } else if (!turning.is_off_chord(d, corner(s), chord_begin, turning.angle(d, corner(next_corner)))) {
+        continue;
+      }
+      const double step = std::fabs(std::remainder(angle - before, kFullTurnOfFacets));
+      // Sides along the surface, such as rulings, do not turn.
+      if (is_known && step > kPartOfSteps * width) {
+        sum += step;
+        count += 1;
+      }
+      before = angle;
+      is_known = true;
+    }
+    return count > 0 ? std::min(sum / count, width) : width;
   }
 
   FacetTurn around_axis(PatchId p) const {
@@ -116,7 +204,7 @@ class TurnMeasure {
       }
       const Ranges other = ranges_of(q, shape);
       for (std::size_t d = 0; d < kTurnDirections; ++d)
-        if (own[d].from(other[d]) > kPartOfWidth * std::min(own[d].width, other[d].width)) result[d] = own[d].width;
+        if (own[d].from(other[d]) > kPartOfWidth * std::min(own[d].width, other[d].width)) result[d] = own[d].step;
     });
     return result;
   }
@@ -172,6 +260,33 @@ double median_turn(std::vector<WeighedTurn>& turns, RunControl& control) {
   return 0;
 }
 
+/// Returns whether a surface hardly turns as a whole, as a plane does whose facets rounding has tilted.
+/// Input: `tolerance` - how far rounding may have moved corners, in model units.
+bool is_nearly_flat(const Facets& facets, const FacetGraph& graph, std::span<const PatchId> of_surface,
+                    double tolerance, StopCheck& check) {
+  constexpr double kSineOfNoTurn = 0.0087;  // half a degree to each side
+  Vec3 sum;
+  for (const PatchId p : of_surface) {
+    check();
+    sum = sum + graph.area(p) * graph.normal(p);
+  }
+  if (!(norm(sum) > 0)) return false;
+  const Vec3 mean = normalized(sum);
+  bool is_turning = false;
+  double low = HUGE_VAL, high = -HUGE_VAL;
+  for (const PatchId p : of_surface) {
+    is_turning = is_turning || dot(graph.normal(p), mean) <= 0 || norm(cross(graph.normal(p), mean)) > kSineOfNoTurn;
+    if (is_turning && high - low > 2 * tolerance) return false;
+    for (std::uint32_t s = graph.sides_begin(p); s < graph.sides_end(p); ++s) {
+      check();
+      const double height = dot(facets.surface.positions[graph.vertex(s)], mean);
+      low = std::min(low, height);
+      high = std::max(high, height);
+    }
+  }
+  return !is_turning || !(high - low > 2 * tolerance);
+}
+
 }  // namespace
 
 void measure_turns(const Facets& facets, const FacetGraph& graph, RecognisedSurfaces& recognised, RunControl& control) {
@@ -190,13 +305,18 @@ void measure_turns(const Facets& facets, const FacetGraph& graph, RecognisedSurf
   std::vector<WeighedTurn> counted;
   StopCheck check(control);
   for (std::size_t s = 0; s < recognised.surfaces.size(); ++s) {
+    const std::span<const PatchId> of_surface(groups.items.data() + groups.begin[s],
+                                              groups.begin[s + 1] - groups.begin[s]);
+    RecognisedSurface& surface = recognised.surfaces[SurfaceId(s)];
+    if (of_surface.empty() || surface.shape.kind == SurfaceKind::kPlane || surface.shape.kind == SurfaceKind::kFree)
+      continue;
+    if (is_nearly_flat(facets, graph, of_surface, surface.tolerance, check)) continue;
     double largest = 0;
     for (std::size_t d = 0; d < kTurnDirections; ++d) {
       counted.clear();
       double area = 0, with_neighbours = 0;
-      for (std::uint32_t i = groups.begin[s]; i < groups.begin[s + 1]; ++i) {
+      for (const PatchId p : of_surface) {
         check();
-        const PatchId p = groups.items[i];
         area += graph.area(p);
         if (!(turns[p.value][d] > 0)) continue;
         with_neighbours += graph.area(p);
@@ -205,7 +325,7 @@ void measure_turns(const Facets& facets, const FacetGraph& graph, RecognisedSurf
       if (!counted.empty() && with_neighbours >= kPartOfArea * area)
         largest = std::max(largest, median_turn(counted, control));
     }
-    if (largest > 0) recognised.surfaces[SurfaceId(s)].facets_per_turn = 360 / (kDegreesOfRadian * largest);
+    if (largest > 0) surface.facets_per_turn = 360 / (kDegreesOfRadian * largest);
   }
   for (RecognisedSurface& s : recognised.surfaces)
     if (s.whole.is_valid()) s.facets_per_turn = recognised.surfaces[s.whole].facets_per_turn;

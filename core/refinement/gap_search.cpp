@@ -101,7 +101,7 @@ constexpr std::uint64_t kStepsOfTriangle = 8;
 /// A step takes about as long as a look at so many pieces of a cell.
 constexpr std::uint64_t kPiecesPerStep = 8;
 /// A cell of more pieces than this is compared with boxes as a box.
-constexpr std::size_t kFewPieces = 8;
+constexpr std::size_t kFewPiecesOfCell = 8;
 
 /// Counts the steps of a search. It is cheaper than a WorkBound that may not be there.
 class StepCounter {
@@ -528,7 +528,7 @@ double GapSearch::Index::squared_beside(std::span<const Corners3> pieces, PatchI
   };
   // Returns a smaller bound, which takes no longer for many pieces.
   const auto roughly_steep = [&](const TriangleBoxes::Entry& e, double squared) {
-    if (is_curved || pieces.size() <= kFewPieces) return steep(e, squared);
+    if (is_curved || pieces.size() <= kFewPiecesOfCell) return steep(e, squared);
     return squared_steep_distance(slab, products(e.tag.layer, box), e.box, e.tag.layer, squared);
   };
   JoinedMemory are_joined(contacts_);

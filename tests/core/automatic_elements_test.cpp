@@ -25,7 +25,6 @@
 namespace remesh {
 namespace {
 
-using primitives::Model;
 using testing::HasSubstr;
 
 Options without_elements() {
@@ -71,7 +70,7 @@ PolygonMesh rounded_to_digits(const PolygonMesh& mesh, int digits) {
 
 TEST(automatic_elements, facets_per_turn_are_those_of_the_direction_in_which_they_are_fewest) {
   struct Case {
-    Model model;
+    primitives::Model model;
     double expected;
   };
   const Case cases[] = {{primitives::cylinder(48, 10, 30), 48},
@@ -84,7 +83,7 @@ TEST(automatic_elements, facets_per_turn_are_those_of_the_direction_in_which_the
                         {primitives::torus(24, 24, 60, 5, 2), 24}};
   for (const Case& c : cases) {
     SCOPED_TRACE(c.model.name);
-    for (const Model& model : {c.model, primitives::triangulated(c.model)}) {
+    for (const primitives::Model& model : {c.model, primitives::triangulated(c.model)}) {
       const std::vector<double> found = facets_per_turn(model.mesh);
       ASSERT_EQ(found.size(), 1u);
       EXPECT_NEAR(found[0], c.expected, 0.01 * c.expected);
@@ -124,27 +123,48 @@ TEST(automatic_elements, only_surfaces_with_more_than_32_facets_per_turn_are_rem
   }
 }
 
+/// Returns a mesh turned to several directions, each scaled and rounded to 4 to 7 digits.
+std::vector<PolygonMesh> variants_of(const PolygonMesh& mesh) {
+  std::vector<PolygonMesh> variants;
+  for (const double degrees : {0.0, 12.3, 77.7}) {
+    const PolygonMesh turned = shapes::rotated(mesh, {0.3, -0.5, 0.8}, degrees);
+    variants.push_back(shapes::scaled(turned, 0.0371));
+    for (const int digits : {4, 5, 6, 7}) variants.push_back(rounded_to_digits(turned, digits));
+  }
+  return variants;
+}
+
 TEST(automatic_elements, the_decision_is_the_same_if_a_part_is_turned_scaled_or_rounded) {
   for (const int n : {31, 32, 33, 34}) {
-    for (const PolygonMesh& mesh :
-         {primitives::cylinder(n, 10, 6).mesh, primitives::cone(n, 10, 8).mesh, primitives::tube(n, 10, 2, 8).mesh}) {
-      std::vector<PolygonMesh> variants;
-      for (const double degrees : {0.0, 12.3, 77.7}) {
-        const PolygonMesh turned = shapes::rotated(mesh, {0.3, -0.5, 0.8}, degrees);
-        variants.push_back(shapes::scaled(turned, 0.0371));
-        for (const int digits : {4, 5, 6, 7}) variants.push_back(rounded_to_digits(turned, digits));
-      }
-      for (const PolygonMesh& variant : variants) {
+    for (const primitives::Model& model :
+         {primitives::cylinder(n, 10, 6), primitives::cone(n, 10, 8), primitives::nut(6, n),
+          primitives::tube(n, 10, 2, 8), primitives::frustum(n, 10, 4, 1)}) {
+      SCOPED_TRACE(model.name);
+      for (const PolygonMesh& variant : variants_of(model.mesh)) {
         RunControl control;
+        std::size_t whole = 0;
         for (const RecognisedSurface& s : curved_surfaces(analyze_surface(variant, {}, {}, control))) {
-          // A part that is rounded too coarsely is recognised in pieces, and these are not measured here.
-          const bool has_rulings = s.shape.kind == SurfaceKind::kCylinder || s.shape.kind == SurfaceKind::kCone;
-          if (!has_rulings || s.sweep_deg < 300) continue;
-          EXPECT_EQ(s.facets_per_turn > 32.5, n > 32) << n << ", measured " << s.facets_per_turn;
+          // Rounding may bend the planes at the ends into something that is nearly flat. It has no number.
+          if (s.facets_per_turn == 0) continue;
+          if (n <= 32) EXPECT_LE(s.facets_per_turn, 32.5);
+          if (s.sweep_deg < 300) continue;
+          ++whole;
+          EXPECT_EQ(s.facets_per_turn > 32.5, n > 32) << "measured " << s.facets_per_turn;
           EXPECT_NEAR(s.facets_per_turn, n, 0.015 * n);
         }
+        EXPECT_GE(whole, 1u);
       }
     }
+  }
+}
+
+TEST(automatic_elements, facets_that_rounding_has_joined_to_planes_count_as_the_facets_they_were) {
+  // The chord height of these facets is a quarter of a step of the last digit. Two of them are one plane by then.
+  const PolygonMesh plate = primitives::nut(4, 64, 0.2).mesh;
+  for (const PolygonMesh& variant : variants_of(plate)) {
+    const std::vector<double> found = facets_per_turn(variant);
+    ASSERT_EQ(found.size(), 1u);
+    EXPECT_NEAR(found[0], 64, 2);
   }
 }
 
@@ -197,7 +217,7 @@ TEST(automatic_elements, a_diagnostic_tells_what_was_done_and_how_to_avoid_it) {
 
 TEST(automatic_elements, a_boundary_beside_a_surface_that_keeps_its_facets_keeps_all_its_vertices) {
   // A torus of 96 facets around its axis has only 16 around its tube, and keeps them.
-  const Model model = primitives::torus(96, 96, 16, 10, 2);
+  const primitives::Model model = primitives::torus(96, 96, 16, 10, 2);
   const Result result = remeshed(model.mesh, Options{});
   for (const RecognisedSurface& s : curved_surfaces(result.report)) EXPECT_FALSE(s.is_remeshed);
   // A shaft of 64 facets ends in a frustum of 16.
@@ -249,8 +269,9 @@ void expect_never_more(const PolygonMesh& mesh, const std::vector<Options>& row)
 }
 
 TEST(automatic_elements, a_larger_tolerance_or_fewer_elements_never_give_more_faces) {
-  for (const Model& model : {primitives::cylinder(50, 1.5, 10), primitives::cylinder(36, 5, 30), primitives::nut(6, 36),
-                             primitives::frustum(48, 4, 1, 7), primitives::countersunk_plate(48)}) {
+  for (const primitives::Model& model :
+       {primitives::cylinder(50, 1.5, 10), primitives::cylinder(36, 5, 30), primitives::nut(6, 36),
+        primitives::frustum(48, 4, 1, 7), primitives::countersunk_plate(48)}) {
     SCOPED_TRACE(model.name);
     for (const bool refine : {false, true}) {
       Options options;

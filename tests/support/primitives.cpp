@@ -477,7 +477,7 @@ Model d_shaft(int n, int missing) {
   return sculptor.take(label("shaft with a flat", {n, missing}));
 }
 
-Model nut(int sides, int n) {
+Model nut(int sides, int n, double bore) {
   Sculptor sculptor;
   std::vector<Vec2> outline;
   for (int i = 0; i < sides; ++i) outline.push_back(5 * direction(i, sides));
@@ -489,23 +489,25 @@ Model nut(int sides, int n) {
     add_prism(sculptor, outline, 3, side);
     return sculptor.take(label("prism", {sides}));
   }
-  // Each side of the outline has as many points as its part of the bore.
-  const int per_side = n / sides;
+  // Each side of the outline has as many points as its part of the bore, or one more if these are not whole numbers.
+  const auto first_of = [&](int q) { return (q * n + sides - 1) / sides; };
+  const auto side_of = [&](int i) { return i % n * sides / n; };
   const auto rim = [&](double z) {
     return [&, z](int i) {
-      const auto q = static_cast<std::size_t>(i / per_side % sides);
-      const double t = static_cast<double>(i % per_side) / per_side;
-      const Vec2 p = (1 - t) * outline[q] + t * outline[(q + 1) % outline.size()];
+      const int q = side_of(i), first = first_of(q);
+      const double t = static_cast<double>(i % n - first) / (first_of(q + 1) - first);
+      const Vec2 p =
+          (1 - t) * outline[static_cast<std::size_t>(q)] + t * outline[static_cast<std::size_t>((q + 1) % sides)];
       return Vec3{p.x, p.y, z};
     };
   };
   std::vector<std::uint32_t> planes;
   for (int q = 0; q < sides; ++q) planes.push_back(side(q));
   const auto one = [](std::uint32_t s) { return [s](int) { return s; }; };
-  add_strip(sculptor, n, rim(0), rim(3), [&](int i) { return planes[static_cast<std::size_t>(i / per_side)]; });
-  add_strip(sculptor, n, rim(3), circle(n, 3, 3), one(sculptor.surface(plane({0, 0, 3}, kUp))));
-  add_strip(sculptor, n, circle(n, 3, 3), circle(n, 3, 0), one(sculptor.surface(cylinder_along({}, kUp, 3))));
-  add_strip(sculptor, n, circle(n, 3, 0), rim(0), one(sculptor.surface(plane({}, -kUp))));
+  add_strip(sculptor, n, rim(0), rim(3), [&](int i) { return planes[static_cast<std::size_t>(side_of(i))]; });
+  add_strip(sculptor, n, rim(3), circle(n, bore, 3), one(sculptor.surface(plane({0, 0, 3}, kUp))));
+  add_strip(sculptor, n, circle(n, bore, 3), circle(n, bore, 0), one(sculptor.surface(cylinder_along({}, kUp, bore))));
+  add_strip(sculptor, n, circle(n, bore, 0), rim(0), one(sculptor.surface(plane({}, -kUp))));
   return sculptor.take(label("nut", {sides, n}));
 }
 

@@ -66,8 +66,8 @@ Model thread(int n, int turns);
 Model bar_with_round_corner(int k);
 /// Makes a shaft of `n` facets with a flat instead of `missing` of them. The flat's corners lie on the cylinder.
 Model d_shaft(int n, int missing);
-/// Makes a prism over a regular polygon with a bore of `n` facets. Without facets it has no bore.
-Model nut(int sides, int n);
+/// Makes a prism over a regular polygon with a bore of `n` facets and radius `bore`. Without facets it has no bore.
+Model nut(int sides, int n, double bore = 3);
 /// Makes a prism over a polygon whose corners lie on a circle, at these angles from each other. They repeat.
 Model planks(const std::string& name, const std::vector<double>& degrees);
 /// Makes a bar with a corner of three equal planks. The planes beside them do not touch the circle through them.

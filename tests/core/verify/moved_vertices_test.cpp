@@ -14,8 +14,8 @@
 namespace remesh {
 namespace {
 
-const AnalyticSurface kPlane{SurfaceKind::kPlane, {}, {0, 0, 1}, 0, 0, 0};
-const AnalyticSurface kShaft{SurfaceKind::kCylinder, {}, {0, 0, 1}, 1, 0, 0};
+const AnalyticSurface kCapPlane{SurfaceKind::kPlane, {}, {0, 0, 1}, 0, 0, 0};
+const AnalyticSurface kMovedShaft{SurfaceKind::kCylinder, {}, {0, 0, 1}, 1, 0, 0};
 constexpr double kTolerance = 0.1;
 constexpr double kHeight = 2;
 
@@ -45,8 +45,8 @@ PatchedMesh half_shaft(int n, double radius) {
 
 /// Claims that the result is such a shaft, and that its four corners were moved from where they were.
 Example moved_shaft(int before, int after, double radius) {
-  Example e =
-      curved_example(half_shaft(before, 1), half_shaft(after, radius), {kPlane, kPlane, kShaft, kPlane}, kTolerance);
+  Example e = curved_example(half_shaft(before, 1), half_shaft(after, radius),
+                             {kCapPlane, kCapPlane, kMovedShaft, kCapPlane}, kTolerance);
   if (radius == 1) return e;
   for (VertexId v(0); v.value < e.positions.size(); ++v.value)
     for (VertexId s(0); s.value < e.surface.vertex_count(); ++s.value) {
@@ -138,8 +138,8 @@ TEST(moved_vertices, a_vertex_off_all_curved_patches_may_not_move) {
   };
   add_box(input, 1);
   add_box(output, 1.001);
-  std::vector<AnalyticSurface> surfaces(10, kPlane);
-  surfaces[2] = kShaft;
+  std::vector<AnalyticSurface> surfaces(10, kCapPlane);
+  surfaces[2] = kMovedShaft;
   Example e = curved_example(input, output, surfaces, kTolerance);
   for (VertexId v(0); v.value < e.positions.size(); ++v.value)
     if (e.positions[v.value].x == 5 + 1.001)
