@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <span>
 
@@ -38,6 +39,9 @@ constexpr double kTrianglesPerEdgeSquared = 0.9;
 
 /// Joined patches are not tried if they would have so many times the faces that their facets are estimated to have.
 constexpr double kCertainlyFiner = 2;
+
+/// Everything is refined again for facets that stay, so these have to save more than this part of all faces.
+constexpr double kWorthAnAttempt = 0.01;
 
 /// Returns a radius that is at least as large as that of the circles along which a surface turns most.
 double largest_curvature_radius(const RecognisedSurface& surface) {
@@ -150,6 +154,14 @@ std::vector<PatchId> CoarserFacets::find_coarser(const CurvedPatches& curved,
     if (patch == nullptr || allowed_[patch->surface]) continue;
     const Total& total = totals[patch->surface];
     if (total.facets <= total.joined) found.push_back(p);
+  }
+  if (options.refine) {
+    double saved = 0;
+    for (SurfaceId s(0); s.value < totals.size(); ++s.value)
+      if (!allowed_[s]) saved += std::max(0.0, totals[s].joined - totals[s].facets);
+    const double all = std::accumulate(triangles.begin(), triangles.end(), 0.0,
+                                       [](double sum, std::uint64_t n) { return sum + static_cast<double>(n); });
+    if (saved < kWorthAnAttempt * all) return {};
   }
   for (const PatchId p : found) {
     const SurfaceId s = curved.of(p)->surface;

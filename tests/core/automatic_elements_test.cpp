@@ -146,7 +146,9 @@ TEST(automatic_elements, the_decision_is_the_same_if_a_part_is_turned_scaled_or_
         for (const RecognisedSurface& s : curved_surfaces(analyze_surface(variant, {}, {}, control))) {
           // Rounding may bend the planes at the ends into something that is nearly flat. It has no number.
           if (s.facets_per_turn == 0) continue;
-          if (n <= 32) EXPECT_LE(s.facets_per_turn, 32.5);
+          if (n <= 32) {
+            EXPECT_LE(s.facets_per_turn, 32.5);
+          }
           if (s.sweep_deg < 300) continue;
           ++whole;
           EXPECT_EQ(s.facets_per_turn > 32.5, n > 32) << "measured " << s.facets_per_turn;

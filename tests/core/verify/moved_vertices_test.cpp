@@ -26,7 +26,7 @@ Vec3 on_half(int k, int n, double radius, double z) {
 }
 
 /// Makes half of a shaft: a bottom, a top, half a barrel of n facets, and a flat. The flat's corners are on the barrel.
-PatchedMesh half_shaft(int n, double radius) {
+PatchedMesh half_bar(int n, double radius) {
   PatchedMesh mesh;
   std::vector<Vec3> top, bottom;
   for (int k = 0; k <= n; ++k) {
@@ -45,7 +45,7 @@ PatchedMesh half_shaft(int n, double radius) {
 
 /// Claims that the result is such a shaft, and that its four corners were moved from where they were.
 Example moved_shaft(int before, int after, double radius) {
-  Example e = curved_example(half_shaft(before, 1), half_shaft(after, radius),
+  Example e = curved_example(half_bar(before, 1), half_bar(after, radius),
                              {kCapPlane, kCapPlane, kMovedShaft, kCapPlane}, kTolerance);
   if (radius == 1) return e;
   for (VertexId v(0); v.value < e.positions.size(); ++v.value)
@@ -122,7 +122,7 @@ TEST(moved_vertices, every_other_move_is_refused) {
 
 TEST(moved_vertices, a_vertex_off_all_curved_patches_may_not_move) {
   // A box with a pin is not needed for this: the shaft counts as four planes and one curved patch far away.
-  PatchedMesh input = half_shaft(24, 1), output = half_shaft(24, 1);
+  PatchedMesh input = half_bar(24, 1), output = half_bar(24, 1);
   const auto add_box = [](PatchedMesh& mesh, double side) {
     const std::vector<Vec3> base{{5, 0, 0}, {5 + side, 0, 0}, {5 + side, 1, 0}, {5, 1, 0}};
     const auto up = [](Vec3 p) {
