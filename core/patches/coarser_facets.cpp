@@ -40,7 +40,8 @@ constexpr double kTrianglesPerEdgeSquared = 0.9;
 /// Joined patches are not tried if they would have so many times the faces that their facets are estimated to have.
 constexpr double kCertainlyFiner = 2;
 
-/// Everything is refined again for facets that stay, so these have to save more than this part of all faces.
+/// Everything is refined again for facets that stay. After the first time, they have to save more than this part of all
+/// faces.
 constexpr double kWorthAnAttempt = 0.01;
 
 /// Returns a radius that is at least as large as that of the circles along which a surface turns most.
@@ -89,7 +90,10 @@ void CoarserFacets::count_facets(const Surface& surface, const Adjacency& adjace
     if (per_square == 0 || last - first != 1 || corners.size() > kMaxCornersMeasured) continue;
     const double width = width_of_polygon(corners);
     const double area = facets.summaries.patches[f.value].area / surface.unit / surface.unit;
-    if (width > 0) cost += per_square * std::max(0.0, area / (width * width) - 1);
+    const double squares = width > 0 ? area / (width * width) : 0;
+    // The angles of wider facets meet the bound as they are. A triangle has half of the area of its rectangle.
+    if (squares * std::tan(min_angle_deg * kRadians) > (corners.size() == 3 ? 0.5 : 1.0))
+      cost += per_square * std::max(0.0, squares - 1);
   }
 }
 
@@ -155,7 +159,8 @@ std::vector<PatchId> CoarserFacets::find_coarser(const CurvedPatches& curved,
     const Total& total = totals[patch->surface];
     if (total.facets <= total.joined) found.push_back(p);
   }
-  if (options.refine) {
+  const bool is_first = std::none_of(allowed_.begin(), allowed_.end(), [](const auto& n) { return n.has_value(); });
+  if (options.refine && !is_first) {
     double saved = 0;
     for (SurfaceId s(0); s.value < totals.size(); ++s.value)
       if (!allowed_[s]) saved += std::max(0.0, totals[s].joined - totals[s].facets);

@@ -44,8 +44,8 @@ class CoarserFacets {
 
   /// Finds surfaces whose facets may be coarser than their joined patches, and remembers what the latter cost.
   /// Input:  the number of triangles that each patch has, after refinement.
-  /// Output: their curved patches. No surface is found twice. None is found if hardly any faces would be saved, since
-  ///         all is refined again for that.
+  /// Output: their curved patches. No surface is found twice. After the first time, none is found if hardly any faces
+  ///         would be saved, since all is refined again for that.
   std::vector<PatchId> find_coarser(const CurvedPatches& curved, const std::vector<std::uint64_t>& triangles,
                                     const Options& options);
   /// Finds those surfaces that were found before, but whose facets have more triangles after refinement than the
