@@ -21,7 +21,7 @@ Options with_details_of(double defeature_size) {
 }
 
 /// Two plates over each other.
-PolygonMesh plates(double thick, double apart) {
+PolygonMesh two_plates(double thick, double apart) {
   const PolygonMesh plate = shapes::box({1, 0.7, thick});
   return shapes::joined(plate, shapes::moved(plate, {0, 0, thick + apart}));
 }
@@ -36,9 +36,9 @@ TEST(min_gap, narrow_gaps_between_plates_do_not_count) {
   // 10 is so far away that the plates do not see each other. Where they are near, walls see a triangle of the other
   // plate aslant at some corners, as they do if all gaps count.
   // If they did, there would be 3,000,000 faces.
-  const std::size_t alone = faces_of(plates(0.1, 10), with_details_of(0.01));
+  const std::size_t alone = faces_of(two_plates(0.1, 10), with_details_of(0.01));
   for (const double apart : {1e-3, 1e-5}) {
-    const PolygonMesh mesh = plates(0.1, apart);
+    const PolygonMesh mesh = two_plates(0.1, apart);
     const Result result = refined(mesh, with_details_of(0.01));
     EXPECT_TRUE(result.report.verified.all_true()) << apart;
     EXPECT_LT(static_cast<double>(result.mesh.faces.size()), 2 * static_cast<double>(alone)) << apart;
@@ -52,14 +52,14 @@ TEST(min_gap, narrow_gaps_between_plates_do_not_count) {
 
 TEST(min_gap, the_thickness_of_plates_counts_beside_a_narrow_gap) {
   const Options options = with_details_of(0.01);
-  const Result result = refined(plates(0.1, 1e-3), options);
+  const Result result = refined(two_plates(0.1, 1e-3), options);
   // Each edge of the two large sides of a plate is about as long as the plate is thick, and longer at the rims.
   EXPECT_GT(result.mesh.faces.size(), 4 * static_cast<std::size_t>(0.7 / (0.1 * 0.1 * std::sqrt(3) / 4)));
 }
 
 TEST(min_gap, gaps_that_are_wide_enough_count_as_before) {
   for (const double apart : {0.02, 0.05}) {
-    const PolygonMesh mesh = plates(0.1, apart);
+    const PolygonMesh mesh = two_plates(0.1, apart);
     Options options = with_details_of(0.01), without = options;
     without.defeature_size = 0;
     const Result result = refined(mesh, options), before = refined(mesh, without);
@@ -77,7 +77,7 @@ TEST(min_gap, a_gap_that_closes_counts_where_it_is_wide) {
   Options options = with_details_of(0.02);
   const Result result = refined(mesh, options);
   EXPECT_TRUE(result.report.verified.all_true());
-  const std::size_t alone = faces_of(plates(0.1, 10), options);
+  const std::size_t alone = faces_of(two_plates(0.1, 10), options);
   EXPECT_GT(result.mesh.faces.size(), alone);
   options.defeature_size = 0;
   EXPECT_LT(result.mesh.faces.size(), faces_of(mesh, options));

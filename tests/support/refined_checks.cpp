@@ -147,14 +147,17 @@ Result refined(const PolygonMesh& mesh, const Options& options, int workers) {
   return remesh_surface(mesh, options, RunSettings{workers, false}, control);
 }
 
+/// Curved surfaces keep their facets, so that what refinement makes of facets is tested, and not of joined patches.
 Options with_angle(double degrees) {
   Options options;
+  options.coarsens_fine_facets = false;
   options.min_angle_deg = degrees;
   return options;
 }
 
 Options with_length(double length) {
   Options options;
+  options.coarsens_fine_facets = false;
   options.max_edge_length = length;
   return options;
 }
