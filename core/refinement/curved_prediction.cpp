@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <numeric>
 
@@ -95,6 +96,13 @@ class CirclePrediction {
     find_chains();
     for (const int elements : kElements)
       result[elements] = static_cast<std::uint64_t>(std::min(std::ceil(faces_with(elements)), most_faces(elements)));
+    // Where more elements would give fewer faces, coarser facets stay.
+    if (may_coarser_facets_stay(options_) && !result.empty())
+      for (auto at = std::prev(result.end()); at != result.begin();) {
+        const std::uint64_t of_more = at->second;
+        --at;
+        at->second = std::min(at->second, of_more);
+      }
     return result;
   }
 

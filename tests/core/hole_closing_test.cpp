@@ -41,6 +41,7 @@ std::string open_boundary_text(const Report& report) {
 
 Options closing(std::optional<std::uint64_t> max_edges = std::nullopt) {
   Options options = unrefined();
+  options.coarsens_fine_facets = false;
   options.repair.holes = true;
   options.max_hole_edges = max_edges;
   return options;
