@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -44,7 +45,7 @@ namespace {
 enum class AttemptOutcome {
   kVerified,          ///< the result passed verification
   kTooManyFaces,      ///< refinement made more faces than are allowed
-  kFacetsAreFewer,    ///< the result has more faces than one that leaves the facets of curved surfaces
+  kFacetsCompared,    ///< facets of curved surfaces are to stay or to be joined, whatever leads to fewer faces
   kOffsetsChanged,    ///< curved surfaces have to be moved by other offsets
   kRefinementFailed,  ///< the check failed on patches whose refinement can be left out
   kRestUnrefined,     ///< without any refinement, the result passed verification
@@ -65,8 +66,8 @@ constexpr std::array kRetries{
     Retry{AttemptOutcome::kVerified, Step::kFinish},
     // Refine again with a smaller budget. The patches and their triangles are used again.
     Retry{AttemptOutcome::kTooManyFaces, Step::kRefine},
-    // Leave the facets as they are.
-    Retry{AttemptOutcome::kFacetsAreFewer, Step::kPartition},
+    // Leave the facets as they are, or join them again.
+    Retry{AttemptOutcome::kFacetsCompared, Step::kPartition},
     // Join the facets again, and move the curved surfaces outwards by better offsets, or not at all.
     Retry{AttemptOutcome::kOffsetsChanged, Step::kPartition},
     // Refine again, but leave the patches that failed as they are. The patches and their triangles are used again.
@@ -87,6 +88,9 @@ Step step_after(AttemptOutcome outcome) {
 /// Faces of curved surfaces are asked for, whatever they are in proportion to, if more than this share of them is to be
 /// finer than its facets.
 constexpr double kMostOfCurves = 0.5;
+
+/// Predictions are mostly right within this factor.
+constexpr double kDoubtOfPrediction = 1.5;
 
 /// The last correction of offsets changes angles by less than this, in degrees, in nearly all triangles.
 constexpr double kAngleMarginOfFit = 0.1;
@@ -257,12 +261,8 @@ class Run : private RunState {
     refuse_if_too_large();
     check_candidate();
     if (report.verified.all_true()) {
-      if (!refiner->goes_on_with_the_rest()) {
-        if (!would_facets_be_fewer()) return AttemptOutcome::kVerified;
-        curves.keep_facets();
-        refiner.emplace(goals_in_proportion(), control, refiner->work_taken());
-        return AttemptOutcome::kFacetsAreFewer;
-      }
+      if (!refiner->goes_on_with_the_rest())
+        return changes_what_becomes_of_facets() ? AttemptOutcome::kFacetsCompared : AttemptOutcome::kVerified;
       freeze_marked(has_failed_);
       return AttemptOutcome::kRestUnrefined;
     }
@@ -279,9 +279,25 @@ class Run : private RunState {
     return step_up(failed);
   }
 
-  /// Returns whether fewer faces are predicted if the facets of curved surfaces stay. That may be so where surfaces are
-  /// in narrow pieces. It is asked only where no more elements are asked for than the facets are, and no gaps.
-  bool would_facets_be_fewer() {
+  /// Decides, after a result has been verified, whether another one is made to have fewer faces: first one with the
+  /// facets of curved surfaces as they are, if that may have fewer; and if it has more after all, or needs a higher
+  /// floor, the first one again.
+  bool changes_what_becomes_of_facets() {
+    const std::uint64_t faces = candidate.assembled.faces.size();
+    const bool are_facets_tried = faces_with_curves_ > 0;
+    const double floor = refiner->goals().min_edge_length;
+    const bool are_facets_better = faces <= faces_with_curves_ && floor <= floor_with_curves_;
+    if (are_facets_tried ? curves.curved() != nullptr || are_facets_better : !may_facets_be_fewer()) return false;
+    floor_with_curves_ = floor;
+    curves.keep_facets(!are_facets_tried);
+    faces_with_curves_ = are_facets_tried ? std::numeric_limits<std::uint64_t>::max() : faces;
+    refiner.emplace(goals_in_proportion(), control);
+    return true;
+  }
+
+  /// Returns whether fewer faces may be made if the facets of curved surfaces stay. That is so where surfaces are in
+  /// narrow pieces. It is asked only where no more elements are asked for than the facets are, and no gaps.
+  bool may_facets_be_fewer() {
     const bool are_facets_finer = options.elements_per_circle && finer_share_ == 0;
     const std::uint64_t faces = candidate.assembled.faces.size();
     if (curves.curved() == nullptr || !are_facets_finer || !options.refine || options.proximity > 0) return false;
@@ -292,9 +308,12 @@ class Run : private RunState {
     const TriangulatedPatches triangulated =
         mesh_patches(surface(), adjacency(), facets.patches, facets.loops, facets.essential,
                      {options.reference_axis, options.reference_direction}, control);
-    GoalRefinement of_facets(goals_in_proportion(), control);
+    Goals goals = goals_in_proportion();
+    goals.faces_without_floor = Goals::kNoLimit;
+    goals.min_edge_length = refiner->goals().min_edge_length;
+    GoalRefinement of_facets(goals, control);
     of_facets.predict_before({surface(), adjacency(), facets.patches, report.plane_tolerance}, triangulated);
-    return of_facets.predicted_faces() < faces;
+    return static_cast<double>(of_facets.predicted_faces()) < kDoubtOfPrediction * static_cast<double>(faces);
   }
 
   /// Counts the faces of the output for the bounds on memory, as far as there are any. A sample of sizes takes less
@@ -510,8 +529,11 @@ class Run : private RunState {
   Regions regions_;
   std::uint64_t facet_triangles_ = 0;  ///< the triangles of the patches before any facets were joined
   double finer_share_ = 0;             ///< see CurvedStage::finer_share
-  FaceMarks has_failed_;    ///< the faces of patches that have failed the check
-  FaceMarks stays_frozen_;  ///< the faces of patches that stay frozen after a step of the ladder
+  /// The faces of the result with curved patches, after one without them has been tried; 0: none has been.
+  std::uint64_t faces_with_curves_ = 0;
+  double floor_with_curves_ = 0;  ///< the floor of that result
+  FaceMarks has_failed_;          ///< the faces of patches that have failed the check
+  FaceMarks stays_frozen_;        ///< the faces of patches that stay frozen after a step of the ladder
 };
 
 /// An arena with this many threads. The calling thread stores it for later runs. TBB (2021.8) never frees some KB of

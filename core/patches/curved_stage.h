@@ -79,8 +79,8 @@ class CurvedStage {
   /// Returns the share of the area of the curved patches that is asked to have more elements per circle than its facets
   /// have.
   double finer_share(const Options& options) const;
-  /// Leaves all facets as they are from now on, because they need fewer faces.
-  void keep_facets() { are_facets_kept_ = true; }
+  /// Decides whether all facets stay as they are from the next run on.
+  void keep_facets(bool are_kept) { are_facets_kept_ = are_kept; }
   /// Returns the surfaces of the facets.
   const RecognisedSurfaces& recognised() const { return recognised_; }
   /// Takes out the surfaces of the patches that the last run found, with the tolerances in force.
@@ -98,7 +98,7 @@ class CurvedStage {
   RecognisedSurfaces surfaces_;         ///< those of the patches, until they are taken
   IdVector<FaceId, CurvedRung> rungs_;  ///< empty while no curved patch has failed
   bool are_facets_kept_ = false;
-  int steps_ = 0;                       ///< how often curved patches have been taken a rung up
+  int steps_ = 0;  ///< how often curved patches have been taken a rung up
   CurvedPatches curved_;
   CurveCuts cuts_;                    ///< only with curved patches
   std::optional<Surface> with_cuts_;  ///< only with curved patches

@@ -33,6 +33,8 @@ constexpr double kFacesForAngleBeside = 3;
 /// A piece of a boundary that is shorter than edges inside of a curved patch leads to this number of faces, over which
 /// edges grow with the distance.
 constexpr double kFacesBesidePiece = 7;
+/// This is how much edges grow per distance from there.
+constexpr double kGrowthBeside = 0.33;
 /// A boundary that is cut anew moves by at most this share of the width of a narrow planar patch beside it (ChainGaps).
 constexpr double kMoveInWidth = 0.25;
 /// A refined area has this number of faces per equilateral triangle of the size asked for.
@@ -96,8 +98,12 @@ class CirclePrediction {
     if (!joined_.has_any()) return result;
     measure_patches();
     find_chains();
-    for (const int elements : kElements)
-      result[elements] = static_cast<std::uint64_t>(std::min(std::ceil(faces_with(elements)), 0x1p62));
+    // Where boundaries are cut finely whatever the number is, more elements hardly change the faces.
+    double most = 0;
+    for (const int elements : kElements) {
+      most = std::max(most, faces_with(elements));
+      result[elements] = static_cast<std::uint64_t>(std::min(std::ceil(most), 0x1p62));
+    }
     return result;
   }
 
@@ -235,12 +241,14 @@ class CirclePrediction {
     for (const Chain& chain : chains_) {
       check_();
       const double now = pieces_of(chain, max_turn);
-      // The more pieces there are for each edge inside, the more faces lie between the two.
+      // The more pieces there are for each edge inside, the more faces lie between the two, as far as there is room.
       const double finer = goals_.min_angle_deg > 0 ? std::max(0.0, now - pieces_by_turn(chain, max_turn)) : 0;
+      const double piece = chain.length / now;
       for (const PatchId p : chain.beside) {
         pieces[p] += now;
         added[p] += now - chain.present;
-        beside[p] += kFacesBesidePiece * finer;
+        const double grown = kGrowthBeside * width(p) / 2;
+        if (measures_[p].area > 0) beside[p] += kFacesBesidePiece * finer * grown / (piece + grown);
       }
     }
     double faces = 0;

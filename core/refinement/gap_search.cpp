@@ -346,8 +346,8 @@ class GapSearch::Index {
 
   const Surface& surface_;
   PatchContacts contacts_;
-  double touching_squared_;                    ///< local units
-  double min_height_;                          ///< gaps that are less high do not count; local units
+  double touching_squared_;  ///< local units
+  double min_height_;        ///< gaps that are less high do not count; local units
   std::span<const std::pair<PatchId, PatchId>> crossing_;
   std::vector<Triangle> triangles_;            ///< triangles of patch after patch
   std::vector<std::uint32_t> triangle_begin_;  ///< index of each patch's first triangle

@@ -77,6 +77,14 @@ void GoalRefinement::predict_after(const PatchedSurface& on, const TriangulatedP
   if (!has_goals()) return;
   const auto gaps = sizes_.without_floor ? nullptr : gap_search(on, triangulated);
   predicted_ = predict_closely(triangulated, goals_, size_field(on, triangulated, gaps.get()), control_);
+  // Patches that had to stay as they were have the triangles that they had.
+  for (std::size_t p = 0; p < std::min(frozen_.size(), predicted_.of_patch.size()); ++p) {
+    if (frozen_[PatchId(p)] == 0) continue;
+    const auto triangles = static_cast<float>(triangulated.meshes[PatchId(p)].mesh.triangle_count());
+    predicted_.expected += static_cast<double>(triangles) - static_cast<double>(predicted_.of_patch[p]);
+    predicted_.of_patch[p] = triangles;
+  }
+  predicted_.expected = std::max(predicted_.expected, 0.0);
   limit_to_proportion(predicted_);
 }
 
@@ -137,7 +145,8 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
           may_measure_later_ && (effort_.is_any_wrong() || needs_budget_ || !crossing.empty() || may_be_too_many);
       if (!are_sizes_unmeasured_)
         note_size_misses(on.surface, triangulated.meshes, frozen_,
-                         {goals_, on.plane_tolerance, sizes, gaps.get(), graded ? &*graded : nullptr}, refined, control_);
+                         {goals_, on.plane_tolerance, sizes, gaps.get(), graded ? &*graded : nullptr}, refined,
+                         control_);
     }
     overridden_.write_to(refined.reason);
     effort_.take(refined.reason.size());
@@ -181,9 +190,13 @@ Prediction GoalRefinement::predict_attempt(const PatchedSurface& on, const Trian
     if (is_any_refined) size_field(on, triangulated, gaps);
     Prediction prediction = predict_now(triangulated, is_any_refined);
     const bool do_sizes_vary = is_any_refined && !sizes_.field->is_uniform();
-    const double most = std::min(kSurelyTooMany * static_cast<double>(goals_.faces_without_floor),
-                                 kAsMany * too_many_predicted_);
-    if (!do_sizes_vary || !may_change_floor() || floors_.is_between() || prediction.expected <= most) {
+    const auto are_surely_too_many = [&] {
+      if (prediction.expected > kAsMany * too_many_predicted_) return true;
+      const double in_proportion = kSurelyTooMany * static_cast<double>(goals_.faces_without_floor);
+      return prediction.expected > in_proportion &&
+             predict_closely(triangulated, goals_, *sizes_.field, control_).expected > in_proportion;
+    };
+    if (!do_sizes_vary || !may_change_floor() || floors_.is_between() || !are_surely_too_many()) {
       unlimited_prediction_ = prediction.expected;
       limit_to_proportion(prediction);
       return prediction;
@@ -208,10 +221,10 @@ void GoalRefinement::measure_sizes(const PatchedSurface& on, TriangulatedPatches
   refined.before.exchange_with(triangulated.meshes);
   // Without a field, nothing was refined, and sizes that were aimed at do not count.
   const SizeField one_size(goals_.max_edge_length);
-  note_size_misses(on.surface, triangulated.meshes, frozen_,
-                   {goals_, on.plane_tolerance, sizes_.field ? *sizes_.field : one_size, gaps.get(),
-                    graded ? &*graded : nullptr},
-                   refined, control_);
+  note_size_misses(
+      on.surface, triangulated.meshes, frozen_,
+      {goals_, on.plane_tolerance, sizes_.field ? *sizes_.field : one_size, gaps.get(), graded ? &*graded : nullptr},
+      refined, control_);
   overridden_.write_to(refined.reason);
 }
 

@@ -169,7 +169,7 @@ class GoalRefinement {
   static constexpr double kFarTooMany = 8, kEvenShare = 2;
   /// Where sizes vary, a floor is too low without an attempt if kSurelyTooMany times the faces in proportion are
   /// predicted with it, or if no fewer than kAsMany of what was predicted with a floor that was too low.
-  static constexpr double kSurelyTooMany = 1.5, kAsMany = 0.9;
+  static constexpr double kSurelyTooMany = 3, kAsMany = 0.9;
   /// An attempt without a budget is not worth while if more than kHopeless times the faces allowed are predicted. Up to
   /// kFewFaces it is tried in any case, for two reasons: where boundaries are locked or edges must not be short,
   /// predictions may be far too high, and it takes a second at most.
@@ -211,7 +211,7 @@ class GoalRefinement {
     std::optional<SizeField> without_floor;  ///< with the floor that was asked for; empty until needed
     std::optional<SizeField> field;          ///< with the floor in force; empty until needed
     double field_floor = 0;                  ///< the floor in force for `field`, in model units
-    double coarsest = 0;             ///< gaps do not make sizes smaller than this, in model units
+    double coarsest = 0;                     ///< gaps do not make sizes smaller than this, in model units
     std::optional<double> smallest_gap;
     bool is_smallest_gap_known = false;
     std::optional<Prediction> predicted;  ///< what the field lets expect, with this floor; empty until needed
@@ -228,9 +228,9 @@ class GoalRefinement {
   std::uint64_t budget_;  ///< the number of faces that an attempt with a budget may make
   RunControl& control_;
   bool are_any_curved_ = false, are_finer_ = false;
-  double too_many_predicted_ = HUGE_VAL;  ///< roughly, with the last floor that an attempt has shown to be too low
+  double too_many_predicted_ = HUGE_VAL;    ///< roughly, with the last floor that an attempt has shown to be too low
   double unlimited_prediction_ = HUGE_VAL;  ///< roughly, for the present attempt
-  double asked_floor_;  ///< min_edge_length of the goals, before a floor was found
+  double asked_floor_;                      ///< min_edge_length of the goals, before a floor was found
   std::vector<std::pair<PatchId, PatchId>> crossing_;
   FloorSearch floors_;
   AttemptEffort effort_;

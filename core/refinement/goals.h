@@ -14,15 +14,15 @@ namespace remesh {
 struct Goals {
   static constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
 
-  double min_angle_deg = 0;    ///< lower bound for every triangle, measured in space
-  double max_edge_length;      ///< infinity: none
-  double max_area;             ///< infinity: none
-  double min_edge_length = 0;  ///< refinement makes no shorter edge
-  double proximity = 0;        ///< edges are at most as long as the gap divided by this; 0: no such limit
-  double min_gap = 0;          ///< gaps that are narrower than this do not count for proximity
+  double min_angle_deg = 0;       ///< lower bound for every triangle, measured in space
+  double max_edge_length;         ///< infinity: none
+  double max_area;                ///< infinity: none
+  double min_edge_length = 0;     ///< refinement makes no shorter edge
+  double proximity = 0;           ///< edges are at most as long as the gap divided by this; 0: no such limit
+  double min_gap = 0;             ///< gaps that are narrower than this do not count for proximity
   double feature_angle_deg = 30;  ///< patches that turn by less are on the same side of a wedge, which is no gap
-  double gradation = 0;        ///< largest ratio of the lengths of neighbouring edges, > 1; 0: no limit
-  std::uint64_t max_faces;     ///< limit on the faces of the whole result
+  double gradation = 0;           ///< largest ratio of the lengths of neighbouring edges, > 1; 0: no limit
+  std::uint64_t max_faces;        ///< limit on the faces of the whole result
   /// If there would be more faces than this, refinement looks for a value of min_edge_length with which there are no
   /// more. The largest number: it does not look for one.
   std::uint64_t faces_without_floor = kNoLimit;

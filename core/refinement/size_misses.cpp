@@ -201,8 +201,7 @@ class MissSearch {
       // No gap that counts is below the tolerance, so one below the floor may not be possible at all.
       const double lower = low > tolerance_ ? low : high;
       const double enough = (at_floor > tolerance_ ? std::min(at_floor, lower) : lower) / kAimSlack;
-      return bounds_.gaps->at(in_model(place), block.patch, high * surface_.unit, &work,
-                              enough * surface_.unit) /
+      return bounds_.gaps->at(in_model(place), block.patch, high * surface_.unit, &work, enough * surface_.unit) /
              surface_.unit;
     };
     // The centroids are looked at first. Most triangles that are too large are so there, and their edges need no

@@ -73,8 +73,9 @@ Wedges::Wedges(const Surface& surface, const Adjacency& adjacency, const PatchSe
 }
 
 void Wedges::group_edges(RunControl& control) {
-  sort_stoppable(edges_.begin(), edges_.end(), control,
-                 [](const Edge& x, const Edge& y) { return std::tie(x.sides, x.a, x.b) < std::tie(y.sides, y.a, y.b); });
+  sort_stoppable(edges_.begin(), edges_.end(), control, [](const Edge& x, const Edge& y) {
+    return std::tie(x.sides, x.a, x.b) < std::tie(y.sides, y.a, y.b);
+  });
   for (std::uint32_t begin = 0; begin < edges_.size();) {
     control.check();
     Group group{begin, begin, 0, kNoTree};

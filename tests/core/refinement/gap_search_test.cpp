@@ -235,7 +235,7 @@ class BruteForce {
   std::vector<std::set<VertexId>> vertices_;
   std::vector<std::set<std::pair<VertexId, VertexId>>> edges_;
   std::map<std::pair<VertexId, VertexId>, std::vector<std::pair<PatchId, Vec3>>> into_;  ///< by edge
-  std::vector<std::size_t> side_;  ///< one per patch
+  std::vector<std::size_t> side_;                                                        ///< one per patch
   std::vector<int> solid_;  ///< one per patch; -1 if the patch belongs to no solid
 };
 
@@ -408,9 +408,9 @@ TEST(gap_search, a_thin_plate_that_ends_in_a_bevel_is_a_gap_away_from_the_bevel)
 
 TEST(gap_search, patches_that_cross_are_no_gap_for_each_other) {
   // Two sheets that cross at 30 degrees along x = 0. Without the pair, places beside the line would see each other.
-  const PolygonMesh mesh = shapes::joined(
-      shapes::moved(shapes::sheet(4, 4, 1, 1), {-2, 0, 0}),
-      shapes::rotated(shapes::moved(shapes::sheet(4, 4, 1, 1), {-2, 0, 0}), {0, 1, 0}, 30));
+  const PolygonMesh mesh =
+      shapes::joined(shapes::moved(shapes::sheet(4, 4, 1, 1), {-2, 0, 0}),
+                     shapes::rotated(shapes::moved(shapes::sheet(4, 4, 1, 1), {-2, 0, 0}), {0, 1, 0}, 30));
   const StageChain chain(mesh, kTolerance);
   const std::vector<std::pair<PatchId, PatchId>> crossing{{PatchId(0), PatchId(1)}};
   RunControl control;
