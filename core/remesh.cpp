@@ -87,7 +87,7 @@ Step step_after(AttemptOutcome outcome) {
 
 /// Faces of curved surfaces are asked for, whatever they are in proportion to, if more than this share of them is to be
 /// finer than its facets.
-constexpr double kMostOfCurves = 0.5;
+constexpr double kMajority = 0.5;
 
 /// Predictions are mostly right within this factor.
 constexpr double kDoubtOfPrediction = 1.5;
@@ -190,7 +190,7 @@ class Run : private RunState {
                 options.refine ? refiner->goals().min_angle_deg : 0},
                control);
     finer_share_ = curves.finer_share(options);
-    refiner->set_curved(curves.curved() != nullptr, finer_share_ > kMostOfCurves);
+    refiner->set_curved(curves.curved() != nullptr, finer_share_ > kMajority);
     refiner->set_angle_margin(curves.outside() != nullptr ? kAngleMarginOfFit : 0);
     report.surfaces = curves.take_surfaces();
     freeze_marked(stays_frozen_);

@@ -55,7 +55,7 @@ namespace remesh {
 /// Source: rules.md, Gaps.
 class GapSearch {
  public:
-  /// What else decides whether something counts.
+  /// Holds what else decides whether something counts.
   struct Rules {
     double min_gap = 0;             ///< narrower gaps do not count, except for the smallest one; model units
     double feature_angle_deg = 30;  ///< patches that turn by less are on the same side of a wedge

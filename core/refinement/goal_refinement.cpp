@@ -248,8 +248,8 @@ std::uint64_t GoalRefinement::max_made() const {
   return effort_.taken() == 0 ? made : std::min(made, effort_.left());
 }
 
-/// Returns whether the floor under the lengths of edges is what limits the number of faces. Faces of curved patches that
-/// are finer than the input's facets are asked for, so their number is no reason for a floor.
+/// Returns whether the floor under the lengths of edges is what limits the number of faces. Faces of curved patches
+/// that are finer than the input's facets are asked for, so their number is no reason for a floor.
 bool GoalRefinement::is_floor_automatic() const {
   return !are_finer_ && goals_.faces_without_floor < std::min(goals_.max_faces, kMaxFaces);
 }

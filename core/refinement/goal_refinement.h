@@ -58,8 +58,8 @@ class GoalRefinement {
   AttemptEffort::Taken work_taken() const { return effort_.all_taken(); }
   /// Takes the steps of the search for intersections in the check of a result.
   void take_check(std::uint64_t steps) { effort_.take_check(steps); }
-  /// Tells whether some patches are curved. These have to be refined even if there is no other goal. If most of them are
-  /// to be finer than the input's facets, their faces are asked for, and no floor is looked for.
+  /// Tells whether some patches are curved. These have to be refined even if there is no other goal. If most of them
+  /// are to be finer than the input's facets, their faces are asked for, and no floor is looked for.
   void set_curved(bool are_any_curved, bool are_finer) {
     are_any_curved_ = are_any_curved;
     are_finer_ = are_finer;

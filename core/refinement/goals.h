@@ -49,8 +49,8 @@ Goals goals_of(const Options& options, double diagonal);
 
 /// Keeps the answer in proportion to the input, if min_edge_length is automatic and no size is given: it may have 20
 /// faces for each triangle of the input, plus 1,000. With proximity it may have 40 for each, plus 5,000 if curved
-/// surfaces are remeshed, too, and plus 20,000 if they are not. Where details of a given size are removed, it may have a
-/// quarter of the faces for each triangle, and no edge is made shorter than a third of that size, whatever asks for
+/// surfaces are remeshed, too, and plus 20,000 if they are not. Where details of a given size are removed, it may have
+/// a quarter of the faces for each triangle, and no edge is made shorter than a third of that size, whatever asks for
 /// faces.
 /// Input: `triangles` is the number of the input's triangles, where a polygon counts as the triangles that fill it.
 void keep_in_proportion(Goals& goals, const Options& options, double diagonal, std::uint64_t triangles);

@@ -381,29 +381,19 @@ SizeField SizeField::rescaled(double proximity, const Goals& goals, RunControl& 
 
 SizeField SizeField::with_floor(const Goals& goals, RunControl& control) const {
   if (is_uniform() || !(goals.min_edge_length > floor_)) return *this;
-  SizeField field(largest_);
+  SizeField field = *this;
   field.floor_ = goals.min_edge_length;
   field.is_floor_asked_ = true;
-  field.slope_ = slope_;
-  field.centre_ = centre_;
-  field.unit_ = unit_;
-  field.is_of_segments_ = is_of_segments_;
-  field.search_steps_ = search_steps_;
-  field.is_search_cut_short_ = is_search_cut_short_;
-  field.axes_ = axes_;
   const float floor = FloatBox::rounded_down(goals.min_edge_length / unit_);
   std::vector<Sample> samples;
   samples.reserve(samples_.size());
   StopCheck check(control);
   for (std::size_t slot = 0; slot < samples_.size(); ++slot) {
     check();
-    Sample sample{samples_[slot], {}, {}};
+    Sample sample{samples_[slot], is_of_segments_ ? Cell() : cells_[slot],
+                  is_of_segments_ ? segments_[slot] : Segment()};
     sample.entry.tag.value = std::max(sample.entry.tag.value, floor);
     if (!(sample.entry.tag.value * unit_ < largest_)) continue;
-    if (is_of_segments_)
-      sample.segment = segments_[slot];
-    else
-      sample.cell = cells_[slot];
     samples.push_back(sample);
   }
   field.set_samples(samples, control);

@@ -114,7 +114,7 @@ bool Wedges::is_across(PatchId p, const Vec3& from, PatchId q, const Vec3& to, d
                        [&](const Edge& edge) { return is_across(edge, from, to, distance); });
   const BoxTree<Factor>& tree = trees_[group->tree];
   bool is_found = false;
-  // What is searched for is the smallest ratio of the two ways, less what the edge allows.
+  // The search ends as soon as it has found an edge over which the way is short enough.
   double best = std::nextafter(0.0, 1.0);
   tree.search(
       best,

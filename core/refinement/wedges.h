@@ -24,7 +24,7 @@ namespace remesh {
 /// A way from one side to the other leads across the wedge if the way over the edge is at most 2 / sin(angle / 2) times
 /// as long as the straight one. In a wedge between two planes, the largest ratio is half of that, for two places that
 /// are equally far from the edge and opposite each other. The factor of two is for places beyond the end of an edge
-/// that ends askew, and for sides that bend. A thin wall that becomes sharp far away, as at a chisel, is no wedge there.
+/// that ends askew, and for sides that bend. A thin wall that becomes sharp far away, as at a chisel, is none there.
 /// Source: rules.md, Gaps.
 class Wedges {
  public:

@@ -221,7 +221,7 @@ TEST(refinement_floor, a_plate_keeps_the_proximity_that_is_asked_for) {
 }
 
 TEST(refinement_floor, holds_with_gaps_that_ask_for_far_more) {
-  // With a gap of 0.01, the two large faces would have over a million triangles.
+  // The gap is 0.01, so the two large faces would have over a million triangles.
   const PolygonMesh plate = shapes::box({10, 10, 0.01});
   Options options;
   options.proximity = 0.5;
