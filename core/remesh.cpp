@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -44,6 +45,7 @@ namespace {
 enum class AttemptOutcome {
   kVerified,          ///< the result passed verification
   kTooManyFaces,      ///< refinement made more faces than are allowed
+  kFacetsCompared,    ///< facets of curved surfaces are to stay or to be joined, whatever leads to fewer faces
   kOffsetsChanged,    ///< curved surfaces have to be moved by other offsets
   kRefinementFailed,  ///< the check failed on patches whose refinement can be left out
   kRestUnrefined,     ///< without any refinement, the result passed verification
@@ -64,6 +66,8 @@ constexpr std::array kRetries{
     Retry{AttemptOutcome::kVerified, Step::kFinish},
     // Refine again with a smaller budget. The patches and their triangles are used again.
     Retry{AttemptOutcome::kTooManyFaces, Step::kRefine},
+    // Leave the facets as they are, or join them again.
+    Retry{AttemptOutcome::kFacetsCompared, Step::kPartition},
     // Join the facets again, and move the curved surfaces outwards by better offsets, or not at all.
     Retry{AttemptOutcome::kOffsetsChanged, Step::kPartition},
     // Refine again, but leave the patches that failed as they are. The patches and their triangles are used again.
@@ -80,6 +84,13 @@ constexpr std::array kRetries{
 Step step_after(AttemptOutcome outcome) {
   return std::find_if(kRetries.begin(), kRetries.end(), [&](const Retry& r) { return r.outcome == outcome; })->next;
 }
+
+/// Faces of curved surfaces are asked for, whatever they are in proportion to, if more than this share of them is to be
+/// finer than its facets.
+constexpr double kMajority = 0.5;
+
+/// Predictions are mostly right within this factor.
+constexpr double kDoubtOfPrediction = 1.5;
 
 /// The last correction of offsets changes angles by less than this, in degrees, in nearly all triangles.
 constexpr double kAngleMarginOfFit = 0.1;
@@ -160,9 +171,7 @@ class Run : private RunState {
     const double diagonal = report.input.bounding_box.diagonal();
     check_options(options, diagonal);
     details.reset(options, report.plane_tolerance);
-    Goals goals = goals_of(options, diagonal);
-    keep_in_proportion(goals, options, diagonal, triangles_of_input());
-    refiner.emplace(goals, control, taken, floor);
+    refiner.emplace(goals_in_proportion(), control, taken, floor);
     regions_ = {};
     ladder_.emplace(surface(), prepared.without_area);
     if (options.keep_boundary_vertices) ladder_->forced().assign(surface().vertex_count(), 1);
@@ -170,11 +179,19 @@ class Run : private RunState {
     curves.reset();
   }
 
+  Goals goals_in_proportion() const {
+    const double diagonal = report.input.bounding_box.diagonal();
+    Goals goals = goals_of(options, diagonal);
+    keep_in_proportion(goals, options, diagonal, triangles_of_input());
+    return goals;
+  }
+
   void find_patches() {
     candidate.clear();
     const PatchSet before = curves.take_facets(partition);
     divide();
     while (details.is_wanted() && remove_details()) divide();
+    facet_triangles_ = partition.summaries.triangles;
     // Beyond the 2018 report: find curved surfaces, and join their facets as far as that is asked for.
     watch.enter(Stage::kSurfaces);
     if (may_cut_curves(options)) control.memory().set_output(options.max_output_faces.value_or(MemoryBound::kNone));
@@ -182,7 +199,8 @@ class Run : private RunState {
                {report.plane_tolerance, report.input.bounding_box.diagonal(),
                 options.refine ? refiner->goals().min_angle_deg : 0},
                control);
-    refiner->set_curved(curves.curved() != nullptr);
+    finer_share_ = curves.finer_share(options);
+    refiner->set_curved(curves.curved() != nullptr, finer_share_ > kMajority);
     refiner->set_angle_margin(curves.outside() != nullptr ? kAngleMarginOfFit : 0);
     report.surfaces = curves.take_surfaces();
     freeze_marked(stays_frozen_);
@@ -253,7 +271,8 @@ class Run : private RunState {
     refuse_if_too_large();
     check_candidate();
     if (report.verified.all_true()) {
-      if (!refiner->goes_on_with_the_rest()) return AttemptOutcome::kVerified;
+      if (!refiner->goes_on_with_the_rest())
+        return changes_what_becomes_of_facets() ? AttemptOutcome::kFacetsCompared : AttemptOutcome::kVerified;
       freeze_marked(has_failed_);
       return AttemptOutcome::kRestUnrefined;
     }
@@ -268,6 +287,43 @@ class Run : private RunState {
         (refiner->freeze(report.verified.failed_patches, partition.patches.count()) || refiner->gives_up_the_rest()))
       return AttemptOutcome::kRefinementFailed;
     return step_up(failed);
+  }
+
+  /// Decides, after a result has been verified, whether another one is made to have fewer faces: first one with the
+  /// facets of curved surfaces as they are, if that may have fewer; and if it has more after all, or needs a higher
+  /// floor, the first one again.
+  bool changes_what_becomes_of_facets() {
+    const std::uint64_t faces = candidate.assembled.faces.size();
+    const bool are_facets_tried = faces_with_curves_ > 0;
+    const double floor = refiner->goals().min_edge_length;
+    const bool are_facets_better = faces <= faces_with_curves_ && floor <= floor_with_curves_;
+    if (are_facets_tried ? curves.curved() != nullptr || are_facets_better : !may_facets_be_fewer()) return false;
+    floor_with_curves_ = floor;
+    curves.keep_facets(!are_facets_tried);
+    faces_with_curves_ = are_facets_tried ? std::numeric_limits<std::uint64_t>::max() : faces;
+    refiner.emplace(goals_in_proportion(), control);
+    return true;
+  }
+
+  /// Returns whether fewer faces may be made if the facets of curved surfaces stay. That is so where surfaces are in
+  /// narrow pieces. It is asked only where no more elements are asked for than the facets are, and no gaps.
+  bool may_facets_be_fewer() {
+    const bool are_facets_finer = options.elements_per_circle && finer_share_ == 0;
+    const std::uint64_t faces = candidate.assembled.faces.size();
+    if (curves.curved() == nullptr || !are_facets_finer || !options.refine || options.proximity > 0) return false;
+    if (faces <= facet_triangles_) return false;
+    watch.enter(Stage::kRefinement);
+    const Partition facets =
+        make_partition(prepared, report.plane_tolerance, options, *ladder_, regions_, watch, control);
+    const TriangulatedPatches triangulated =
+        mesh_patches(surface(), adjacency(), facets.patches, facets.loops, facets.essential,
+                     {options.reference_axis, options.reference_direction}, control);
+    Goals goals = goals_in_proportion();
+    goals.faces_without_floor = Goals::kNoLimit;
+    goals.min_edge_length = refiner->goals().min_edge_length;
+    GoalRefinement of_facets(goals, control);
+    of_facets.predict_before({surface(), adjacency(), facets.patches, report.plane_tolerance}, triangulated);
+    return static_cast<double>(of_facets.predicted_faces()) < kDoubtOfPrediction * static_cast<double>(faces);
   }
 
   /// Counts the faces of the output for the bounds on memory, as far as there are any. A sample of sizes takes less
@@ -358,7 +414,7 @@ class Run : private RunState {
       against.measure_sizes = nullptr;
       if (refiner->are_sizes_unmeasured())
         against.measure_sizes = [&](Candidate& candidate) {
-          refiner->measure_sizes(patched(), known.patches, candidate.triangulated, candidate.refinement);
+          refiner->measure_sizes(patched(), candidate.triangulated, candidate.refinement);
           prepared.release_adjacency();
         };
       run_check(against);
@@ -478,8 +534,13 @@ class Run : private RunState {
   MendingLimits limits_;
   std::optional<Ladder> ladder_;  ///< belongs to the prepared surface
   Regions regions_;
-  FaceMarks has_failed_;    ///< the faces of patches that have failed the check
-  FaceMarks stays_frozen_;  ///< the faces of patches that stay frozen after a step of the ladder
+  std::uint64_t facet_triangles_ = 0;  ///< the triangles of the patches before any facets were joined
+  double finer_share_ = 0;             ///< see CurvedStage::finer_share
+  /// The faces of the result with curved patches, after one without them has been tried; 0: none has been.
+  std::uint64_t faces_with_curves_ = 0;
+  double floor_with_curves_ = 0;  ///< the floor of that result
+  FaceMarks has_failed_;          ///< the faces of patches that have failed the check
+  FaceMarks stays_frozen_;        ///< the faces of patches that stay frozen after a step of the ladder
 };
 
 /// An arena with this many threads. The calling thread stores it for later runs. TBB (2021.8) never frees some KB of

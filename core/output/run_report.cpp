@@ -63,6 +63,7 @@ class RunReporter {
     examine_input();
     run_.report.surfaces.join_bands();
     run_.watch.enter(Stage::kRefinement);
+    run_.refiner->set_crossing(run_.intersections().patches);
     run_.refiner->predict_before(run_.patched(), run_.candidate.triangulated);
     run_.report.min_edge_length = run_.refiner->goals().min_edge_length;
     tell_curves({[&](PatchId p) {

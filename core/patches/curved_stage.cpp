@@ -48,6 +48,20 @@ void squeeze_maps(const Surface& surface, const PatchSet& patches, CurvedPatches
 
 }  // namespace
 
+double CurvedStage::finer_share(const Options& options) const {
+  if (!options.elements_per_circle) return 0;
+  // Facets of one circle differ a little in their turns.
+  constexpr double kAsFine = 1.02;
+  const double turn_deg = 360 / *options.elements_per_circle;
+  double finer = 0, all = 0;
+  for (const RecognisedSurface& surface : surfaces_.surfaces) {
+    if (!(surface.allowed > 0)) continue;
+    all += surface.area;
+    if (surface.input_turn_deg > kAsFine * turn_deg) finer += surface.area;
+  }
+  return all > 0 ? finer / all : 0;
+}
+
 void CurvedStage::forget_joined() {
   curved_ = {};
   cuts_ = {};
@@ -68,6 +82,7 @@ void CurvedStage::run(Partition& partition, const PatchSet& facets_before, Prepa
   const Surface& surface = prepared.surface;
   std::vector<CurvedLimits> limits = curved_limits(surface, partition.patches, recognised_, options,
                                                    measures.plane_tolerance, measures.diagonal, control);
+  if (are_facets_kept_) limits.assign(limits.size(), CurvedLimits());
   fit_limits_of_tori({surface, partition.patches, recognised_, measures.plane_tolerance}, options, limits, control);
   cuts_ = {};
   with_cuts_.reset();

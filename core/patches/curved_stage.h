@@ -76,6 +76,11 @@ class CurvedStage {
   /// Returns by how much curved surfaces are moved outwards, or null if none is.
   VolumeOffsets* outside() { return is_outside_ ? &outside_ : nullptr; }
   const VolumeOffsets* outside() const { return is_outside_ ? &outside_ : nullptr; }
+  /// Returns the share of the area of the curved patches that is asked to have more elements per circle than its facets
+  /// have.
+  double finer_share(const Options& options) const;
+  /// Decides whether all facets stay as they are from the next run on.
+  void keep_facets(bool are_kept) { are_facets_kept_ = are_kept; }
   /// Returns the surfaces of the facets.
   const RecognisedSurfaces& recognised() const { return recognised_; }
   /// Takes out the surfaces of the patches that the last run found, with the tolerances in force.
@@ -92,7 +97,8 @@ class CurvedStage {
   RecognisedSurfaces recognised_;       ///< those of the facets
   RecognisedSurfaces surfaces_;         ///< those of the patches, until they are taken
   IdVector<FaceId, CurvedRung> rungs_;  ///< empty while no curved patch has failed
-  int steps_ = 0;                       ///< how often curved patches have been taken a rung up
+  bool are_facets_kept_ = false;
+  int steps_ = 0;  ///< how often curved patches have been taken a rung up
   CurvedPatches curved_;
   CurveCuts cuts_;                    ///< only with curved patches
   std::optional<Surface> with_cuts_;  ///< only with curved patches
