@@ -306,9 +306,10 @@ class Run : private RunState {
   }
 
   /// Returns whether fewer faces may be made if the facets of curved surfaces stay. That is so where surfaces are in
-  /// narrow pieces. It is asked only where no more elements are asked for than the facets are, and no gaps.
+  /// narrow pieces. It is asked only where no more elements are asked for than the facets are, and neither gaps nor the
+  /// volume of the surfaces.
   bool may_facets_be_fewer() {
-    const bool are_facets_finer = options.elements_per_circle && finer_share_ == 0;
+    const bool are_facets_finer = options.elements_per_circle && finer_share_ == 0 && curves.outside() == nullptr;
     const std::uint64_t faces = candidate.assembled.faces.size();
     if (curves.curved() == nullptr || !are_facets_finer || !options.refine || options.proximity > 0) return false;
     if (faces <= facet_triangles_) return false;

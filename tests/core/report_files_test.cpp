@@ -247,6 +247,7 @@ TEST_F(report_files, a_wall_that_stands_twice_has_no_edge_inside_that_both_sides
           EXPECT_EQ(count, is_at_height && is_on_outline ? 4 : 2);
         }
       }
+}
 
 TEST_F(report_files, facets_that_meet_at_an_edge_are_no_gap) {
   for (const double proximity : {0.25, 1.0}) {
