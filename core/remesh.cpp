@@ -12,6 +12,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/largest_coordinate.h"
+#include "core/base/rounded_to_float.h"
 #include "core/base/stoppable.h"
 #include "core/base/work_bound.h"
 #include "core/geometry/patch_mesh.h"
@@ -122,8 +124,9 @@ CurvedClaim claim_of_options(const Options& options, double diagonal) {
 /// can be read in one place.
 class Run : private RunState {
  public:
-  Run(const PolygonMesh& input, const Options& options, RunControl& control, std::vector<Diagnostic> diagnostics)
-      : RunState(input, options, control), diagnostics_of_reader_(std::move(diagnostics)) {}
+  Run(const PolygonMesh& input, const Options& options, Storage storage, RunControl& control,
+      std::vector<Diagnostic> diagnostics)
+      : RunState(input, options, control), diagnostics_of_reader_(std::move(diagnostics)), storage_(storage) {}
 
   Result remesh(const RunSettings& settings) {
     for (Step step = Step::kPrepare; step != Step::kFinish; step = step_after(attempt())) {
@@ -183,7 +186,17 @@ class Run : private RunState {
     const double diagonal = report.input.bounding_box.diagonal();
     Goals goals = goals_of(options, diagonal);
     keep_in_proportion(goals, options, diagonal, triangles_of_input());
+    if (storage_ == Storage::kFloat) keep_apart_in_storage(goals, options, step_of_storage());
     return goals;
+  }
+
+  /// Returns the distance between floats at the part's largest coordinate, or at the largest from an origin near it.
+  double step_of_storage() const {
+    const Box3& box = report.input.bounding_box;
+    if (box.is_empty()) return 0;
+    const double largest = std::max(largest_coordinate(box.min), largest_coordinate(box.max));
+    const double longest = largest_coordinate(box.max - box.min);
+    return step_of_floats(options.local_origin ? std::min(largest, longest) : largest);
   }
 
   void find_patches() {
@@ -532,6 +545,7 @@ class Run : private RunState {
   }
 
   const std::vector<Diagnostic> diagnostics_of_reader_;
+  const Storage storage_;  ///< the numbers that the result is meant for
   MendingLimits limits_;
   std::optional<Ladder> ladder_;  ///< belongs to the prepared surface
   Regions regions_;
@@ -569,15 +583,16 @@ int thread_count(const PolygonMesh& input, const Options& options, const RunSett
 Result remesh_surface(const PolygonMesh& input, const Options& options, const RunSettings& settings,
                       RunControl& control, std::vector<Diagnostic> diagnostics) {
   check_options(options);
-  return in_arena(thread_count(input, options, settings),
-                  [&] { return Run(input, options, control, std::move(diagnostics)).remesh(settings); });
+  return in_arena(thread_count(input, options, settings), [&] {
+    return Run(input, options, settings.storage, control, std::move(diagnostics)).remesh(settings);
+  });
 }
 
 Report analyze_surface(const PolygonMesh& input, const Options& options, const RunSettings& settings,
                        RunControl& control, std::vector<Diagnostic> diagnostics) {
   check_options(options);
   return in_arena(thread_count(input, options, settings),
-                  [&] { return Run(input, options, control, std::move(diagnostics)).analyze(); });
+                  [&] { return Run(input, options, settings.storage, control, std::move(diagnostics)).analyze(); });
 }
 
 }  // namespace remesh

@@ -38,7 +38,7 @@ class FloorSearch {
     if (fits_ > 0)
       go_between();
     else
-      floor_ = floor_ > 0 ? step() * floor_ : lowest_;
+      floor_ = floor_ < lowest_ ? lowest_ : step() * floor_;
   }
   /// Notes that a result with this floor has so many faces, which are not too many.
   /// Output: whether another floor is to be tried.

@@ -55,6 +55,18 @@ void keep_in_proportion(Goals& goals, const Options& options, double diagonal, s
   goals.lowest_floor = std::max(kLowestFloor * diagonal, goals.min_edge_length);
 }
 
+void keep_apart_in_storage(Goals& goals, const Options& options, double step) {
+  // Rounding moves a vertex against the opposite side by up to sqrt(3) steps. A triangle with edges of kSteps steps and
+  // an angle of 20 degrees is higher than that by half, so rounding does not turn the triangle over.
+  constexpr double kSteps = 8;
+  const double floor = kSteps * step;
+  if (options.min_edge_length || !options.refine || !(floor > goals.min_edge_length)) return;
+  if (!(2 * floor <= goals.max_edge_length)) return;
+  goals.min_edge_length = floor;
+  goals.is_floor_of_storage = true;
+  goals.lowest_floor = std::max(goals.lowest_floor, floor);
+}
+
 double floor_of_details(const Options& options, const Goals& goals) {
   constexpr double kShareOfDetails = 1.0 / 3;
   if (options.min_edge_length || !options.refine) return 0;

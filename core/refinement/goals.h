@@ -26,7 +26,8 @@ struct Goals {
   /// If there would be more faces than this, refinement looks for a value of min_edge_length with which there are no
   /// more. The largest number: it does not look for one.
   std::uint64_t faces_without_floor = kNoLimit;
-  double lowest_floor = 0;  ///< the first value that is tried
+  double lowest_floor = 0;           ///< the first value that is tried
+  bool is_floor_of_storage = false;  ///< min_edge_length is what the result's storage can tell apart
   bool split_boundaries = true;
 
   /// Sizes that gaps and short edges ask for are known at some places and interpolated between them. An edge that is
@@ -54,6 +55,11 @@ Goals goals_of(const Options& options, double diagonal);
 /// faces.
 /// Input: `triangles` is the number of the input's triangles, where a polygon counts as the triangles that fill it.
 void keep_in_proportion(Goals& goals, const Options& options, double diagonal, std::uint64_t triangles);
+
+/// Makes no edge so short that the numbers in which the result is stored cannot tell its triangles apart, if
+/// min_edge_length is automatic.
+/// Input: `step` is the distance between such numbers at the part's largest coordinate, in model units.
+void keep_apart_in_storage(Goals& goals, const Options& options, double step);
 
 /// Returns the length below which no edge is made because smaller details are removed, in model units; 0 if there is no
 /// such length, or if it could not be kept. It is a third of defeature_size.

@@ -8,7 +8,9 @@
 namespace remesh::api {
 namespace {
 
-Format output(std::string_view accept, Format input = Format::kObj) { return choose_output_format({}, accept, input); }
+Format output(std::string_view accept, Format input = Format::kObj) {
+  return choose_output_format({}, accept, input).format;
+}
 
 bool is_refused(std::string_view accept, Format input = Format::kObj) {
   try {
@@ -58,8 +60,8 @@ TEST(negotiation, a_file_of_another_kind_is_told_what_it_is_unless_a_format_is_n
 }
 
 TEST(negotiation, the_option_wins_over_accept) {
-  EXPECT_EQ(choose_output_format(Format::kObj, "application/json", Format::kJson), Format::kObj);
-  EXPECT_EQ(choose_output_format(Format::kVtu, "model/obj", Format::kObj), Format::kVtu);
+  EXPECT_EQ(choose_output_format(Format::kObj, "application/json", Format::kJson).format, Format::kObj);
+  EXPECT_EQ(choose_output_format(Format::kVtu, "model/obj", Format::kObj).format, Format::kVtu);
 }
 
 TEST(negotiation, anything_counts_as_absent) {
