@@ -150,7 +150,7 @@ Remeshed remesh_for_job(Job job, const Limits& limits, Purpose purpose, RunContr
   RunSettings settings{.workers = limits.workers, .serial_corners = limits.serial_corners};
   settings.want_face_source = purpose == Purpose::kKeeping || format == Format::kJson;
   settings.storage = storage_of(format);
-  settings.rounding = purpose == Purpose::kKeeping ? Rounding::kLater : rounding_for(remeshed.wanted);
+  settings.rounding = purpose == Purpose::kKeeping ? OutputRounding::kLater : rounding_for(remeshed.wanted);
   remeshed.result =
       remesh_surface(input.read.mesh, input.options.core, settings, control, std::move(input.read.diagnostics));
   remeshed.options.format = remeshed.result.is_not_held ? text_form(format) : format;

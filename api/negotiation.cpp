@@ -118,8 +118,8 @@ OutputFormat choose_output_format(std::optional<Format> option, std::string_view
                   ") can be written; these can be: " + names_of_formats([](Format) { return true; }));
 }
 
-Rounding rounding_for(const OutputFormat& wanted) {
-  return wanted.is_by_name || text_form(wanted.format) == wanted.format ? Rounding::kRequired : Rounding::kIfHeld;
+OutputRounding rounding_for(const OutputFormat& wanted) {
+  return wanted.is_by_name || text_form(wanted.format) == wanted.format ? OutputRounding::kRequired : OutputRounding::kIfHeld;
 }
 
 Format text_form(Format format) { return format == Format::kStl ? Format::kStlAscii : format; }

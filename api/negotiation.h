@@ -39,7 +39,7 @@ OutputFormat choose_output_format(std::optional<Format> option, std::string_view
 
 /// Returns what becomes of coordinates that the format cannot hold: where it has a form as text and was not asked for
 /// by name, they are written as text.
-Rounding rounding_for(const OutputFormat& wanted);
+OutputRounding rounding_for(const OutputFormat& wanted);
 
 /// Returns the form of a format as text, which holds all digits; the format itself if it has none.
 Format text_form(Format format);

@@ -238,7 +238,9 @@ const std::array<OptionSpec, 28> kTable{{
     {.name = "format",
      .type = OptionType::kChoice,
      .field = FormatField{},
-     .help = "the format of the result; auto: what the Accept header asks for, otherwise the format of the input",
+     .help =
+         "the format of the result; auto: what the Accept header asks for, otherwise the format of the input, as text "
+         "(stl_ascii) if binary STL cannot hold the result",
      .unset = "auto",
      .example = "json"},
 }};

@@ -260,13 +260,14 @@ KeptRemesh run_remesh_to_keep(const Request& request, const Limits& limits, RunC
   answer.mesh = pack_result(kept);
   // The report describes the result in the job's own format. If this format cannot hold the result, the report stays
   // about doubles, and the job gives the result in all others.
-  const Rounded rounded = round_output(storage_of(format), kept.local_origin, Rounding::kIfHeld, kept.result, control);
+  const Rounded rounded =
+      round_output(storage_of(format), kept.local_origin, OutputRounding::kIfHeld, kept.result, control);
   if (rounded == Rounded::kMoved) {
     measure_output(kept.result, control);
     answer.report = report_text(kept.result.report);
   } else if (rounded == Rounded::kNotHeld) {
     kept.exact_report.clear();
-    if (rounding_for(remeshed.wanted) == Rounding::kIfHeld) {
+    if (rounding_for(remeshed.wanted) == OutputRounding::kIfHeld) {
       kept.format = text_form(format);
       remeshed.options.format = kept.format;
       kept.summary = summary_of(kept.result.report);
@@ -350,7 +351,8 @@ Response write_kept(std::string mesh, const std::function<std::string()>& report
   } else {
     const bool local_origin = is_origin_named ? options.options().core.local_origin : kept.local_origin;
     // A job that did not ask for its format by name has one that can hold the result.
-    if (round_output(storage_of(format), local_origin, Rounding::kRequired, kept.result, control) == Rounded::kMoved)
+    if (round_output(storage_of(format), local_origin, OutputRounding::kRequired, kept.result, control) ==
+        Rounded::kMoved)
       update_summary(kept.result, kept.summary, control);
     response.body = write_mesh(format,
                                {kept.result.mesh, kept.result.face_patch, summary_comments(kept.summary),

@@ -126,7 +126,7 @@ enum class Storage {
 };
 
 /// What becomes of the coordinates of a result that is meant for a storage.
-enum class Rounding : std::uint8_t {
+enum class OutputRounding : std::uint8_t {
   kRequired,  ///< they are rounded; a result that the storage cannot hold is refused
   kIfHeld,    ///< as kRequired, but a result that the storage cannot hold keeps its doubles, and a diagnostic says so
   kLater,     ///< they stay doubles for now
@@ -144,7 +144,7 @@ struct RunSettings {
   /// The result is meant for these numbers: refinement makes no edge that they cannot tell apart, and the result is
   /// rounded to them. It is checked, measured and reported as rounded.
   Storage storage = Storage::kDouble;
-  Rounding rounding = Rounding::kRequired;
+  OutputRounding rounding = OutputRounding::kRequired;
 };
 
 }  // namespace remesh

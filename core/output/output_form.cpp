@@ -238,7 +238,8 @@ std::string_view own_mistake(const StoredVerdict& verdict) {
 }
 
 /// The form in floats, or nothing if there is none and none is required.
-std::optional<FloatForm> float_form(bool local_origin, Rounding rounding_wanted, Result& result, RunControl& control) {
+std::optional<FloatForm> float_form(bool local_origin, OutputRounding rounding_wanted, Result& result,
+                                    RunControl& control) {
   FloatRounding rounding(result, control);
   FloatForm own = rounding.about({});
   if (own.is_good()) return own;
@@ -255,14 +256,14 @@ std::optional<FloatForm> float_form(bool local_origin, Rounding rounding_wanted,
   if (has_origin && local.is_good() && local_origin) return local;
   const FloatForm& refused = has_origin && local_origin ? local : own;
   const bool would_do_about_origin = has_origin && local.is_good();
-  if (rounding_wanted == Rounding::kRequired) refuse(result, refused, would_do_about_origin);
+  if (rounding_wanted == OutputRounding::kRequired) refuse(result, refused, would_do_about_origin);
   tell_output_as_text(refused, would_do_about_origin, result);
   return std::nullopt;
 }
 
 }  // namespace
 
-Rounded round_output(Storage storage, bool local_origin, Rounding rounding, Result& result, RunControl& control) {
+Rounded round_output(Storage storage, bool local_origin, OutputRounding rounding, Result& result, RunControl& control) {
   if (storage == Storage::kDouble) return Rounded::kUnchanged;
   std::optional<FloatForm> found = float_form(local_origin, rounding, result, control);
   if (!found) return Rounded::kNotHeld;

@@ -40,6 +40,6 @@ enum class Rounded : std::uint8_t {
 ///          far apart the storage's numbers are there, and what would help. kVerificationFailed - the list of faces that miss the goals after
 ///          rounding fails its check. kCancelled, kTimeout - through `control`.
 /// Cost:    O(n log n).
-Rounded round_output(Storage storage, bool local_origin, Rounding rounding, Result& result, RunControl& control);
+Rounded round_output(Storage storage, bool local_origin, OutputRounding rounding, Result& result, RunControl& control);
 
 }  // namespace remesh

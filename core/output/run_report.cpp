@@ -118,7 +118,7 @@ class RunReporter {
     result.face_patch = std::move(run_.candidate.assembled.face_patch);
     result.report = std::move(run_.report);
     // Everything from here on is about the coordinates that the output format holds.
-    if (settings.rounding != Rounding::kLater)
+    if (settings.rounding != OutputRounding::kLater)
       result.is_not_held = round_output(settings.storage, run_.options.local_origin, settings.rounding, result,
                                         run_.control) == Rounded::kNotHeld;
     run_.watch.enter(Stage::kQuality);

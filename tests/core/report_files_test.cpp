@@ -297,5 +297,16 @@ TEST_F(report_files, a_thin_pipe_is_predicted_as_it_comes_out) {
     EXPECT_TRUE(is_near(predicted)) << elements << ": " << predicted << " " << made.output.faces;
 }
 
+TEST_F(report_files, curves_that_are_cut_anew_go_together_with_gradation) {
+  for (const auto& [elements, gradation] : {std::pair(24.0, 2.0), {36.0, 4.0}, {100.0, 4.0}, {24.0, 20.0}}) {
+    SCOPED_TRACE(elements);
+    Options options;
+    options.elements_per_circle = elements;
+    options.gradation = gradation;
+    const Report report = remeshed("unlisted-goal.obj", Format::kObj, options);
+    EXPECT_TRUE(report.verified.all_true());
+  }
+}
+
 }  // namespace
 }  // namespace remesh
