@@ -209,6 +209,8 @@ void remesh_one(const Arguments& arguments, api::Job job, RunControl& control) {
   write_file(arguments.output, answer.body);
   if (!arguments.report.empty()) write_file(arguments.report, report);
   if (answer.report.output_origin) tell_origin(api::origin_text(*answer.report.output_origin));
+  for (const Diagnostic& told : answer.report.diagnostics)
+    if (told.code == DiagnosticCode::kOutputAsText) std::cerr << "remesh: " << told.message << "\n";
 }
 
 /// Prints what the mesh consists of.
