@@ -308,5 +308,21 @@ TEST_F(report_files, curves_that_are_cut_anew_go_together_with_gradation) {
   }
 }
 
+TEST_F(report_files, many_edges_per_turn_make_few_attempts) {
+  // Some rims of this part cannot be cut. 100 edges per turn took forty times as long as 16, and failed in the end.
+  Options options = unrefined();
+  for (const double elements : {16.0, 50.0, 100.0, 150.0}) {
+    options.elements_per_circle = elements;
+    const Report report = remeshed("../planar-cad/couplingdown.off", Format::kOff, options);
+    EXPECT_TRUE(report.verified.all_true());
+    for (const PatchSummary& patch : report.patches) EXPECT_NE(patch.status, PatchStatus::kReduced);
+    for (const RecognisedSurface& surface : report.surfaces.surfaces) {
+      if (surface.shape.kind == SurfaceKind::kCylinder) {
+        EXPECT_LT(surface.patches, 4u);
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace remesh
