@@ -57,6 +57,7 @@ void write_formats(JsonWriter& json, std::string_view name, bool (*is_known)(For
     json.member("name", format_name(format));
     json.member("media_type", media_type(format));
     json.member("ending", file_ending(format));
+    if (text_form(format) != format) json.member("text_form", format_name(text_form(format)));
     json.end_object();
   }
   json.end_array();

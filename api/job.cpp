@@ -145,13 +145,15 @@ Remeshed remesh_for_job(Job job, const Limits& limits, Purpose purpose, RunContr
   Input input = read_input(job, limits, control);
   Remeshed remeshed;
   remeshed.options = input.options;
-  const Format format = choose_output_format(input.options.format, job.accept, input.format);
-  remeshed.options.format = format;
+  remeshed.wanted = choose_output_format(input.options.format, job.accept, input.format);
+  const Format format = remeshed.wanted.format;
   RunSettings settings{.workers = limits.workers, .serial_corners = limits.serial_corners};
   settings.want_face_source = purpose == Purpose::kKeeping || format == Format::kJson;
-  settings.storage = purpose == Purpose::kKeeping ? Storage::kDouble : storage_of(format);
+  settings.storage = storage_of(format);
+  settings.rounding = purpose == Purpose::kKeeping ? OutputRounding::kLater : rounding_for(remeshed.wanted);
   remeshed.result =
       remesh_surface(input.read.mesh, input.options.core, settings, control, std::move(input.read.diagnostics));
+  remeshed.options.format = remeshed.result.is_not_held ? text_form(format) : format;
   remeshed.times = stage_times(input, remeshed.result.report);
   return remeshed;
 }
@@ -174,7 +176,7 @@ AnalysisAnswer run_analyze_job(Job job, const Limits& limits, RunControl& contro
   Input input = read_input(job, limits, control);
   AnalysisAnswer answer;
   answer.options = input.options;
-  answer.options.format = choose_output_format(input.options.format, job.accept, Format::kJson);
+  answer.options.format = choose_output_format(input.options.format, job.accept, Format::kJson).format;
   if (answer.options.format != Format::kJson) {
     throw Error(Code::kNotAcceptable, Stage::kRead, "an analysis is written as json only");
   }

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "api/negotiation.h"
 #include "api/options.h"
 #include "api/report_json.h"
 #include "api/service.h"
@@ -42,10 +43,12 @@ struct AnalysisAnswer {
   StageTimes times;
 };
 
-/// The remeshed surface before it is written. `options.format` is the format that was asked for.
+/// The remeshed surface before it is written. `options.format` is the format in which it will be written: that of
+/// `wanted`, or its form as text if the format cannot hold the result.
 struct Remeshed {
   Result result;
   RequestOptions options;  ///< the options that were used
+  OutputFormat wanted;     ///< the format that was asked for
   StageTimes times;
 };
 

@@ -90,8 +90,8 @@ Format choose_input_format(std::optional<Format> named, std::string_view content
               "the format " + std::string(format_name(format)) + " can be written, but not read");
 }
 
-Format choose_output_format(std::optional<Format> option, std::string_view accept, Format input) {
-  if (option) return *option;
+OutputFormat choose_output_format(std::optional<Format> option, std::string_view accept, Format input) {
+  if (option) return {*option, true};
   const std::vector<MediaRange> ranges = parse_accept(accept);
   const MediaRange* anything = find_range(ranges, "*/*");
   const double weight_of_others = ranges.empty() ? 1 : anything == nullptr ? 0 : anything->weight;
@@ -109,10 +109,23 @@ Format choose_output_format(std::optional<Format> option, std::string_view accep
     best = format;
     best_rank = rank;
   }
-  if (best) return *best;
+  if (best) {
+    const MediaRange* const named = find_range(ranges, media_type(*best));
+    return {*best, named != nullptr && named->weight > weight_of_others};
+  }
   throw Error(Code::kNotAcceptable, Stage::kRead,
               "none of the formats that Accept asks for (" + shortened(accept, 200) +
                   ") can be written; these can be: " + names_of_formats([](Format) { return true; }));
+}
+
+OutputRounding rounding_for(const OutputFormat& wanted) {
+  return wanted.is_by_name || text_form(wanted.format) == wanted.format ? OutputRounding::kRequired : OutputRounding::kIfHeld;
+}
+
+Format text_form(Format format) { return format == Format::kStl ? Format::kStlAscii : format; }
+
+std::string content_type(Format format) {
+  return std::string(media_type(format)) + (format == Format::kStlAscii ? "; charset=utf-8" : "");
 }
 
 }  // namespace remesh::api

@@ -98,8 +98,9 @@ const std::array<OptionSpec, 28> kTable{{
      .type = OptionType::kNumber,
      .field = &Options::min_edge_length,
      .help =
-         "refinement makes no edge shorter than this, in model units; auto: shorter ones are made as long as angles "
-         "alone do not ask for more than 20 faces for each triangle of the input, plus 1,000; 0: of any length",
+         "refinement makes no edge shorter than this, in model units; auto: shorter ones are made as long as the "
+         "result has no more than 20 faces for each triangle of the input, plus 1,000; with proximity no more than 40 "
+         "for each, plus 20,000 (5,000 with elements_per_circle or a surface_tolerance); 0: of any length",
      .unset = "auto",
      .example = "0.001"},
     {.name = "defeature_size",
@@ -241,7 +242,9 @@ const std::array<OptionSpec, 28> kTable{{
     {.name = "format",
      .type = OptionType::kChoice,
      .field = FormatField{},
-     .help = "the format of the result; auto: what the Accept header asks for, otherwise the format of the input",
+     .help =
+         "the format of the result; auto: what the Accept header asks for, otherwise the format of the input, as text "
+         "(stl_ascii) if binary STL cannot hold the result",
      .unset = "auto",
      .example = "json"},
 }};

@@ -15,7 +15,7 @@ static_assert(std::endian::native == std::endian::little, "archives are little-e
 static_assert(sizeof(Vec3) == 24);
 
 /// The last digit is the version of the format.
-constexpr std::string_view kMagic = "REMESHD5";
+constexpr std::string_view kMagic = "REMESHD6";
 
 constexpr std::uint32_t value_of(std::uint32_t number) { return number; }
 template <class Tag>
@@ -211,6 +211,8 @@ void pack(const OutputBasis& basis, Packer& out) {
   out.number(basis.is_refined);
   for (const double* value : reals_of(basis.goals)) out.real(*value);
   out.number(basis.goals.max_faces);
+  out.number(basis.goals.faces_without_floor);
+  out.number(basis.goals.is_floor_of_storage);
   out.number(basis.goals.split_boundaries);
   out.ids(basis.unrefined.faces);
   for (const UnrefinedReason reason : basis.unrefined.reasons) out.number(static_cast<std::uint64_t>(reason));
@@ -229,6 +231,8 @@ void unpack(Unpacker& in, OutputBasis& basis) {
   basis.is_refined = in.flag();
   for (double* value : reals_of(basis.goals)) *value = in.real();
   basis.goals.max_faces = in.number();
+  basis.goals.faces_without_floor = in.number();
+  basis.goals.is_floor_of_storage = in.flag();
   basis.goals.split_boundaries = in.flag();
   in.ids(basis.unrefined.faces);
   for (std::size_t i = 0; i < basis.unrefined.faces.size(); ++i) basis.unrefined.reasons.push_back(in.reason());

@@ -203,7 +203,7 @@ Response run_remesh(const Request& request, const Limits& limits, RunControl& co
   RemeshAnswer answer = run_remesh_job(std::move(parsed.job), limits_of_mesh(parsed, request, limits), control);
 
   Response response;
-  response.content_type = media_type(answer.format);
+  response.content_type = content_type(answer.format);
   response.body = std::move(answer.body);
   response.headers = result_headers(summary_line(summary_of(answer.report)), server_timing(answer.times),
                                     parsed.file_name, answer.format);
@@ -239,7 +239,7 @@ KeptRemesh run_remesh_to_keep(const Request& request, const Limits& limits, RunC
   parse_request(request, limits, control, parsed);
   Remeshed remeshed =
       remesh_for_job(std::move(parsed.job), limits_of_mesh(parsed, request, limits), Purpose::kKeeping, control);
-  const Format format = *remeshed.options.format;
+  const Format format = remeshed.wanted.format;
   const auto report_text = [&](const Report& report) {
     JsonWriter json;
     write_report(json, report, remeshed.options, ReportKind::kRemesh, remeshed.times, control);
@@ -258,10 +258,22 @@ KeptRemesh run_remesh_to_keep(const Request& request, const Limits& limits, RunC
   if (storage_of(format) != Storage::kDouble) kept.exact_report = answer.report;
   kept.result = std::move(remeshed.result);
   answer.mesh = pack_result(kept);
-  // A job succeeds only if its own format can hold the result, and its report describes the result in that format.
-  if (round_output(storage_of(format), kept.local_origin, kept.result, control)) {
+  // The report describes the result in the job's own format. If this format cannot hold the result, the report stays
+  // about doubles, and the job gives the result in all others.
+  const Rounded rounded =
+      round_output(storage_of(format), kept.local_origin, OutputRounding::kIfHeld, kept.result, control);
+  if (rounded == Rounded::kMoved) {
     measure_output(kept.result, control);
     answer.report = report_text(kept.result.report);
+  } else if (rounded == Rounded::kNotHeld) {
+    kept.exact_report.clear();
+    if (rounding_for(remeshed.wanted) == OutputRounding::kIfHeld) {
+      kept.format = text_form(format);
+      remeshed.options.format = kept.format;
+      kept.summary = summary_of(kept.result.report);
+      answer.report = report_text(kept.result.report);
+    }
+    answer.mesh = pack_result(kept);
   }
   answer.done = work_done(kept.result.report, remeshed.times);
   answer.done.output_faces = kept.result.report.output.faces;
@@ -324,9 +336,9 @@ Response write_kept(std::string mesh, const std::function<std::string()>& report
   options.check();
   KeptResult kept = unpack_result(mesh);
   std::string().swap(mesh);  // what follows takes several times as much
-  const Format format = choose_output_format(options.options().format, wanted.accept, kept.format);
+  const Format format = choose_output_format(options.options().format, wanted.accept, kept.format).format;
   Response response;
-  response.content_type = media_type(format);
+  response.content_type = content_type(format);
   if (format == Format::kJson) {
     JsonWriter json;
     json.begin_object();
@@ -338,7 +350,9 @@ Response write_kept(std::string mesh, const std::function<std::string()>& report
     response.body = json.take();
   } else {
     const bool local_origin = is_origin_named ? options.options().core.local_origin : kept.local_origin;
-    if (round_output(storage_of(format), local_origin, kept.result, control))
+    // A job that did not ask for its format by name has one that can hold the result.
+    if (round_output(storage_of(format), local_origin, OutputRounding::kRequired, kept.result, control) ==
+        Rounded::kMoved)
       update_summary(kept.result, kept.summary, control);
     response.body = write_mesh(format,
                                {kept.result.mesh, kept.result.face_patch, summary_comments(kept.summary),

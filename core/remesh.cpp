@@ -11,6 +11,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/largest_coordinate.h"
+#include "core/base/rounded_to_float.h"
 #include "core/base/stoppable.h"
 #include "core/base/work_bound.h"
 #include "core/geometry/patch_mesh.h"
@@ -85,6 +87,10 @@ Step step_after(AttemptOutcome outcome) {
   return std::find_if(kRetries.begin(), kRetries.end(), [&](const Retry& r) { return r.outcome == outcome; })->next;
 }
 
+/// Faces of curved surfaces are asked for, whatever they are in proportion to, if more than this share of them is to be
+/// finer than its facets.
+constexpr double kMajority = 0.5;
+
 /// The last correction of offsets changes angles by less than this, in degrees, in nearly all triangles.
 constexpr double kAngleMarginOfFit = 0.1;
 
@@ -119,8 +125,9 @@ std::vector<CurvedClaim> claims_of(const CurvedPatches* curved, const Options& o
 /// can be read in one place.
 class Run : private RunState {
  public:
-  Run(const PolygonMesh& input, const Options& options, RunControl& control, std::vector<Diagnostic> diagnostics)
-      : RunState(input, options, control), diagnostics_of_reader_(std::move(diagnostics)) {}
+  Run(const PolygonMesh& input, const Options& options, Storage storage, RunControl& control,
+      std::vector<Diagnostic> diagnostics)
+      : RunState(input, options, control), diagnostics_of_reader_(std::move(diagnostics)), storage_(storage) {}
 
   Result remesh(const RunSettings& settings) {
     for (Step step = Step::kPrepare; step != Step::kFinish; step = step_after(attempt())) {
@@ -168,14 +175,29 @@ class Run : private RunState {
     const double diagonal = report.input.bounding_box.diagonal();
     check_options(options, diagonal);
     details.reset(options, report.plane_tolerance);
-    Goals goals = goals_of(options, diagonal);
-    keep_in_proportion(goals, options, diagonal, triangles_of_input());
-    refiner.emplace(goals, control, taken, floor);
+    refiner.emplace(goals_in_proportion(), control, taken, floor);
     regions_ = {};
     ladder_.emplace(surface(), prepared.without_area);
     if (options.keep_boundary_vertices) ladder_->forced().assign(surface().vertex_count(), 1);
     input_intersections.reset();
     curves.reset();
+  }
+
+  Goals goals_in_proportion() const {
+    const double diagonal = report.input.bounding_box.diagonal();
+    Goals goals = goals_of(options, diagonal);
+    keep_in_proportion(goals, options, diagonal, triangles_of_input());
+    if (storage_ == Storage::kFloat) keep_apart_in_storage(goals, options, step_of_storage());
+    return goals;
+  }
+
+  /// Returns the distance between floats at the part's largest coordinate, or at the largest from an origin near it.
+  double step_of_storage() const {
+    const Box3& box = report.input.bounding_box;
+    if (box.is_empty()) return 0;
+    const double largest = std::max(largest_coordinate(box.min), largest_coordinate(box.max));
+    const double longest = largest_coordinate(box.max - box.min);
+    return step_of_floats(options.local_origin ? std::min(largest, longest) : largest);
   }
 
   void find_patches() {
@@ -190,7 +212,7 @@ class Run : private RunState {
                {report.plane_tolerance, report.input.bounding_box.diagonal(),
                 options.refine ? refiner->goals().min_angle_deg : 0},
                control);
-    refiner->set_curved(curves.curved() != nullptr);
+    refiner->set_curved(curves.curved() != nullptr, curves.finer_share(options) > kMajority);
     refiner->set_angle_margin(curves.outside() != nullptr ? kAngleMarginOfFit : 0);
     report.surfaces = curves.take_surfaces();
     freeze_marked(stays_frozen_);
@@ -379,7 +401,7 @@ class Run : private RunState {
       against.measure_sizes = nullptr;
       if (refiner->are_sizes_unmeasured())
         against.measure_sizes = [&](Candidate& candidate) {
-          refiner->measure_sizes(patched(), known.patches, candidate.triangulated, candidate.refinement);
+          refiner->measure_sizes(patched(), candidate.triangulated, candidate.refinement);
           prepared.release_adjacency();
         };
       run_check(against);
@@ -496,11 +518,12 @@ class Run : private RunState {
   }
 
   const std::vector<Diagnostic> diagnostics_of_reader_;
+  const Storage storage_;  ///< the numbers that the result is meant for
   MendingLimits limits_;
   std::optional<Ladder> ladder_;  ///< belongs to the prepared surface
   Regions regions_;
-  FaceMarks has_failed_;    ///< the faces of patches that have failed the check
-  FaceMarks stays_frozen_;  ///< the faces of patches that stay frozen after a step of the ladder
+  FaceMarks has_failed_;          ///< the faces of patches that have failed the check
+  FaceMarks stays_frozen_;        ///< the faces of patches that stay frozen after a step of the ladder
 };
 
 /// An arena with this many threads. The calling thread stores it for later runs. TBB (2021.8) never frees some KB of
@@ -528,15 +551,16 @@ int thread_count(const PolygonMesh& input, const Options& options, const RunSett
 Result remesh_surface(const PolygonMesh& input, const Options& options, const RunSettings& settings,
                       RunControl& control, std::vector<Diagnostic> diagnostics) {
   check_options(options);
-  return in_arena(thread_count(input, options, settings),
-                  [&] { return Run(input, options, control, std::move(diagnostics)).remesh(settings); });
+  return in_arena(thread_count(input, options, settings), [&] {
+    return Run(input, options, settings.storage, control, std::move(diagnostics)).remesh(settings);
+  });
 }
 
 Report analyze_surface(const PolygonMesh& input, const Options& options, const RunSettings& settings,
                        RunControl& control, std::vector<Diagnostic> diagnostics) {
   check_options(options);
   return in_arena(thread_count(input, options, settings),
-                  [&] { return Run(input, options, control, std::move(diagnostics)).analyze(); });
+                  [&] { return Run(input, options, settings.storage, control, std::move(diagnostics)).analyze(); });
 }
 
 }  // namespace remesh

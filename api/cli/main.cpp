@@ -183,9 +183,16 @@ void tell_origin(const std::string& origin) {
   std::cerr << "remesh: the coordinates written are relative to the origin " << origin << "\n";
 }
 
+/// Returns the media type that the ending of the output asks for. An ending that the input has, too, asks for nothing by
+/// name: the format is the input's in any case, as text if need be.
+std::string accept_of(const Arguments& arguments) {
+  const auto format = format_from_file_name(arguments.output);
+  return format && format != format_from_file_name(arguments.input) ? std::string(media_type(*format)) : "";
+}
+
 void remesh_one(const Arguments& arguments, api::Job job, RunControl& control) {
   job.input_format = format_from_file_name(arguments.input);
-  if (const auto format = format_from_file_name(arguments.output)) job.accept = media_type(*format);
+  job.accept = accept_of(arguments);
   FileContent mesh = read_file(arguments.input, control);
   job.mesh = mesh.view();
   job.release_mesh = [&] { mesh.release(); };
@@ -202,6 +209,8 @@ void remesh_one(const Arguments& arguments, api::Job job, RunControl& control) {
   write_file(arguments.output, answer.body);
   if (!arguments.report.empty()) write_file(arguments.report, report);
   if (answer.report.output_origin) tell_origin(api::origin_text(*answer.report.output_origin));
+  for (const Diagnostic& told : answer.report.diagnostics)
+    if (told.code == DiagnosticCode::kOutputAsText) std::cerr << "remesh: " << told.message << "\n";
 }
 
 /// Prints what the mesh consists of.
@@ -230,7 +239,7 @@ void remesh_one_remotely(const Arguments& arguments, RunControl& control) {
   job.server = arguments.server;
   if (const char* key = std::getenv("REMESH_API_KEY")) job.api_key = key;
   if (const auto format = format_from_file_name(arguments.input)) job.content_type = media_type(*format);
-  if (const auto format = format_from_file_name(arguments.output)) job.accept = media_type(*format);
+  job.accept = accept_of(arguments);
   job.options = arguments.options;
   job.wants_report = !arguments.report.empty();
   const FileContent mesh = read_file(arguments.input, control);

@@ -28,6 +28,7 @@ std::string_view diagnostic_name(DiagnosticCode code) {
     case DiagnosticCode::kIncompleteCheck: return "incomplete_check";
     case DiagnosticCode::kRemovedDetail: return "removed_detail";
     case DiagnosticCode::kSmallDetail: return "small_detail";
+    case DiagnosticCode::kOutputAsText: return "output_as_text";
   }
   return "";
 }

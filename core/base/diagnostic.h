@@ -35,6 +35,7 @@ enum class DiagnosticCode {
   kIncompleteCheck,
   kRemovedDetail,
   kSmallDetail,
+  kOutputAsText,
 };
 
 /// Something that was found, dropped, merged or split. `elements` has the first 100, in the input's numbering from 0.

@@ -134,7 +134,14 @@ enum class Storage {
   kFloat,   ///< floats of 32 bits
 };
 
-/// The settings with which a run is carried out. None of these settings but `storage` changes a byte of the result.
+/// What becomes of the coordinates of a result that is meant for a storage.
+enum class OutputRounding : std::uint8_t {
+  kRequired,  ///< they are rounded; a result that the storage cannot hold is refused
+  kIfHeld,    ///< as kRequired, but a result that the storage cannot hold keeps its doubles, and a diagnostic says so
+  kLater,     ///< they stay doubles for now
+};
+
+/// The settings with which a run is carried out. Only `storage` and `rounding` change bytes of the result.
 struct RunSettings {
   int workers = 1;  ///< number of threads that compute, at least 1
   /// Fill Result::face_source and input_face_patch. This costs a point location per face.
@@ -142,8 +149,10 @@ struct RunSettings {
   /// If nothing is refined, so that the work grows with the input alone, an input with fewer corners is computed by one
   /// thread.
   std::size_t serial_corners = 0;
-  /// The result is rounded to these numbers. It is checked, measured and reported as rounded.
+  /// The result is meant for these numbers: refinement makes no edge that they cannot tell apart, and the result is
+  /// rounded to them. It is checked, measured and reported as rounded.
   Storage storage = Storage::kDouble;
+  OutputRounding rounding = OutputRounding::kRequired;
 };
 
 }  // namespace remesh

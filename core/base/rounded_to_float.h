@@ -14,4 +14,7 @@ inline Vec3 rounded_to_float(const Vec3& p) {
   return {rounded_to_float(p.x), rounded_to_float(p.y), rounded_to_float(p.z)};
 }
 
+/// The distance from the float nearest to a number to the next float away from zero.
+double step_of_floats(double value);
+
 }  // namespace remesh

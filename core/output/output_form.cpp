@@ -32,12 +32,6 @@ std::string short_text(double value) {
   return {digits, written.ptr};
 }
 
-/// The distance from the float nearest to a number to the next float away from zero.
-double step_of_floats(double value) {
-  const auto nearest = static_cast<float>(std::fabs(value));
-  return static_cast<double>(std::nextafter(nearest, std::numeric_limits<float>::infinity())) - nearest;
-}
-
 /// `digits` times a power of ten, as it would be read from text.
 double decimal(double digits, int exponent) {
   char text[64];
@@ -184,7 +178,8 @@ std::string names_of_formats(Storage storage) {
   return names;
 }
 
-[[noreturn]] void refuse(const Result& result, const FloatForm& form, bool would_do_about_origin) {
+/// Says why floats cannot hold a result.
+std::string reason_to_refuse(const Result& result, const FloatForm& form) {
   double largest = 0;
   for (const Vec3& p : result.mesh.positions) largest = std::max(largest, largest_coordinate(p - form.origin));
   std::string message = names_of_formats(Storage::kFloat) + " stores coordinates as floats, ";
@@ -194,12 +189,34 @@ std::string names_of_formats(Storage storage) {
     message += "which are " + short_text(step_of_floats(largest)) + " apart at these coordinates (up to " +
                short_text(largest) + (form.origin != Vec3{} ? " from a local origin): " : "): ") +
                reason_text(form, result.basis.allowed_move);
-  message += "; formats that need no rounding are " + names_of_formats(Storage::kDouble);
+  return message;
+}
+
+/// Says what would help where floats cannot hold a result.
+std::string ways_out(const Result& result, const FloatForm& form, bool would_do_about_origin) {
+  std::string message;
   if (would_do_about_origin)
     message += "; with local_origin=true the result can be written relative to an origin near the mesh";
   else if (result.basis.is_refined && form.verdict.fault == StoredFault::kTurnedOver)
     message += "; longer edges may help, too: set min_edge_length";
-  throw Error(Code::kNotAcceptable, Stage::kWrite, message).for_option("format");
+  return message;
+}
+
+[[noreturn]] void refuse(const Result& result, const FloatForm& form, bool would_do_about_origin) {
+  throw Error(Code::kNotAcceptable, Stage::kWrite,
+              reason_to_refuse(result, form) + "; formats that need no rounding are " +
+                  names_of_formats(Storage::kDouble) + ways_out(result, form, would_do_about_origin))
+      .for_option("format");
+}
+
+/// Tells that a result is not rounded, although its format has floats.
+void tell_output_as_text(const FloatForm& form, bool would_do_about_origin, Result& result) {
+  result.report.diagnostics.push_back({DiagnosticCode::kOutputAsText,
+                                       1,
+                                       {},
+                                       reason_to_refuse(result, form) +
+                                           "; so the coordinates are written as text, which holds all of their digits" +
+                                           ways_out(result, form, would_do_about_origin)});
 }
 
 /// Describes a fault that rounding must never cause, whatever the result is. Empty if the check found no such fault.
@@ -220,7 +237,9 @@ std::string_view own_mistake(const StoredVerdict& verdict) {
   return {};
 }
 
-FloatForm float_form(bool local_origin, const Result& result, RunControl& control) {
+/// The form in floats, or nothing if there is none and none is required.
+std::optional<FloatForm> float_form(bool local_origin, OutputRounding rounding_wanted, Result& result,
+                                    RunControl& control) {
   FloatRounding rounding(result, control);
   FloatForm own = rounding.about({});
   if (own.is_good()) return own;
@@ -235,16 +254,22 @@ FloatForm float_form(bool local_origin, const Result& result, RunControl& contro
       throw Error(Code::kVerificationFailed, Stage::kVerify,
                   "the result failed its check once it was rounded: " + std::string(mistake));
   if (has_origin && local.is_good() && local_origin) return local;
-  refuse(result, has_origin && local_origin ? local : own, has_origin && local.is_good());
+  const FloatForm& refused = has_origin && local_origin ? local : own;
+  const bool would_do_about_origin = has_origin && local.is_good();
+  if (rounding_wanted == OutputRounding::kRequired) refuse(result, refused, would_do_about_origin);
+  tell_output_as_text(refused, would_do_about_origin, result);
+  return std::nullopt;
 }
 
 }  // namespace
 
-bool round_output(Storage storage, bool local_origin, Result& result, RunControl& control) {
-  if (storage == Storage::kDouble) return false;
-  FloatForm form = float_form(local_origin, result, control);
+Rounded round_output(Storage storage, bool local_origin, OutputRounding rounding, Result& result, RunControl& control) {
+  if (storage == Storage::kDouble) return Rounded::kUnchanged;
+  std::optional<FloatForm> found = float_form(local_origin, rounding, result, control);
+  if (!found) return Rounded::kNotHeld;
+  FloatForm& form = *found;
   StoredVerdict& verdict = form.verdict;
-  if (form.origin == Vec3{} && verdict.largest_move == 0) return false;
+  if (form.origin == Vec3{} && verdict.largest_move == 0) return Rounded::kUnchanged;
   Report& report = result.report;
   report.output_rounding = verdict.largest_move;
   if (form.origin != Vec3{}) report.output_origin = form.origin;
@@ -269,7 +294,7 @@ bool round_output(Storage storage, bool local_origin, Result& result, RunControl
   }
   result.mesh.positions.items() = std::move(form.stored);
   if (result.basis.is_refined) result.basis.unrefined = std::move(form.unrefined);
-  return true;
+  return Rounded::kMoved;
 }
 
 void measure_output(Result& result, RunControl& control) {

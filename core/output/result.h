@@ -16,6 +16,8 @@ struct Result {
   /// The patch of each input face, or of its first piece; invalid if the face was dropped. Empty if face_source is.
   IdVector<FaceId, PatchId> input_face_patch;
   Report report;
+  /// The storage that it was meant for could not hold it. The coordinates are doubles.
+  bool is_not_held = false;
   OutputBasis basis;  ///< the data that round_output needs
 };
 

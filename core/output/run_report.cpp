@@ -63,6 +63,7 @@ class RunReporter {
     examine_input();
     run_.report.surfaces.join_bands();
     run_.watch.enter(Stage::kRefinement);
+    run_.refiner->set_crossing(run_.intersections().patches);
     run_.refiner->predict_before(run_.patched(), run_.candidate.triangulated);
     run_.report.min_edge_length = run_.refiner->goals().min_edge_length;
     tell_curves({[&](PatchId p) {
@@ -119,7 +120,9 @@ class RunReporter {
     result.face_patch = std::move(run_.candidate.assembled.face_patch);
     result.report = std::move(run_.report);
     // Everything from here on is about the coordinates that the output format holds.
-    round_output(settings.storage, run_.options.local_origin, result, run_.control);
+    if (settings.rounding != OutputRounding::kLater)
+      result.is_not_held = round_output(settings.storage, run_.options.local_origin, settings.rounding, result,
+                                        run_.control) == Rounded::kNotHeld;
     run_.watch.enter(Stage::kQuality);
     const bool are_sources_needed =
         settings.want_face_source || do_labels_need_sources(run_.input.labels, run_.options.barriers);

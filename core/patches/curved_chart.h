@@ -1,6 +1,9 @@
 /// The chart of a curved patch.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+
 #include "core/base/vec.h"
 #include "core/geometry/surface_map.h"
 #include "core/patches/curved_patches.h"
@@ -32,6 +35,10 @@ class CurvedChart {
   /// Returns the distance of a point from the surface, positive on the facets' outside.
   double height(const Vec3& position) const { return map_.side() * map_.shape().distance(position); }
   SpacePoint space_point(const Vec3& position) const;
+  /// Returns the largest angle by which the surface may turn along an edge, in radians.
+  double max_turn() const { return 2 * std::asin(std::min(1.0, std::sqrt(max_turn_squared_) / 2)); }
+  /// Returns the largest depth of an edge below the surface, in model units.
+  double max_edge_height() const { return max_edge_height_; }
   /// Returns whether the surface turns too far along an edge, or the edge lies too deep below it.
   bool is_bent(const SpacePoint& a, const SpacePoint& b) const;
   /// Returns whether a triangle whose edges are not bent lies too deep below its surface in the middle. Only on spheres

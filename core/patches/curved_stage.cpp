@@ -52,6 +52,20 @@ void squeeze_maps(const Surface& surface, const PatchSet& patches, CurvedPatches
 
 }  // namespace
 
+double CurvedStage::finer_share(const Options& options) const {
+  if (!options.elements_per_circle) return 0;
+  // Facets of one circle differ a little in their turns.
+  constexpr double kAsFine = 1.02;
+  const double turn_deg = 360 / *options.elements_per_circle;
+  double finer = 0, all = 0;
+  for (const RecognisedSurface& surface : surfaces_.surfaces) {
+    if (!(surface.allowed > 0)) continue;
+    all += surface.area;
+    if (surface.input_turn_deg > kAsFine * turn_deg) finer += surface.area;
+  }
+  return all > 0 ? finer / all : 0;
+}
+
 void CurvedStage::forget_joined() {
   curved_ = {};
   cuts_ = {};
@@ -232,6 +246,13 @@ std::vector<PatchId> CurvedStage::at_fault(const std::vector<FailedPatch>& faile
   return found;
 }
 
+/// Returns whether new edges of a patch turn no further than those of its facets. Finer ones would not lie nearer to
+/// what is beside the patch, and there would be more of them.
+bool CurvedStage::is_as_fine_as_facets(PatchId p) const {
+  const CurvedPatch& patch = *curved_.of(p);
+  return patch.limits.max_turn <= curved_.surfaces.surfaces[patch.surface].input_turn_deg * std::numbers::pi / 180;
+}
+
 void CurvedStage::step_up(const std::vector<PatchId>& at_fault, const PatchSet& patches) {
   rungs_.resize(patches.of_face.size(), CurvedRung::kJoined);
   ++steps_;
@@ -244,9 +265,9 @@ void CurvedStage::step_up(const std::vector<PatchId>& at_fault, const PatchSet& 
   for (const PatchId p : at_fault) {
     changed.push_back(curved_.of(p)->surface);
     const auto faces = patches.faces_of(p);
-    const bool is_tightened = steps_ > kPatientSteps || std::any_of(faces.begin(), faces.end(), [&](FaceId f) {
-                                return rungs_[f] != CurvedRung::kJoined;
-                              });
+    const bool is_tightened =
+        steps_ > kPatientSteps || is_as_fine_as_facets(p) ||
+        std::any_of(faces.begin(), faces.end(), [&](FaceId f) { return rungs_[f] != CurvedRung::kJoined; });
     CurvedRung next = is_tightened ? CurvedRung::kFacet : CurvedRung::kTightened;
     // If finer limits did not help, the surface and those beside it stay where they are, and all begins anew there.
     if (is_tightened && is_outside_)

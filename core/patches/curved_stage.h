@@ -84,6 +84,9 @@ class CurvedStage {
   /// Returns by how much curved surfaces are moved outwards, or null if none is.
   VolumeOffsets* outside() { return is_outside_ ? &outside_ : nullptr; }
   const VolumeOffsets* outside() const { return is_outside_ ? &outside_ : nullptr; }
+  /// Returns the share of the area of the curved patches that is asked to have more elements per circle than its facets
+  /// have.
+  double finer_share(const Options& options) const;
   /// Returns the surfaces of the facets.
   const RecognisedSurfaces& recognised() const { return recognised_; }
   /// Takes out the surfaces of the patches that the last run found, with the tolerances in force.
@@ -94,6 +97,7 @@ class CurvedStage {
                  RunControl& control);
   void leave_room_for_boundaries();
   void tell_failures(Partition& partition) const;
+  bool is_as_fine_as_facets(PatchId p) const;
   void cut_boundaries(Partition& partition, Prepared& prepared, Ladder& ladder, const Options& options,
                       double min_angle_deg, RunControl& control);
 

@@ -1,8 +1,12 @@
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <vector>
 
 #include "core/base/blocks.h"
+#include "core/refinement/curved_prediction.h"
 #include "core/refinement/edge_sizes.h"
+#include "core/refinement/fixed_side_sizes.h"
 #include "core/refinement/prediction.h"
 #include "core/refinement/sampled_edges.h"
 
@@ -19,23 +23,80 @@ class PatchWithCuts {
                 const SizeField& sizes)
       : id_(p),
         patch_(triangulated.meshes[p]),
-        chart_(sizes.is_uniform() ? PatchChart() : triangulated.charts[p]),
+        chart_(triangulated.charts[p]),
         lengths_(lengths),
         edges_(lengths.edges()),
         goals_(goals),
         sizes_(sizes),
         max_rows_(rows_to_read(sizes)) {}
 
-  double run(RunControl& control) const {
+  double run(RunControl& control) {
+    find_fixed_sides(control);
     double faces = 0;
     for (std::uint32_t h = 0; h < patch_.mesh.half_edge_count(); h += 3) {
       control.check();
       faces += faces_of(h);
     }
-    return faces;
+    return chart_.curved() != nullptr ? std::max(faces, faces_by_turn(control)) : faces;
   }
 
  private:
+  /// Returns the faces that fill a curved patch if edges turn as far as they may.
+  double faces_by_turn(RunControl& control) const {
+    const CurvedChart& curved = *chart_.curved();
+    const AnalyticSurface& shape = curved.map().shape();
+    const double radius = shape.kind == SurfaceKind::kTorus ? shape.minor_radius : shape.radius;
+    double turn = curved.max_turn();
+    if (shape.kind != SurfaceKind::kCone && radius > 0)
+      turn = std::min(turn, 2 * std::acos(std::clamp(1 - curved.max_edge_height() / radius, -1.0, 1.0)));
+    if (!(turn > 0)) return 0;
+    constexpr int kRows = 4;
+    double faces = 0;
+    const Triangulation2d& mesh = patch_.mesh;
+    for (std::uint32_t h = 0; h < mesh.half_edge_count(); h += 3) {
+      control.check();
+      const Vec2 p[3] = {patch_.uv[mesh.from(h)], patch_.uv[mesh.from(h + 1)], patch_.uv[mesh.from(h + 2)]};
+      const double part = cross(p[1] - p[0], p[2] - p[0]) / 2 / (kRows * kRows);
+      for_parts(p, kRows, [&](Vec2 at) {
+        const double scale = chart_.scale(at);
+        faces += curved_faces_at_one(shape, chart_.to_space(at), part * scale * scale, goals_.min_angle_deg > 0);
+      });
+    }
+    return faces / (turn * turn);
+  }
+
+  /// Calls visit(middle) for the small triangles into which a triangle is divided.
+  template <class Visit>
+  static void for_parts(const Vec2 (&p)[3], int rows, const Visit& visit) {
+    for (int i = 0; i < rows; ++i)
+      for (int j = 0; i + j < rows; ++j)
+        for (int up = 0; up < (i + j + 1 < rows ? 2 : 1); ++up) {
+          const double u = (i + (1.0 + up) / 3) / rows, v = (j + (1.0 + up) / 3) / rows;
+          visit(p[0] + u * (p[1] - p[0]) + v * (p[2] - p[0]));
+        }
+  }
+
+  /// Finds the sides that are longer than they may be and stay, because there is no room for a cut. Triangles beside
+  /// them stay large.
+  void find_fixed_sides(RunControl& control) {
+    if (sizes_.is_uniform() && !std::isfinite(sizes_.largest()) && !std::isfinite(goals_.max_area)) return;
+    std::vector<FixedSide> fixed;
+    const Triangulation2d& mesh = patch_.mesh;
+    for (std::uint32_t h = 0; h < mesh.half_edge_count(); ++h) {
+      if (!mesh.is_constrained(h) || !lengths_.has_no_room(edges_.edge_at({id_, h}))) continue;
+      const Vec2 a = patch_.uv[mesh.from(h)], b = patch_.uv[mesh.to(h)], middle = 0.5 * (a + b);
+      const double size = EdgeSizes::asked_for(goals_, sizes_, chart_, middle) / chart_.scale(middle);
+      if (norm(b - a) > size) fixed.push_back({a, b, size});
+    }
+    if (!fixed.empty()) fixed_ = std::make_unique<const FixedSideSizes>(fixed, goals_.min_angle_deg, control);
+  }
+
+  /// Returns the length that is asked for at a place, or what sides that stay make of it.
+  double asked_at(Vec2 place) const {
+    const double asked = EdgeSizes::asked_for(goals_, sizes_, chart_, place);
+    return fixed_ != nullptr ? std::max(asked, fixed_->at(place) * chart_.scale(place)) : asked;
+  }
+
   /// Returns the faces in the triangle of half-edge h. Each piece of its sides has one. If there is room inside, there
   /// are as many as the expected lengths allow over its area. If about as many are there for both reasons, points
   /// inside and cuts disturb each other, the more so the larger the bound is.
@@ -54,7 +115,7 @@ class PatchWithCuts {
     const double twice = cross(p[1] - p[0], p[2] - p[0]) * scale * scale, depth = twice / perimeter;
     if (!(twice > 0) || depth * room < 1) return at_sides;
     double inside = 0;
-    const double asked = EdgeSizes::asked_for(goals_, sizes_, chart_, (1.0 / 3) * (p[0] + p[1] + p[2]));
+    const double asked = asked_at((1.0 / 3) * (p[0] + p[1] + p[2]));
     for (const std::uint32_t e : edge) inside += faces_along(e, depth, asked);
     if (!sizes_.is_uniform()) inside = std::max(inside, faces_for_size(p, edge, twice / 2, asked));
     if (at_sides == 1 && inside < kFewInside && may_stay(h)) return 1;
@@ -96,12 +157,7 @@ class PatchWithCuts {
     };
     if (parts == 1) return faces_at(asked);
     double faces = 0;
-    for (int i = 0; i < parts; ++i)
-      for (int j = 0; i + j < parts; ++j)
-        for (int up = 0; up < (i + j + 1 < parts ? 2 : 1); ++up) {
-          const double u = (i + (1.0 + up) / 3) / parts, v = (j + (1.0 + up) / 3) / parts;
-          faces += faces_at(EdgeSizes::asked_for(goals_, sizes_, chart_, p[0] + u * (p[1] - p[0]) + v * (p[2] - p[0])));
-        }
+    for_parts(p, parts, [&](Vec2 at) { faces += faces_at(asked_at(at)); });
     return faces;
   }
 
@@ -129,6 +185,7 @@ class PatchWithCuts {
   const SampledEdges& edges_;
   const Goals& goals_;
   const SizeField& sizes_;
+  std::unique_ptr<const FixedSideSizes> fixed_;  ///< null if no side that is too long stays
   const double max_rows_;  ///< a triangle is divided into this number of rows at most, to read sizes in it
 };
 

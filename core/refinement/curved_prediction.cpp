@@ -33,6 +33,13 @@ constexpr double kCurvedFacesPerIdeal = 1.9, kCurvedFacesPerIdealByAngle = 1.6;
 constexpr double kEdgeOfBall = 0.866;
 /// A bound on angles makes this many times as many faces of a planar patch beside curved ones.
 constexpr double kFacesForAngleBeside = 3;
+/// A piece of a boundary that is shorter than edges inside of a curved patch leads to this number of faces, over which
+/// edges grow with the distance.
+constexpr double kFacesBesidePiece = 7;
+/// This is how much edges grow per distance from there.
+constexpr double kGrowthBeside = 0.33;
+/// A boundary that is cut anew moves by at most this share of the width of a narrow planar patch beside it (ChainGaps).
+constexpr double kMoveInWidth = 0.25;
 /// A refined area has this number of faces per equilateral triangle of the size asked for.
 constexpr double kFacesPerSize = 1.45;
 
@@ -94,8 +101,12 @@ class CirclePrediction {
     if (!joined_.has_any()) return result;
     measure_patches();
     find_chains();
-    for (const int elements : kElements)
-      result[elements] = static_cast<std::uint64_t>(std::min(std::ceil(faces_with(elements)), most_faces(elements)));
+    // Where boundaries are cut finely whatever the number is, more elements hardly change the faces.
+    double most = 0;
+    for (const int elements : kElements) {
+      most = std::max(most, faces_with(elements));
+      result[elements] = static_cast<std::uint64_t>(std::min(std::ceil(most), most_faces(elements)));
+    }
     // Where more elements would give fewer faces, coarser facets stay.
     if (may_coarser_facets_stay(options_) && !result.empty())
       for (auto at = std::prev(result.end()); at != result.begin();) {
@@ -136,25 +147,9 @@ class CirclePrediction {
         measures_[p].area += area;
         if (curved == nullptr) continue;
         const Vec3 middle = (1.0 / static_cast<double>(corners.size())) * sum;
-        measures_[p].faces_at_one += faces_at_one(curved->map.shape(), middle, area);
+        measures_[p].faces_at_one += curved_faces_at_one(curved->map.shape(), middle, area, goals_.min_angle_deg > 0);
       }
     }
-  }
-
-  /// Returns how many faces fill an area if edges turn by one radian. Twice as many edges make four times as many.
-  double faces_at_one(const AnalyticSurface& shape, const Vec3& at, double area) const {
-    const bool by_angle = goals_.min_angle_deg > 0;
-    if (shape.kind == SurfaceKind::kSphere) {
-      const double factor = by_angle ? kCurvedFacesPerIdealByAngle : kCurvedFacesPerIdeal;
-      return factor * area / equilateral_area(kEdgeOfBall * shape.radius);
-    }
-    // Without a bound on angles, edges run along a ruling from one end of the patch to the other.
-    if (!by_angle && shape.kind != SurfaceKind::kTorus) return 0;
-    double radius = shape.kind == SurfaceKind::kCylinder ? shape.radius : distance_from_axis(shape, at);
-    if (shape.kind == SurfaceKind::kTorus) radius = std::min(radius, shape.minor_radius);
-    if (!(radius > 0)) return 0;
-    const double factor = shape.kind == SurfaceKind::kTorus ? kFacesForAngle : kFacesInStrips;
-    return (by_angle ? factor : 1) * area / (kColumnArea * radius * radius);
   }
 
   bool is_boundary(EdgeId e) const {
@@ -226,29 +221,54 @@ class CirclePrediction {
 
   double longest_edge() const { return std::min(goals_.max_edge_length, equilateral_edge(goals_.max_area)); }
 
+  /// Returns about how wide a patch is. If only a part of its boundary is beside curved patches, it is more than that.
+  double width(PatchId p) const { return 2 * measures_[p].area / measures_[p].perimeter; }
+
+  /// Returns into how many pieces a chain is divided by its turn.
+  double pieces_by_turn(const Chain& chain, double max_turn) const {
+    return std::max(std::ceil(chain.turn / max_turn * (1 - 1e-6)), chain.is_closed ? 3.0 : 1.0);
+  }
+
+  /// Returns into how many pieces a chain is cut so that it does not cross the other boundaries of planar patches.
+  double pieces_by_room(const Chain& chain) const {
+    double pieces = 1;
+    for (const PatchId p : chain.beside) {
+      if (joined_.of(p) != nullptr || !(chain.turn > 0) || !(measures_[p].area > 0)) continue;
+      const double radius = chain.length / chain.turn;
+      const double turn = 2 * std::acos(std::max(0.0, 1 - kMoveInWidth * width(p) / radius));
+      if (turn > 0) pieces = std::max(pieces, std::ceil(chain.turn / turn));
+    }
+    return std::min(pieces, static_cast<double>(chain.edges));
+  }
+
   double pieces_of(const Chain& chain, double max_turn) const {
-    double pieces = std::max(std::ceil(chain.turn / max_turn * (1 - 1e-6)), chain.is_closed ? 3.0 : 1.0);
+    double pieces = std::max(pieces_by_turn(chain, max_turn), pieces_by_room(chain));
     if (options_.keep_boundary_vertices) pieces = std::max(pieces, static_cast<double>(chain.edges));
     if (!goals_.split_boundaries) return pieces;
     pieces = std::max(pieces, chain.length / longest_edge());
-    // The angle bound cuts the boundary of narrow patches.
+    // The angle bound cuts the boundary of narrow patches, planar ones as well.
     for (const PatchId p : chain.beside) {
-      if (joined_.of(p) == nullptr || goals_.min_angle_deg == 0 || measures_[p].area == 0) continue;
-      const double width = 2 * measures_[p].area / measures_[p].perimeter;
-      pieces = std::max(pieces, chain.length / width * std::tan(goals_.min_angle_deg * kPi / 180) / 2);
+      if (goals_.min_angle_deg == 0 || !(measures_[p].area > 0)) continue;
+      pieces = std::max(pieces, chain.length / width(p) * std::tan(goals_.min_angle_deg * kPi / 180) / 2);
     }
     return pieces;
   }
 
   double faces_with(int elements) {
     const double max_turn = 2 * kPi / elements;
-    IdVector<PatchId, double> pieces(joined_.patches.count(), 0), added(joined_.patches.count(), 0);
+    IdVector<PatchId, double> pieces(joined_.patches.count(), 0), added(joined_.patches.count(), 0),
+        beside(joined_.patches.count(), 0);
     for (const Chain& chain : chains_) {
       check_();
       const double now = pieces_of(chain, max_turn);
+      // The more pieces there are for each edge inside, the more faces lie between the two, as far as there is room.
+      const double finer = goals_.min_angle_deg > 0 ? std::max(0.0, now - pieces_by_turn(chain, max_turn)) : 0;
+      const double piece = chain.length / now;
       for (const PatchId p : chain.beside) {
         pieces[p] += now;
         added[p] += now - chain.present;
+        const double grown = kGrowthBeside * width(p) / 2;
+        if (measures_[p].area > 0) beside[p] += kFacesBesidePiece * finer * grown / (piece + grown);
       }
     }
     double faces = 0;
@@ -267,7 +287,7 @@ class CirclePrediction {
         faces += std::max({least, factor * (present_.triangles[q.value] + added[p]), by_size});
         continue;
       }
-      faces += std::max({least, measures_[p].faces_at_one / (max_turn * max_turn), by_size});
+      faces += std::max({least, measures_[p].faces_at_one / (max_turn * max_turn) + beside[p], by_size});
     }
     return faces;
   }
@@ -283,6 +303,20 @@ class CirclePrediction {
 };
 
 }  // namespace
+
+double curved_faces_at_one(const AnalyticSurface& shape, const Vec3& at, double area, bool by_angle) {
+  if (shape.kind == SurfaceKind::kSphere) {
+    const double factor = by_angle ? kCurvedFacesPerIdealByAngle : kCurvedFacesPerIdeal;
+    return factor * area / equilateral_area(kEdgeOfBall * shape.radius);
+  }
+  // Without a bound on angles, edges run along a ruling from one end of the patch to the other.
+  if (!by_angle && shape.kind != SurfaceKind::kTorus) return 0;
+  double radius = shape.kind == SurfaceKind::kCylinder ? shape.radius : distance_from_axis(shape, at);
+  if (shape.kind == SurfaceKind::kTorus) radius = std::min(radius, shape.minor_radius);
+  if (!(radius > 0)) return 0;
+  const double factor = shape.kind == SurfaceKind::kTorus ? kFacesForAngle : kFacesInStrips;
+  return (by_angle ? factor : 1) * area / (kColumnArea * radius * radius);
+}
 
 std::map<int, std::uint64_t> predict_by_elements_per_circle(const RecognisedFacets& facets,
                                                             const PresentPatches& present, const Options& options,

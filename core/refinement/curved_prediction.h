@@ -35,6 +35,11 @@ struct PresentPatches {
   std::vector<double> faces;      ///< one per patch: how many faces are predicted for it
 };
 
+/// Returns how many faces fill an area of a curved surface if edges turn by one radian. Twice as many edges make four
+/// times as many faces.
+/// Input: a place of the area. `by_angle`: angles have a bound.
+double curved_faces_at_one(const AnalyticSurface& shape, const Vec3& at, double area, bool by_angle);
+
 /// Predicts the faces for some values of elements_per_circle. All other options stay. Nothing is refined for that, and
 /// no boundary is cut.
 /// Output:  the predicted faces of the whole result for 8, 12, 16, 24 and 36 elements. It is empty if no surface can be

@@ -71,8 +71,12 @@ double distance_between(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
 /// the lengths of its pieces, and its floor. Triangles are looked at from the edge outwards.
 class EdgeSizes::LookAround {
  public:
-  LookAround(EdgeSizes& sizes, EdgeSide side)
+  /// Tells whether lengths are limited by what is found, or only distances are measured.
+  enum class Finds { kLimits, kDistance };
+
+  LookAround(EdgeSizes& sizes, EdgeSide side, Finds finds)
       : sizes_(sizes),
+        finds_(finds),
         side_(side),
         edge_(sizes.edges_[sizes.edges_.edge_at(side)]),
         patch_(sizes.edges_.patch(side)),
@@ -106,7 +110,7 @@ class EdgeSizes::LookAround {
     const Vec2 point = patch_.uv[v];
     const double distance = distance_from(a_, b_, point);
     nearest_ = std::min(nearest_, distance);
-    if (!is_in_reach(distance, sizes_.beside_vertex_)) return;
+    if (finds_ == Finds::kDistance || !is_in_reach(distance, sizes_.beside_vertex_)) return;
     const std::uint8_t excused = sizes_.excused_side_[sizes_.edges_.triangle_of(side_)];
     const bool is_long_side_of_excused = excused != kNoSide && excused != side_.half_edge % 3;
     if (!(is_first && is_long_side_of_excused)) sizes_.limit_by_point(side_, point);
@@ -119,7 +123,10 @@ class EdgeSizes::LookAround {
     const double distance = touches ? 0 : distance_between(a_, b_, c, d);
     if (is_constrained) {
       nearest_ = std::min(nearest_, distance);
-      if (is_in_reach(distance, sizes_.beside_segment_)) sizes_.limit_by_segment(side_, c, d);
+      // Beside an edge that stays as it is, no cut makes the angles better.
+      const bool is_fixed = sizes_.limits_[sizes_.edges_.edge_at({side_.patch, g})].has_no_room;
+      const bool is_limit = finds_ == Finds::kLimits && !is_fixed;
+      if (is_limit && is_in_reach(distance, sizes_.beside_segment_)) sizes_.limit_by_segment(side_, c, d);
       return;
     }
     const std::uint32_t twin = mesh_.twin(g);
@@ -145,6 +152,7 @@ class EdgeSizes::LookAround {
   }
 
   EdgeSizes& sizes_;
+  const Finds finds_;
   const EdgeSide side_;
   const SampledEdge& edge_;
   const PatchMesh& patch_;
@@ -357,6 +365,7 @@ EdgeSizes::EdgeSizes(const SampledEdges& edges, const TriangulatedPatches& trian
   limits_.resize(edges.size());
   excused_side_.assign(edges_.triangle_count(), kNoSide);
   find_excused(triangulated, control);
+  if (goals.min_edge_length > 0) find_room(control);
   limit_all(triangulated, control);
   Spreading(*this, control).run();
   for_blocks(edges.size(), kEdgesPerBlock, control, [&](std::size_t begin, std::size_t end) {
@@ -382,6 +391,21 @@ void EdgeSizes::find_excused(const TriangulatedPatches& triangulated, RunControl
   });
 }
 
+/// Finds the edges that are narrower than the shortest edge allowed. They stay as they are.
+void EdgeSizes::find_room(RunControl& control) {
+  std::vector<std::uint8_t> has_no_room(edges_.size(), 0);
+  for_blocks(edges_.size(), kEdgesPerBlock, control, [&](std::size_t begin, std::size_t end) {
+    StopCheck check(control);
+    for (auto i = static_cast<std::uint32_t>(begin); i < end; ++i) {
+      check();
+      const SampledEdge& e = edges_[i];
+      for (const EdgeSide side : e.is_constrained ? edges_.sides(e) : std::span<const EdgeSide>())
+        if (LookAround(*this, side, LookAround::Finds::kDistance).run() < goals_.min_edge_length) has_no_room[i] = 1;
+    }
+  });
+  for (std::uint32_t i = 0; i < edges_.size(); ++i) limits_[i].has_no_room = has_no_room[i] != 0;
+}
+
 /// Limits the lengths of all edges by what is near them and by the goals. Each edge is on its own.
 void EdgeSizes::limit_all(const TriangulatedPatches& triangulated, RunControl& control) {
   for_blocks(edges_.size(), kEdgesPerBlock, control, [&](std::size_t begin, std::size_t end) {
@@ -393,7 +417,7 @@ void EdgeSizes::limit_all(const TriangulatedPatches& triangulated, RunControl& c
       Surroundings near;
       check();
       for (const EdgeSide side : e.is_constrained ? edges_.sides(e) : std::span<const EdgeSide>()) {
-        near.feature = std::min(near.feature, LookAround(*this, side).run());
+        near.feature = std::min(near.feature, LookAround(*this, side, LookAround::Finds::kLimits).run());
         near.noise = std::max(near.noise, kRoundings * edges_.rounding(side));
       }
       limit_by_goals(i, near, triangulated);

@@ -74,6 +74,7 @@ class EdgeSizes {
   class Spreading;
 
   void find_excused(const TriangulatedPatches& triangulated, RunControl& control);
+  void find_room(RunControl& control);
   void limit_all(const TriangulatedPatches& triangulated, RunControl& control);
   void limit_by_point(EdgeSide side, Vec2 point);
   void limit_by_segment(EdgeSide side, Vec2 from, Vec2 to);

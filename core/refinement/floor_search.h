@@ -28,13 +28,17 @@ class FloorSearch {
   double floor() const { return floor_; }
   /// Returns whether there is another floor to be tried if there are too many faces with this one.
   bool may_go_on() const { return fits_ > 0 || floor_ < kHighest * lowest_; }
+  /// Returns whether the floor is one between one that was too low and one that fits.
+  bool is_between() const { return fits_ > 0; }
+  /// Returns whether another floor may be tried although a result fits with this one.
+  bool may_try_another() const { return !is_settled_ && too_low_ > 0; }
   /// Notes that there would be too many faces with this floor, and goes on to the next one.
   void note_too_many() {
     too_low_ = floor_;
     if (fits_ > 0)
       go_between();
     else
-      floor_ = floor_ > 0 ? step() * floor_ : lowest_;
+      floor_ = floor_ < lowest_ ? lowest_ : step() * floor_;
   }
   /// Notes that a result with this floor has so many faces, which are not too many.
   /// Output: whether another floor is to be tried.

@@ -20,6 +20,7 @@
 #include "core/refinement/patch_contacts.h"
 #include "core/refinement/patch_slabs.h"
 #include "core/refinement/steepness.h"
+#include "core/refinement/wedges.h"
 
 namespace remesh {
 namespace {
@@ -138,12 +139,6 @@ enum class What { kFaced, kAll };
 /// Selects on which side of a patch a search looks.
 enum class SideOfPlane { kBoth, kAbove, kBelow };
 
-/// Names triangles that do not count as gaps although they are near.
-struct Uncounted {
-  const Triangle* on = nullptr;       ///< triangles that cross or touch this one do not count
-  std::span<const PatchId> crossing;  ///< these patches do not count; ascending
-};
-
 /// Holds squares of gaps in local units: those that are not below `below` do not count, and one that is at most
 /// `enough` ends the search.
 struct Wanted {
@@ -234,14 +229,16 @@ bool is_curved(const TriangulatedPatches& triangulated, PatchId p) {
 class GapSearch::Index {
  public:
   Index(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches, double plane_tolerance,
-        RunControl& control, const TriangulatedPatches* triangulated, double min_gap)
+        RunControl& control, const TriangulatedPatches* triangulated, const Rules& rules)
       : surface_(surface),
         contacts_(surface, adjacency, patches, control),
         touching_squared_(std::pow(std::max(plane_tolerance, rounding_of(surface)) / surface.unit, 2)),
-        min_height_(min_gap / surface.unit) {
+        min_height_(rules.min_gap / surface.unit),
+        crossing_(rules.crossing) {
     find_triangles(patches, triangulated, control);
     slabs_ = PatchSlabs(surface, patches, triangulated != nullptr ? &triangulated->charts : nullptr, triangles_,
                         triangle_begin_, control);
+    wedges_ = Wedges(surface, adjacency, patches, slabs_, rules.feature_angle_deg, control);
     find_axes(adjacency, patches, triangulated, control);
     find_solids(adjacency, patches, control);
     find_boxes(control);
@@ -249,16 +246,16 @@ class GapSearch::Index {
 
   /// Input: `enough` is the `enough` of GapSearch::at, in model units. If narrow gaps do not count, the search goes on
   ///        all the same, because whether a side has a gap at all depends on the nearest point.
-  double distance(const Vec3& place, PatchId patch, double limit, What what, const Uncounted& uncounted,
-                  WorkBound* work, double enough = 0) const {
+  double distance(const Vec3& place, PatchId patch, double limit, What what, const Triangle* on, WorkBound* work,
+                  double enough = 0) const {
     const double below = limit / surface_.unit, low = std::max(enough, 0.0) / surface_.unit;
     const Vec3 from = (1 / surface_.unit) * (place - surface_.centre);
     double found = HUGE_VAL;
     if (!(min_height_ > 0))
-      found = squared_gap(from, patch, {below * below, low * low}, what, uncounted, work).squared;
+      found = squared_gap(from, patch, {below * below, low * low}, what, on, work).squared;
     else if (below > min_height_)
       for (const SideOfPlane side : {SideOfPlane::kAbove, SideOfPlane::kBelow}) {
-        const Gap gap = squared_gap(from, patch, {std::min(found, below * below), 0}, what, uncounted, work, side);
+        const Gap gap = squared_gap(from, patch, {std::min(found, below * below), 0}, what, on, work, side);
         if (gap.height >= min_height_) found = std::min(found, gap.squared);
       }
     return std::sqrt(found) * surface_.unit;
@@ -306,7 +303,7 @@ class GapSearch::Index {
   struct Gap {
     double squared = HUGE_VAL, height = HUGE_VAL;
   };
-  Gap squared_gap(const Vec3& p, PatchId patch, Wanted wanted, What what, const Uncounted& uncounted, WorkBound* work,
+  Gap squared_gap(const Vec3& p, PatchId patch, Wanted wanted, What what, const Triangle* on, WorkBound* work,
                   SideOfPlane side = SideOfPlane::kBoth) const;
   double squared_beside(std::span<const Corners3> pieces, PatchId patch, double below, WorkBound* work) const;
 
@@ -316,6 +313,9 @@ class GapSearch::Index {
   bool is_blocked(const Vec3& way, PatchId from, const Vec3& normal, PatchId to, const Vec3& end) const {
     if (!bound_one_solid(from, to)) return false;
     return dot(way, normal) * dot(way, slabs_.normal(to, end)) > 0;
+  }
+  bool are_crossing(PatchId p, PatchId q) const {
+    return std::binary_search(crossing_.begin(), crossing_.end(), std::pair(std::min(p, q), std::max(p, q)));
   }
   bool bound_one_solid(PatchId p, PatchId q) const { return solids_[p] != kOpen && solids_[p] == solids_[q]; }
 
@@ -346,11 +346,13 @@ class GapSearch::Index {
 
   const Surface& surface_;
   PatchContacts contacts_;
-  double touching_squared_;                    ///< local units
-  double min_height_;                          ///< gaps that are less high do not count; local units
+  double touching_squared_;  ///< local units
+  double min_height_;        ///< gaps that are less high do not count; local units
+  std::span<const std::pair<PatchId, PatchId>> crossing_;
   std::vector<Triangle> triangles_;            ///< triangles of patch after patch
   std::vector<std::uint32_t> triangle_begin_;  ///< index of each patch's first triangle
   PatchSlabs slabs_;
+  Wedges wedges_;
   IdVector<PatchId, Axes> axes_;
   static constexpr std::uint32_t kOpen = 0xffffffffu;
   /// This is the closed, consistently wound component that each patch belongs to, or kOpen.
@@ -459,8 +461,7 @@ Layer GapSearch::Index::layer_of(std::span<const std::uint32_t> triangles) const
 
 /// Returns the gap at p in local units, or none if its square is not below what is wanted.
 GapSearch::Index::Gap GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, Wanted wanted, What what,
-                                                    const Uncounted& uncounted, WorkBound* work,
-                                                    SideOfPlane side) const {
+                                                    const Triangle* on, WorkBound* work, SideOfPlane side) const {
   const bool is_all = what == What::kAll;
   StepCounter steps(work);
   double best = wanted.below;
@@ -495,8 +496,8 @@ GapSearch::Index::Gap GapSearch::Index::squared_gap(const Vec3& p, PatchId patch
             is_blocked(q - p, patch, slab.plane.normal, other, q) || is_hidden(other, d))
           return;
         if (contacts_.has_way(patch, p, other, q, kDetour * std::sqrt(d))) return;
-        if (std::binary_search(uncounted.crossing.begin(), uncounted.crossing.end(), other)) return;
-        if (uncounted.on != nullptr && do_intersect(*uncounted.on, triangle(slot), surface_.local.items())) return;
+        if (are_crossing(patch, other) || wedges_.is_across(patch, p, other, q, std::sqrt(d))) return;
+        if (on != nullptr && do_intersect(*on, triangle(slot), surface_.local.items())) return;
         gap = {d, std::fabs(up)};
         best = d <= wanted.enough ? 0 : d;  // nothing is below 0
       });
@@ -555,6 +556,7 @@ double GapSearch::Index::squared_beside(std::span<const Corners3> pieces, PatchI
           // No other way between the two goes higher up, and none is shorter. So no way is steep if `up` is too low.
           if (d >= best || d <= touching_squared_ || up * up <= steep_squared * d) continue;
           const PatchId other = tree_[slot].tag.patch;
+          if (are_crossing(patch, other)) return;
           // Where one of the patches is curved, other ways between the two may not be blocked.
           if (!is_curved && !slabs_.is_curved(other) && is_blocked(way, patch, slab.plane.normal, other, there[0]))
             continue;
@@ -620,7 +622,7 @@ GapSearch::Index::Looked GapSearch::Index::look_at_corners(const Block& patches,
     for (std::size_t i = 0; i < corners.size() && !work.is_spent(); i += step) {
       control.check();
       const Vec3& corner = surface_.local[corners[i]];
-      best = std::min(best, squared_gap(corner, PatchId(p), {best, 0}, What::kFaced, {}, &work).squared);
+      best = std::min(best, squared_gap(corner, PatchId(p), {best, 0}, What::kFaced, nullptr, &work).squared);
     }
     looked.steps += work.taken();
     if (work.is_spent()) looked.cut_short.push_back(p);
@@ -675,19 +677,18 @@ GapSearch::Index::Looked GapSearch::Index::look_from(const Block& slots, SharedL
 
 GapSearch::GapSearch(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches,
                      double plane_tolerance, RunControl& control, const TriangulatedPatches* triangulated,
-                     double min_gap)
-    : index_(std::make_unique<Index>(surface, adjacency, patches, plane_tolerance, control, triangulated, min_gap)) {}
+                     const Rules& rules)
+    : index_(std::make_unique<Index>(surface, adjacency, patches, plane_tolerance, control, triangulated, rules)) {}
 GapSearch::~GapSearch() = default;
 
 double GapSearch::at(const Vec3& place, PatchId patch, double limit, const Triangle* on, WorkBound* work) const {
-  return index_->distance(place, patch, limit, What::kFaced, {on, {}}, work);
+  return index_->distance(place, patch, limit, What::kFaced, on, work);
 }
-double GapSearch::at(const Vec3& place, PatchId patch, double limit, std::span<const PatchId> crossing, WorkBound* work,
-                     double enough) const {
-  return index_->distance(place, patch, limit, What::kFaced, {nullptr, crossing}, work, enough);
+double GapSearch::at(const Vec3& place, PatchId patch, double limit, WorkBound* work, double enough) const {
+  return index_->distance(place, patch, limit, What::kFaced, nullptr, work, enough);
 }
 double GapSearch::nearest(const Vec3& place, PatchId patch, double limit, const Triangle* on, WorkBound* work) const {
-  return index_->distance(place, patch, limit, What::kAll, {on, {}}, work);
+  return index_->distance(place, patch, limit, What::kAll, on, work);
 }
 double GapSearch::beside(std::span<const Corners3> pieces, PatchId patch, double limit, WorkBound* work) const {
   return index_->beside(pieces, patch, limit, work);

@@ -5,6 +5,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "core/base/run_control.h"
 #include "core/base/work_bound.h"
@@ -32,6 +33,12 @@ namespace remesh {
 /// triangle faced if its nearest point is not: when it is seen aslant, what counts as a gap depends on how the surface
 /// is divided into triangles.
 ///
+/// What lies across a wedge does not count either: the two sides of an edge at which patches meet at less than 60
+/// degrees, into however many patches each side is divided (Wedges).
+///
+/// Patches that cross or touch each other anywhere in the input are no gap for each other. Beside their common line,
+/// there would be no smallest gap.
+///
 /// A closed, consistently wound surface hides what is beyond itself: a way that leaves it inwards and comes back to it
 /// from outside meets it in between. So there is no gap between the two treads of a shallow step, though the riser is
 /// low.
@@ -48,13 +55,24 @@ namespace remesh {
 /// Source: rules.md, Gaps.
 class GapSearch {
  public:
+  /// Holds what else decides whether something counts.
+  struct Rules {
+    double min_gap = 0;             ///< narrower gaps do not count, except for the smallest one; model units
+    double feature_angle_deg = 30;  ///< patches that turn by less are on the same side of a wedge
+    /// The pairs of patches that cross or touch each other in the input, the smaller id first; sorted. They must
+    /// outlive the search.
+    std::span<const std::pair<PatchId, PatchId>> crossing = {};
+  };
+
   /// Builds a tree of boxes over the patches' triangles. `surface`, `adjacency`, `patches` and the charts in
   /// `triangulated` must outlive this object.
   /// Input: The plane tolerance is in model units. `triangulated` has the patches before they are refined; it may be
   ///        null. The input faces of a patch are used if it has no mesh; they are the same places but may be very many.
-  ///        Narrower gaps than `min_gap`, in model units, do not count, except for the smallest one.
   GapSearch(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches, double plane_tolerance,
-            RunControl& control, const TriangulatedPatches* triangulated = nullptr, double min_gap = 0);
+            RunControl& control, const TriangulatedPatches* triangulated, const Rules& rules);
+  GapSearch(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches, double plane_tolerance,
+            RunControl& control, const TriangulatedPatches* triangulated = nullptr)
+      : GapSearch(surface, adjacency, patches, plane_tolerance, control, triangulated, Rules()) {}
   ~GapSearch();
 
   /// Returns the gap at a place of that patch in model units, or infinity if it is not less than `limit`. This search
@@ -66,13 +84,12 @@ class GapSearch {
   double at(const Vec3& place, PatchId patch, double limit, const Triangle* on = nullptr,
             WorkBound* work = nullptr) const;
 
-  /// Returns the gap at a place as above, but leaves out all patches that cross or touch this patch anywhere.
-  /// Input: `crossing` lists these patches, ascending. The search ends as soon as it has found something that is at
+  /// Returns the gap at a place as above.
+  /// Input: The search ends as soon as it has found something that is at
   ///        most `enough` away, in model units, and returns its distance, whether or not something else is nearer.
   ///        Where a surface is near itself everywhere, that is a small part of the search. If narrow gaps do not count,
   ///        the search goes on.
-  double at(const Vec3& place, PatchId patch, double limit, std::span<const PatchId> crossing,
-            WorkBound* work = nullptr, double enough = 0) const;
+  double at(const Vec3& place, PatchId patch, double limit, WorkBound* work, double enough) const;
 
   /// Returns the distance to the nearest patch as `at` does, but also counts patches that the place does not face.
   /// Another place near this one may face them.

@@ -64,7 +64,7 @@ void GoalRefinement::predict_before(const PatchedSurface& on, const Triangulated
   constexpr double kDoubt = 1.5;
   Prediction prediction = predict_closely(triangulated, goals_, sizes, control_);
   while (needs_other_floor(whole(prediction.expected / kDoubt)))
-    prediction = predict_closely(triangulated, goals_, sizes, control_);
+    prediction = predict_closely(triangulated, goals_, size_field(on, triangulated, gaps.get()), control_);
   limit_to_proportion(prediction);
   double sum = 0;
   for (const float share : prediction.of_patch) sum += share;
@@ -75,8 +75,16 @@ void GoalRefinement::predict_before(const PatchedSurface& on, const Triangulated
 
 void GoalRefinement::predict_after(const PatchedSurface& on, const TriangulatedPatches& triangulated) {
   if (!has_goals()) return;
-  const auto gaps = sizes_.field ? nullptr : gap_search(on, triangulated);
+  const auto gaps = sizes_.without_floor ? nullptr : gap_search(on, triangulated);
   predicted_ = predict_closely(triangulated, goals_, size_field(on, triangulated, gaps.get()), control_);
+  // Patches that had to stay as they were have the triangles that they had.
+  for (std::size_t p = 0; p < std::min(frozen_.size(), predicted_.of_patch.size()); ++p) {
+    if (frozen_[PatchId(p)] == 0) continue;
+    const auto triangles = static_cast<float>(triangulated.meshes[PatchId(p)].mesh.triangle_count());
+    predicted_.expected += static_cast<double>(triangles) - static_cast<double>(predicted_.of_patch[p]);
+    predicted_.of_patch[p] = triangles;
+  }
+  predicted_.expected = std::max(predicted_.expected, 0.0);
   limit_to_proportion(predicted_);
 }
 
@@ -84,6 +92,7 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
                                   std::span<const std::pair<PatchId, PatchId>> crossing,
                                   TriangulatedPatches& triangulated) {
   may_measure_later_ = are_sizes_unmeasured_ = false;
+  set_crossing(crossing);
   frozen_.resize(on.patches.count(), 0);
   for (std::size_t p = 0; p < on.patches.count(); ++p)
     if (ladder.is_kept(on.patches.faces_of(PatchId(p))[0])) frozen_[PatchId(p)] = 1;
@@ -100,16 +109,14 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
   if (gaps) find_smallest_gap(*gaps);
   const SizeField& sizes = is_any_refined ? size_field(on, triangulated, gaps.get()) : one_size;
   const std::optional<SizeField> graded = sizes_without_floor(on, triangulated);
-  Prediction prediction = predict_now(triangulated, is_any_refined);
+  Prediction prediction = predict_attempt(on, triangulated, gaps.get(), is_any_refined);
   if (is_any_refined && gaps && sizes_.coarsest == 0 &&
       prediction.expected > kFarTooMany * static_cast<double>(goals_.max_faces)) {
     sizes_.coarsest = equilateral_edge(area_of(on.surface, triangulated.meshes, control_) /
                                        (kEvenShare * static_cast<double>(goals_.max_faces)));
-    sizes_.field.reset();
-    size_field(on, triangulated, gaps.get());
-    prediction = predict_now(triangulated, is_any_refined);
+    sizes_.without_floor.reset();
+    prediction = predict_attempt(on, triangulated, gaps.get(), is_any_refined);
   }
-  limit_to_proportion(prediction);
   roughly_predicted_ = whole(prediction.expected);
   const auto attempt = [&](std::uint64_t budget, std::uint64_t max_made) {
     control_.memory().set_output(std::max<std::uint64_t>(triangulated.triangle_count(), std::min(budget, max_made)));
@@ -132,11 +139,14 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
       may_measure_later_ = angle_margin_ == 0;
       // An attempt with a budget may have too many faces, and its result is not needed then. Where patches cross,
       // vertices may have to be moved apart first.
-      are_sizes_unmeasured_ = may_measure_later_ && (effort_.is_any_wrong() || needs_budget_ || !crossing.empty());
+      const bool may_be_too_many =
+          is_floor_automatic() && (floors_.may_try_another() || refined.reason.size() > goals_.faces_without_floor);
+      are_sizes_unmeasured_ =
+          may_measure_later_ && (effort_.is_any_wrong() || needs_budget_ || !crossing.empty() || may_be_too_many);
       if (!are_sizes_unmeasured_)
         note_size_misses(on.surface, triangulated.meshes, frozen_,
-                         {goals_, on.plane_tolerance, sizes, gaps.get(), graded ? &*graded : nullptr, crossing},
-                         refined, control_);
+                         {goals_, on.plane_tolerance, sizes, gaps.get(), graded ? &*graded : nullptr}, refined,
+                         control_);
     }
     overridden_.write_to(refined.reason);
     effort_.take(refined.reason.size());
@@ -148,8 +158,7 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
       if (auto refined = attempt(Goals::kNoLimit, max_made())) return measured(*std::move(refined));
       if (!may_change_floor()) break;
       change_floor();
-      prediction = predict_now(triangulated, is_any_refined);
-      limit_to_proportion(prediction);
+      prediction = predict_attempt(on, triangulated, gaps.get(), is_any_refined);
       roughly_predicted_ = whole(prediction.expected);
     }
     needs_budget_ = is_hopeless_ = true;
@@ -173,14 +182,38 @@ Prediction GoalRefinement::predict_now(const TriangulatedPatches& triangulated, 
   return *sizes_.predicted;
 }
 
+/// Predicts roughly how many faces the next attempt makes. Where gaps or short edges ask for far more faces than are in
+/// proportion, floors are raised before any attempt.
+Prediction GoalRefinement::predict_attempt(const PatchedSurface& on, const TriangulatedPatches& triangulated,
+                                           const GapSearch* gaps, bool is_any_refined) {
+  for (;;) {
+    if (is_any_refined) size_field(on, triangulated, gaps);
+    Prediction prediction = predict_now(triangulated, is_any_refined);
+    const bool do_sizes_vary = is_any_refined && !sizes_.field->is_uniform();
+    const auto are_surely_too_many = [&] {
+      if (prediction.expected > kAsMany * too_many_predicted_) return true;
+      const double in_proportion = kSurelyTooMany * static_cast<double>(goals_.faces_without_floor);
+      return prediction.expected > in_proportion &&
+             predict_closely(triangulated, goals_, *sizes_.field, control_).expected > in_proportion;
+    };
+    if (!do_sizes_vary || !may_change_floor() || floors_.is_between() || !are_surely_too_many()) {
+      unlimited_prediction_ = prediction.expected;
+      limit_to_proportion(prediction);
+      return prediction;
+    }
+    floors_.note_too_many();
+    goals_.min_edge_length = floors_.floor();
+  }
+}
+
 void GoalRefinement::Overridden::write_to(std::vector<UnrefinedReason>& reasons) const {
   if (by_budget) std::fill(reasons.begin(), reasons.end(), UnrefinedReason::kBudget);
   if (by_effort) std::fill(reasons.begin(), reasons.end(), UnrefinedReason::kEffort);
   if (is_cut_short) std::replace(reasons.begin(), reasons.end(), UnrefinedReason::kBudget, UnrefinedReason::kEffort);
 }
 
-void GoalRefinement::measure_sizes(const PatchedSurface& on, std::span<const std::pair<PatchId, PatchId>> crossing,
-                                   TriangulatedPatches& triangulated, Refinement& refined) const {
+void GoalRefinement::measure_sizes(const PatchedSurface& on, TriangulatedPatches& triangulated,
+                                   Refinement& refined) const {
   // Gaps are measured between the patches as they were before refinement.
   refined.before.exchange_with(triangulated.meshes);
   const auto gaps = gap_search(on, triangulated);
@@ -188,10 +221,10 @@ void GoalRefinement::measure_sizes(const PatchedSurface& on, std::span<const std
   refined.before.exchange_with(triangulated.meshes);
   // Without a field, nothing was refined, and sizes that were aimed at do not count.
   const SizeField one_size(goals_.max_edge_length);
-  note_size_misses(on.surface, triangulated.meshes, frozen_,
-                   {goals_, on.plane_tolerance, sizes_.field ? *sizes_.field : one_size, gaps.get(),
-                    graded ? &*graded : nullptr, crossing},
-                   refined, control_);
+  note_size_misses(
+      on.surface, triangulated.meshes, frozen_,
+      {goals_, on.plane_tolerance, sizes_.field ? *sizes_.field : one_size, gaps.get(), graded ? &*graded : nullptr},
+      refined, control_);
   overridden_.write_to(refined.reason);
 }
 
@@ -215,10 +248,10 @@ std::uint64_t GoalRefinement::max_made() const {
   return effort_.taken() == 0 ? made : std::min(made, effort_.left());
 }
 
-/// Returns whether the floor under the lengths of edges is what limits the number of faces. Faces of curved patches are
-/// asked for by elements_per_circle or a tolerance, so their number is no reason for a floor.
+/// Returns whether the floor under the lengths of edges is what limits the number of faces. Faces of curved patches
+/// that are finer than the input's facets are asked for, so their number is no reason for a floor.
 bool GoalRefinement::is_floor_automatic() const {
-  return !are_any_curved_ && goals_.faces_without_floor < std::min(goals_.max_faces, kMaxFaces);
+  return !are_finer_ && goals_.faces_without_floor < std::min(goals_.max_faces, kMaxFaces);
 }
 
 bool GoalRefinement::may_change_floor() const { return is_floor_automatic() && !needs_budget_ && floors_.may_go_on(); }
@@ -230,6 +263,7 @@ void GoalRefinement::limit_to_proportion(Prediction& prediction) const {
 }
 
 void GoalRefinement::change_floor() {
+  too_many_predicted_ = unlimited_prediction_;
   floors_.note_too_many();
   goals_.min_edge_length = floors_.floor();
 }
@@ -261,7 +295,7 @@ std::unique_ptr<const GapSearch> GoalRefinement::gap_search(const PatchedSurface
                                                             const TriangulatedPatches& triangulated) const {
   if (!(goals_.proximity > 0)) return nullptr;
   return std::make_unique<GapSearch>(on.surface, on.adjacency, on.patches, on.plane_tolerance, control_, &triangulated,
-                                     goals_.min_gap);
+                                     GapSearch::Rules{goals_.min_gap, goals_.feature_angle_deg, crossing_});
 }
 
 /// Returns a value only where gradation alone makes sizes vary.
@@ -278,11 +312,20 @@ void GoalRefinement::find_smallest_gap(const GapSearch& gaps) {
 
 const SizeField& GoalRefinement::size_field(const PatchedSurface& on, const TriangulatedPatches& triangulated,
                                             const GapSearch* gaps) {
-  if (sizes_.field) return *sizes_.field;
-  if (gaps != nullptr) find_smallest_gap(*gaps);
-  sizes_.predicted.reset();
-  sizes_.field.emplace(sizes_for(goals_, gaps, sizes_.coarsest, on, triangulated, effort_.size_steps(), control_));
-  effort_.take_sizes(sizes_.field->search_steps());
+  if (!sizes_.without_floor) {
+    if (gaps != nullptr) find_smallest_gap(*gaps);
+    sizes_.predicted.reset();
+    sizes_.field.reset();
+    Goals goals = goals_;
+    goals.min_edge_length = asked_floor_;
+    sizes_.without_floor.emplace(
+        sizes_for(goals, gaps, sizes_.coarsest, on, triangulated, effort_.size_steps(), control_));
+    effort_.take_sizes(sizes_.without_floor->search_steps());
+  }
+  if (!sizes_.field || sizes_.field_floor != goals_.min_edge_length) {
+    sizes_.field.emplace(sizes_.without_floor->with_floor(goals_, control_));
+    sizes_.field_floor = goals_.min_edge_length;
+  }
   return *sizes_.field;
 }
 
@@ -290,14 +333,16 @@ double GoalRefinement::predict_with(const Goals& goals, const PatchedSurface& on
                                     const TriangulatedPatches& triangulated) const {
   const bool have_same_sizes = goals.max_edge_length == goals_.max_edge_length && goals.proximity == goals_.proximity &&
                                goals.gradation == goals_.gradation;
-  if (sizes_.field && have_same_sizes) return predict_roughly(triangulated, goals, *sizes_.field, control_).expected;
-  const bool is_search_long = sample_count() > kManySamples || (sizes_.field && sizes_.field->is_search_cut_short());
+  const auto predict = [&](const SizeField& sizes) {
+    return predict_roughly(triangulated, goals, sizes.with_floor(goals, control_), control_).expected;
+  };
+  if (sizes_.without_floor && have_same_sizes) return predict(*sizes_.without_floor);
+  const bool is_search_long =
+      sample_count() > kManySamples || (sizes_.without_floor && sizes_.without_floor->is_search_cut_short());
   if (goals.proximity > 0 && goals_.proximity > 0 && is_search_long)
-    return predict_roughly(triangulated, goals, sizes_.field->rescaled(goals_.proximity, goals, control_), control_)
-        .expected;
+    return predict(sizes_.without_floor->rescaled(goals_.proximity, goals, control_));
   const auto gaps = goals.proximity > 0 ? gap_search(on, triangulated) : nullptr;
-  const SizeField sizes = sizes_for(goals, gaps.get(), 0, on, triangulated, effort_.size_steps(), control_);
-  return predict_roughly(triangulated, goals, sizes, control_).expected;
+  return predict(sizes_for(goals, gaps.get(), 0, on, triangulated, effort_.size_steps(), control_));
 }
 
 bool GoalRefinement::is_over_budget(std::uint64_t faces) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -44,6 +45,7 @@ class GoalRefinement {
       : goals_(goals),
         budget_(goals.max_faces),
         control_(control),
+        asked_floor_(goals.min_edge_length),
         floors_(goals, floor),
         effort_(expected_limit(), taken) {
     if (budget_ != Goals::kNoLimit) budget_ -= budget_ / kReserve;
@@ -56,10 +58,17 @@ class GoalRefinement {
   AttemptEffort::Taken work_taken() const { return effort_.all_taken(); }
   /// Takes the steps of the search for intersections in the check of a result.
   void take_check(std::uint64_t steps) { effort_.take_check(steps); }
-  /// Tells whether some patches are curved. These have to be refined even if there is no other goal.
-  void set_curved(bool are_any_curved) {
+  /// Tells whether some patches are curved. These have to be refined even if there is no other goal. If most of them
+  /// are to be finer than the input's facets, their faces are asked for, and no floor is looked for.
+  void set_curved(bool are_any_curved, bool are_finer) {
     are_any_curved_ = are_any_curved;
+    are_finer_ = are_finer;
     effort_.set_max_faces(expected_limit());
+  }
+  /// Tells which pairs of patches cross or touch each other in the input. The smaller id of a pair comes first, and the
+  /// pairs are sorted. There are no gaps between them.
+  void set_crossing(std::span<const std::pair<PatchId, PatchId>> crossing) {
+    crossing_.assign(crossing.begin(), crossing.end());
   }
   /// Makes refinement aim at larger angles than are asked for, by some degrees. Vertices are to be moved after it.
   void set_angle_margin(double degrees) { angle_margin_ = degrees; }
@@ -105,8 +114,7 @@ class GoalRefinement {
   /// Finds the triangles of the last refinement that miss sizes, and why.
   /// Input: the arguments of that refinement, and its result. New vertices may have been moved since, by less than the
   ///        plane tolerance.
-  void measure_sizes(const PatchedSurface& on, std::span<const std::pair<PatchId, PatchId>> crossing,
-                     TriangulatedPatches& triangulated, Refinement& refined) const;
+  void measure_sizes(const PatchedSurface& on, TriangulatedPatches& triangulated, Refinement& refined) const;
   /// Has one entry per patch, which is not 0 if the last refinement had to leave the patch and its boundary as they
   /// were.
   const IdVector<PatchId, std::uint8_t>& frozen() const { return frozen_; }
@@ -145,8 +153,10 @@ class GoalRefinement {
   void forget_patches() {
     sizes_.is_smallest_gap_known = false;
     frozen_.clear();
+    sizes_.without_floor.reset();
     sizes_.field.reset();
     sizes_.predicted.reset();
+    crossing_.clear();
     last_faces_ = 0;
   }
 
@@ -162,6 +172,9 @@ class GoalRefinement {
   /// below the edge of kEvenShare times the faces allowed, evenly spread over the surface. This is because work that
   /// depends on sizes would be for far more faces than there will be.
   static constexpr double kFarTooMany = 8, kEvenShare = 2;
+  /// Where sizes vary, a floor is too low without an attempt if kSurelyTooMany times the faces in proportion are
+  /// predicted with it, or if no fewer than kAsMany of what was predicted with a floor that was too low.
+  static constexpr double kSurelyTooMany = 3, kAsMany = 0.9;
   /// An attempt without a budget is not worth while if more than kHopeless times the faces allowed are predicted. Up to
   /// kFewFaces it is tried in any case, for two reasons: where boundaries are locked or edges must not be short,
   /// predictions may be far too high, and it takes a second at most.
@@ -187,6 +200,8 @@ class GoalRefinement {
   /// Predicts roughly how many faces this refinement makes, if that is not known yet.
   /// Input: if any patch is refined, the size field must be there. Otherwise all triangles stay.
   Prediction predict_now(const TriangulatedPatches& triangulated, bool is_any_refined);
+  Prediction predict_attempt(const PatchedSurface& on, const TriangulatedPatches& triangulated, const GapSearch* gaps,
+                             bool is_any_refined);
   std::uint64_t max_made() const;
   bool is_floor_automatic() const;
   bool may_change_floor() const;
@@ -198,8 +213,10 @@ class GoalRefinement {
 
   /// Holds what is known of sizes, for the patches as they are.
   struct Sizes {
-    std::optional<SizeField> field;  ///< empty until needed
-    double coarsest = 0;             ///< gaps do not make sizes smaller than this, in model units
+    std::optional<SizeField> without_floor;  ///< with the floor that was asked for; empty until needed
+    std::optional<SizeField> field;          ///< with the floor in force; empty until needed
+    double field_floor = 0;                  ///< the floor in force for `field`, in model units
+    double coarsest = 0;                     ///< gaps do not make sizes smaller than this, in model units
     std::optional<double> smallest_gap;
     bool is_smallest_gap_known = false;
     std::optional<Prediction> predicted;  ///< what the field lets expect, with this floor; empty until needed
@@ -215,7 +232,11 @@ class GoalRefinement {
   Goals goals_;
   std::uint64_t budget_;  ///< the number of faces that an attempt with a budget may make
   RunControl& control_;
-  bool are_any_curved_ = false;
+  bool are_any_curved_ = false, are_finer_ = false;
+  double too_many_predicted_ = HUGE_VAL;    ///< roughly, with the last floor that an attempt has shown to be too low
+  double unlimited_prediction_ = HUGE_VAL;  ///< roughly, for the present attempt
+  double asked_floor_;                      ///< min_edge_length of the goals, before a floor was found
+  std::vector<std::pair<PatchId, PatchId>> crossing_;
   FloorSearch floors_;
   AttemptEffort effort_;
   Overridden overridden_;              ///< is about the last attempt

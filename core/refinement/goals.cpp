@@ -26,6 +26,7 @@ Goals goals_of(const Options& options, double diagonal) {
   goals.max_area = options.max_area.value_or(goals.max_area);
   goals.min_edge_length = options.min_edge_length.value_or(0);
   goals.proximity = options.proximity;
+  goals.feature_angle_deg = options.feature_angle_deg;
   goals.min_gap = options.defeature_size.value_or(0);
   goals.gradation = options.gradation.value_or(options.proximity > 0 ? kDefaultGradation : 0);
   goals.split_boundaries = options.split_boundaries;
@@ -34,18 +35,36 @@ Goals goals_of(const Options& options, double diagonal) {
 
 void keep_in_proportion(Goals& goals, const Options& options, double diagonal, std::uint64_t triangles) {
   // Small angles of the input need some faces each, and a part of a few faces may need hundreds. Without details, there
-  // are fewer such angles.
-  constexpr std::uint64_t kPerTriangle = 20, kPerTriangleWithoutDetails = 5, kAlways = 1000;
+  // are fewer such angles. Gaps need more.
+  constexpr std::uint64_t kPerTriangle = 20, kPerTriangleWithGaps = 40, kDetails = 4;
+  constexpr std::uint64_t kAlways = 1000, kAlwaysWithGaps = 20000, kAlwaysWithGapsAndCircles = 5000;
   // See experiments.md, Floor of a default answer.
   constexpr double kLowestFloor = 0x1p-20;
-  const bool do_sizes_ask = std::isfinite(goals.max_edge_length) || std::isfinite(goals.max_area) ||
-                            goals.proximity > 0 || goals.gradation > 0;
   if (options.min_edge_length || !options.refine) return;
   goals.min_edge_length = floor_of_details(options, goals);
-  if (do_sizes_ask) return;
+  if (std::isfinite(goals.max_edge_length) || std::isfinite(goals.max_area)) return;
   const bool are_details_removed = options.defeature_size.value_or(0) > 0;
-  goals.faces_without_floor = (are_details_removed ? kPerTriangleWithoutDetails : kPerTriangle) * triangles + kAlways;
+  const bool are_circles_asked =
+      options.elements_per_circle || options.surface_tolerance || options.surface_tolerance_fraction;
+  const std::uint64_t per_triangle =
+      (goals.proximity > 0 ? kPerTriangleWithGaps : kPerTriangle) / (are_details_removed ? kDetails : 1);
+  const std::uint64_t always = !(goals.proximity > 0) ? kAlways
+                               : are_circles_asked    ? kAlwaysWithGapsAndCircles
+                                                      : kAlwaysWithGaps;
+  goals.faces_without_floor = per_triangle * triangles + always;
   goals.lowest_floor = std::max(kLowestFloor * diagonal, goals.min_edge_length);
+}
+
+void keep_apart_in_storage(Goals& goals, const Options& options, double step) {
+  // Rounding moves a vertex against the opposite side by up to sqrt(3) steps. A triangle with edges of kSteps steps and
+  // an angle of 20 degrees is higher than that by half, so rounding does not turn the triangle over.
+  constexpr double kSteps = 8;
+  const double floor = kSteps * step;
+  if (options.min_edge_length || !options.refine || !(floor > goals.min_edge_length)) return;
+  if (!(2 * floor <= goals.max_edge_length)) return;
+  goals.min_edge_length = floor;
+  goals.is_floor_of_storage = true;
+  goals.lowest_floor = std::max(goals.lowest_floor, floor);
 }
 
 double floor_of_details(const Options& options, const Goals& goals) {

@@ -14,18 +14,20 @@ namespace remesh {
 struct Goals {
   static constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
 
-  double min_angle_deg = 0;    ///< lower bound for every triangle, measured in space
-  double max_edge_length;      ///< infinity: none
-  double max_area;             ///< infinity: none
-  double min_edge_length = 0;  ///< refinement makes no shorter edge
-  double proximity = 0;        ///< edges are at most as long as the gap divided by this; 0: no such limit
-  double min_gap = 0;          ///< gaps that are narrower than this do not count for proximity
-  double gradation = 0;        ///< largest ratio of the lengths of neighbouring edges, > 1; 0: no limit
-  std::uint64_t max_faces;     ///< limit on the faces of the whole result
+  double min_angle_deg = 0;       ///< lower bound for every triangle, measured in space
+  double max_edge_length;         ///< infinity: none
+  double max_area;                ///< infinity: none
+  double min_edge_length = 0;     ///< refinement makes no shorter edge
+  double proximity = 0;           ///< edges are at most as long as the gap divided by this; 0: no such limit
+  double min_gap = 0;             ///< gaps that are narrower than this do not count for proximity
+  double feature_angle_deg = 30;  ///< patches that turn by less are on the same side of a wedge, which is no gap
+  double gradation = 0;           ///< largest ratio of the lengths of neighbouring edges, > 1; 0: no limit
+  std::uint64_t max_faces;        ///< limit on the faces of the whole result
   /// If there would be more faces than this, refinement looks for a value of min_edge_length with which there are no
   /// more. The largest number: it does not look for one.
   std::uint64_t faces_without_floor = kNoLimit;
-  double lowest_floor = 0;  ///< the first value that is tried
+  double lowest_floor = 0;           ///< the first value that is tried
+  bool is_floor_of_storage = false;  ///< min_edge_length is what the result's storage can tell apart
   bool split_boundaries = true;
 
   /// Sizes that gaps and short edges ask for are known at some places and interpolated between them. An edge that is
@@ -46,10 +48,18 @@ struct Goals {
 /// Input: `diagonal` is the diagonal of the input's bounding box. It is needed for max_edge_fraction.
 Goals goals_of(const Options& options, double diagonal);
 
-/// Keeps the answer in proportion to the input, if min_edge_length is automatic and angles alone ask for faces. Where
-/// details of a given size are removed, no edge is made shorter than a third of it, whatever asks for faces.
+/// Keeps the answer in proportion to the input, if min_edge_length is automatic and no size is given: it may have 20
+/// faces for each triangle of the input, plus 1,000. With proximity it may have 40 for each, plus 5,000 if curved
+/// surfaces are remeshed, too, and plus 20,000 if they are not. Where details of a given size are removed, it may have
+/// a quarter of the faces for each triangle, and no edge is made shorter than a third of that size, whatever asks for
+/// faces.
 /// Input: `triangles` is the number of the input's triangles, where a polygon counts as the triangles that fill it.
 void keep_in_proportion(Goals& goals, const Options& options, double diagonal, std::uint64_t triangles);
+
+/// Makes no edge so short that the numbers in which the result is stored cannot tell its triangles apart, if
+/// min_edge_length is automatic.
+/// Input: `step` is the distance between such numbers at the part's largest coordinate, in model units.
+void keep_apart_in_storage(Goals& goals, const Options& options, double step);
 
 /// Returns the length below which no edge is made because smaller details are removed, in model units; 0 if there is no
 /// such length, or if it could not be kept. It is a third of defeature_size.

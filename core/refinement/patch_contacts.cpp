@@ -12,8 +12,12 @@
 namespace remesh {
 namespace {
 
-/// Returns the length of the shortest way from p over the segment a-b to q, if both are unfolded into one plane about
-/// its line.
+/// The number of objects that were made so far. Each of them has a number of its own, so that what a thread remembers
+/// of one is never taken for what it knows of another.
+std::atomic<std::uint64_t> made = 0;
+
+}  // namespace
+
 double way_over(const Vec3& a, const Vec3& b, const Vec3& p, const Vec3& q) {
   const double length = norm(b - a);
   if (!(length > 0)) return norm(p - a) + norm(q - a);
@@ -24,12 +28,6 @@ double way_over(const Vec3& a, const Vec3& b, const Vec3& p, const Vec3& q) {
   const double crossing = std::clamp(off > 0 ? s + (t - s) * (p_off / off) : s, 0.0, length);
   return std::hypot(crossing - s, p_off) + std::hypot(crossing - t, q_off);
 }
-
-/// The number of objects that were made so far. Each of them has a number of its own, so that what a thread remembers
-/// of one is never taken for what it knows of another.
-std::atomic<std::uint64_t> made = 0;
-
-}  // namespace
 
 /// Holds what two patches share, if that is little. A search for gaps asks about the same few pairs of patches at place
 /// after place, and each answer would go through a whole border.

@@ -16,6 +16,10 @@
 
 namespace remesh {
 
+/// Returns the length of the shortest way from p over the segment a-b to q, if both are unfolded into one plane about
+/// its line.
+double way_over(const Vec3& a, const Vec3& b, const Vec3& p, const Vec3& q);
+
 /// For each vertex this stores its patches, and for each patch its border. It stores no pairs of patches, because a
 /// vertex where n facets meet has n^2 pairs. The memory is linear in the number of corners.
 class PatchContacts {

@@ -379,6 +379,27 @@ SizeField SizeField::rescaled(double proximity, const Goals& goals, RunControl& 
   return field;
 }
 
+SizeField SizeField::with_floor(const Goals& goals, RunControl& control) const {
+  if (is_uniform() || !(goals.min_edge_length > floor_)) return *this;
+  SizeField field = *this;
+  field.floor_ = goals.min_edge_length;
+  field.is_floor_asked_ = true;
+  const float floor = FloatBox::rounded_down(goals.min_edge_length / unit_);
+  std::vector<Sample> samples;
+  samples.reserve(samples_.size());
+  StopCheck check(control);
+  for (std::size_t slot = 0; slot < samples_.size(); ++slot) {
+    check();
+    Sample sample{samples_[slot], is_of_segments_ ? Cell() : cells_[slot],
+                  is_of_segments_ ? segments_[slot] : Segment()};
+    sample.entry.tag.value = std::max(sample.entry.tag.value, floor);
+    if (!(sample.entry.tag.value * unit_ < largest_)) continue;
+    samples.push_back(sample);
+  }
+  field.set_samples(samples, control);
+  return field;
+}
+
 void SizeField::set_samples(std::span<const Sample> samples, RunControl& control) {
   const auto entries =
       Samples::make_entries(samples.size(), control, [&](std::size_t i, auto& entry) { entry = samples[i].entry; });

@@ -64,6 +64,10 @@ class SizeField {
   /// Input: a field of gaps, its goals.proximity, and goals with proximity.
   SizeField rescaled(double proximity, const Goals& goals, RunControl& control) const;
 
+  /// Returns this field with a higher floor: sizes below goals.min_edge_length are made as large as that.
+  /// Holds: with a lower floor than that of this field, it is the same field.
+  SizeField with_floor(const Goals& goals, RunControl& control) const;
+
   /// Cells are not cut further if that would make more samples than faces are allowed, and more than four for each
   /// patch. There are never more than kMaxSamples for that reason, and kFewSamples are always allowed.
   static constexpr std::size_t kMaxSamples = std::size_t{1} << 19;

@@ -5,8 +5,9 @@
 #include <atomic>
 #include <cmath>
 #include <mutex>
-#include <numeric>
+#include <span>
 #include <tuple>
+#include <vector>
 
 #include "core/base/blocks.h"
 #include "core/base/large_first.h"
@@ -56,35 +57,6 @@ struct Measured {
   }
 };
 
-/// Holds the patches that cross each patch.
-class CrossingPatches {
- public:
-  CrossingPatches(std::span<const std::pair<PatchId, PatchId>> pairs, std::size_t patches, RunControl& control)
-      : begin_(patches + 1, 0) {
-    std::vector<std::pair<PatchId, PatchId>> both;
-    both.reserve(2 * pairs.size());
-    for (const auto& [p, q] : pairs) {
-      both.emplace_back(p, q);
-      both.emplace_back(q, p);
-    }
-    sort_stoppable(both.begin(), both.end(), control);
-    for (const auto& [p, q] : both) {
-      ++begin_[p.value + 1];
-      all_.push_back(q);
-    }
-    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
-  }
-
-  /// Output: ascending.
-  std::span<const PatchId> of(PatchId p) const {
-    return std::span(all_).subspan(begin_[p.value], begin_[p.value + 1] - begin_[p.value]);
-  }
-
- private:
-  std::vector<PatchId> all_;        ///< patch after patch
-  std::vector<std::size_t> begin_;  ///< where those of each patch begin
-};
-
 class MissSearch {
  public:
   MissSearch(const Surface& surface, const PatchMeshes& meshes, const IdVector<PatchId, std::uint8_t>& is_frozen,
@@ -97,8 +69,7 @@ class MissSearch {
         tolerance_(bounds.plane_tolerance / surface.unit),
         largest_(bounds.sizes.largest() / surface.unit),
         refinement_(refinement),
-        control_(control),
-        crossing_(bounds.crossing, meshes.size(), control) {
+        control_(control) {
     first_.push_back(0);
     for (const PatchMesh& patch : meshes) first_.push_back(first_.back() + patch.mesh.triangle_count());
     refinement_.misses_sizes.assign(first_.back(), 0);
@@ -198,7 +169,7 @@ class MissSearch {
     for (std::uint32_t t = block.begin; t < block.end; ++t) measured.push_back(measure(patch, t));
     std::vector<double> asked(block.size(), HUGE_VAL);
     WorkBound work(max_steps, &control_);
-    const std::uint32_t seen = look_for_gaps(block, crossing_.of(block.patch), measured, work, asked);
+    const std::uint32_t seen = look_for_gaps(block, measured, work, asked);
     taken_ += work.taken();
     if (seen < block.size() && rest == Rest::kWaits) return false;
     for (std::uint32_t i = 0; i < block.size(); ++i) {
@@ -218,8 +189,8 @@ class MissSearch {
 
   /// Sets the sizes that places of triangles ask for if the triangles are too large there; others stay as they are.
   /// Output: so many triangles, the first ones of the block, have been looked at in all their places.
-  std::uint32_t look_for_gaps(const Block& block, std::span<const PatchId> crossing, std::span<const Measured> measured,
-                              WorkBound& work, std::span<double> asked) const {
+  std::uint32_t look_for_gaps(const Block& block, std::span<const Measured> measured, WorkBound& work,
+                              std::span<double> asked) const {
     const Triangulation2d& mesh = meshes_[block.patch].mesh;
     // All gaps for which the floor is too large give the same reason, so the smallest of them is not needed.
     const double at_floor = bounds_.sizes.floor() / surface_.unit * bounds_.goals.proximity - tolerance_;
@@ -230,8 +201,7 @@ class MissSearch {
       // No gap that counts is below the tolerance, so one below the floor may not be possible at all.
       const double lower = low > tolerance_ ? low : high;
       const double enough = (at_floor > tolerance_ ? std::min(at_floor, lower) : lower) / kAimSlack;
-      return bounds_.gaps->at(in_model(place), block.patch, high * surface_.unit, crossing, &work,
-                              enough * surface_.unit) /
+      return bounds_.gaps->at(in_model(place), block.patch, high * surface_.unit, &work, enough * surface_.unit) /
              surface_.unit;
     };
     // The centroids are looked at first. Most triangles that are too large are so there, and their edges need no
@@ -315,7 +285,6 @@ class MissSearch {
   Refinement& refinement_;
   RunControl& control_;
   std::vector<std::size_t> first_;  ///< index of each patch's first triangle
-  CrossingPatches crossing_;
   std::uint64_t max_steps_ = 0;
   std::atomic<std::uint64_t> taken_ = 0;
   std::mutex unfinished_mutex_;

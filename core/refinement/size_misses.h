@@ -2,9 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
-#include <utility>
-#include <vector>
 
 #include "core/base/run_control.h"
 #include "core/geometry/patch_mesh.h"
@@ -28,9 +25,6 @@ struct VaryingBounds {
   /// These are the sizes that short edges ask for, with no floor under them, if goals.gradation is set without
   /// proximity; null otherwise.
   const SizeField* graded = nullptr;
-  /// These pairs of patches cross or touch each other in the input. The smaller id is first. There is no gap between
-  /// them.
-  std::span<const std::pair<PatchId, PatchId>> crossing = {};
 };
 
 /// Measures each triangle by what its own places ask for, not by the sizes that refinement aimed at.

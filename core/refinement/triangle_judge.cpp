@@ -28,6 +28,18 @@ TriangleJudge::Shape TriangleJudge::shape_in_space(std::uint32_t t) const {
   return shape;
 }
 
+/// Returns whether the triangle of a half-edge has a side that was not cut although the surface turns too far along it,
+/// and at least as far as along the half-edge. Whatever is put inside, the triangle at that side has such edges.
+bool TriangleJudge::is_beside_bent_side(std::uint32_t h) const {
+  const DelaunayMesh& mesh = patch_.mesh;
+  const auto turn = [&](std::uint32_t e) {
+    return norm_squared(patch_.in_space[mesh.from(e)].normal - patch_.in_space[mesh.to(e)].normal);
+  };
+  const std::uint32_t left = DelaunayMesh::next(h), right = DelaunayMesh::previous(h);
+  return (mesh.is_constrained(left) && turn(left) >= turn(h) && is_too_bent(left)) ||
+         (mesh.is_constrained(right) && turn(right) >= turn(h) && is_too_bent(right));
+}
+
 bool TriangleJudge::is_at_input_angle(std::uint32_t shortest) const {
   const DelaunayMesh& mesh = patch_.mesh;
   const std::uint32_t left = DelaunayMesh::next(shortest), right = DelaunayMesh::previous(shortest);

@@ -67,8 +67,12 @@ class TriangleJudge {
     const DelaunayMesh& mesh = patch_.mesh;
     // The boundary was cut before. An edge of a good triangle is not bent.
     if (mesh.is_constrained(h) || patch_.states[mesh.twin(h) / 3].is_good()) return false;
-    return sizes_.chart().curved()->is_bent(patch_.in_space[mesh.from(h)], patch_.in_space[mesh.to(h)]);
+    return is_too_bent(h) && !is_beside_bent_side(h) && !is_beside_bent_side(mesh.twin(h));
   }
+  bool is_too_bent(std::uint32_t h) const {
+    return sizes_.chart().curved()->is_bent(patch_.in_space[patch_.mesh.from(h)], patch_.in_space[patch_.mesh.to(h)]);
+  }
+  bool is_beside_bent_side(std::uint32_t h) const;
   /// Returns whether angles have no bound. A triangle may then be much deeper in its middle than at its edges.
   bool is_blunt_allowed() const { return sizes_.criteria().min_angle_deg == 0; }
   bool is_too_long(std::uint32_t h) const {

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <tuple>
 
 #include "core/base/blocks.h"
@@ -51,6 +52,7 @@ FacingFacets::FacingFacets(const Claim& claim, const Model& model, const Boundar
   find_contacts(control);
   find_borders(seams, control);
   if (model.has_curved()) find_sides();
+  find_wedges(seams, claim.refinement->goals.feature_angle_deg, control);
   if (claim.intersections != nullptr) {
     crossing_ = claim.intersections->patches;
     is_crossing_known_ = claim.intersections->is_complete;
@@ -167,6 +169,62 @@ void FacingFacets::find_borders(const BoundaryGraph& seams, RunControl& control)
   }
 }
 
+/// Measures edges with a margin, so that whatever may be a wedge is one.
+void FacingFacets::find_wedges(const BoundaryGraph& seams, double feature_angle_deg, RunControl& control) {
+  constexpr double kDoubt = 1e-3, kSineOfHalfWedge = 0.5, kFactor = 2;
+  constexpr std::size_t kMaxFaces = 8;
+  const double smooth = std::sin(feature_angle_deg * std::numbers::pi / 360) + kDoubt;
+  UnionFind joined(model_.patch_count());
+  std::vector<std::pair<PatchId, Vec3>> inwards;
+  std::vector<std::pair<std::array<PatchId, 2>, Wedge>> sharp;
+  std::size_t looked_at = 0;
+  for (const Edge& edge : seams.edges()) {
+    if (looked_at++ % kItemsPerBlock == 0) control.check_and_move();
+    if (edge.uses.size() < 2 || edge.uses.size() > kMaxFaces) continue;
+    const Vec3 a = point(edge.low), b = point(edge.high);
+    inwards.clear();
+    for (const Use& use : edge.uses) {
+      const Vec3 way = cross(normal(use.patch(), 0.5 * (a + b)), use.is_forward() ? b - a : a - b);
+      if (norm(way) > 0) inwards.emplace_back(use.patch(), normalized(way));
+    }
+    for (std::size_t i = 1; i < inwards.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j) {
+        if (inwards[i].first == inwards[j].first) continue;
+        if (norm(inwards[i].second + inwards[j].second) < 2 * smooth)
+          joined.join(inwards[i].first.value, inwards[j].first.value);
+        const double sine = norm(inwards[i].second - inwards[j].second) / 2;
+        if (sine < kSineOfHalfWedge + kDoubt)
+          sharp.push_back({{inwards[i].first, inwards[j].first},
+                           {{}, edge.low, edge.high, (kFactor + kDoubt) / std::max(0.0, sine - kMargin)}});
+      }
+  }
+  if (sharp.empty()) return;
+  side_.resize(model_.patch_count());
+  for (std::uint32_t p = 0; p < side_.size(); ++p) side_[p] = joined.find(p);
+  for (auto& [patches, wedge] : sharp) {
+    wedge.sides = std::minmax(side_[patches[0].value], side_[patches[1].value]);
+    wedges_.push_back(wedge);
+  }
+  sort_stoppable(wedges_.begin(), wedges_.end(), control, [](const Wedge& v, const Wedge& w) {
+    return std::tie(v.sides, v.a, v.b) < std::tie(w.sides, w.a, w.b);
+  });
+}
+
+/// Returns whether the way over a wedge between the two patches may be no longer than it is in a wedge.
+/// Input: `length` - the length of the straight way, at most.
+bool FacingFacets::may_be_in_wedge(PatchId p, const Vec3& from, PatchId q, const Vec3& to, double length,
+                                   std::size_t& looks) const {
+  if (wedges_.empty()) return false;
+  const std::pair<std::uint32_t, std::uint32_t> sides = std::minmax(side_[p.value], side_[q.value]);
+  auto wedge = std::lower_bound(wedges_.begin(), wedges_.end(), sides,
+                                [](const Wedge& w, const auto& wanted) { return w.sides < wanted; });
+  for (; wedge != wedges_.end() && wedge->sides == sides; ++wedge) {
+    if (++looks > kMaxLooks) return true;
+    if (way_over(from, to, point(wedge->a), point(wedge->b)) <= wedge->factor * length) return true;
+  }
+  return false;
+}
+
 Corners3 FacingFacets::corners(std::size_t slot) const {
   const auto& [a, b, c] = triangles_[facets_.number(slot)];
   return {point(a), point(b), point(c)};
@@ -252,7 +310,7 @@ bool FacingFacets::is_clear_gap(const Vec3& from, PatchId p, const Vec3& there, 
   if (!(height > 0 && height * height > steep * (length + off) * (length + off))) return false;
   const bool is_one_body = body_[p.value] != kOpen && body_[p.value] == body_[q.value];
   if (is_one_body && !(dot(way, up) * dot(way, normal(q, there)) < -off * d)) return false;
-  if (are_crossing(p, q)) return false;
+  if (are_crossing(p, q) || may_be_in_wedge(p, from, q, there, d + 2 * off, looks)) return false;
   return !is_over_surface(p, from, q, there, kDetour * (d + off) + 2 * off, looks) &&
          !is_any_nearer(q, from, squared, looks);
 }

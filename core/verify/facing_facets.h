@@ -33,6 +33,9 @@ namespace remesh::verification {
 ///    the body through one of them must not enter it through the other from the inside.
 ///  - The way is shorter than a third of each way over the surface through a vertex or an edge that the two patches
 ///    share, which is straight on both sides of it.
+///  - It does not lead across a wedge: from one side of an edge at which patches meet at less than 60 degrees to the
+///    other. All patches that hang together over edges that turn by less than Goals::feature_angle_deg are one side.
+///    The way over the edge must be longer than 2 / sin(angle / 2) times the straight one to count.
 /// This class is larger than the bound because all conditions for a gap read the same tables.
 /// Holds:   it shares no code with the search that determines sizes, and takes no data from it. The common tools are
 ///          the tree of boxes, the nearest point on a triangle, and the triangles of polygons.
@@ -73,6 +76,12 @@ class FacingFacets {
     }
   };
   using Facets = BoxTree<OfPatch>;
+  /// A sharp edge, the sides that meet there, and how many times as long as the straight way the one over it may be.
+  struct Wedge {
+    std::pair<std::uint32_t, std::uint32_t> sides;
+    VertexId a, b;
+    double factor = 0;
+  };
   /// A part of a patch's border: an edge, or a vertex, for which both ends are the same.
   struct Part {
     VertexId a, b;
@@ -85,6 +94,7 @@ class FacingFacets {
   void find_bodies(const BoundaryGraph& seams, RunControl& control);
   void find_contacts(RunControl& control);
   void find_borders(const BoundaryGraph& seams, RunControl& control);
+  void find_wedges(const BoundaryGraph& seams, double feature_angle_deg, RunControl& control);
 
   Vec3 local(const Vec3& place) const { return unit_ * (place - centre_); }
   Vec3 point(VertexId v) const { return local(model_.points[v.value]); }
@@ -105,6 +115,7 @@ class FacingFacets {
   bool is_clear_gap(const Vec3& from, PatchId p, const Vec3& there, PatchId q, std::size_t& looks) const;
   bool is_any_nearer(PatchId q, const Vec3& to, double squared, std::size_t& looks) const;
   bool may_be_narrow(const Vec3& from, PatchId p, const Vec3& there, PatchId q, std::size_t& looks) const;
+  bool may_be_in_wedge(PatchId p, const Vec3& from, PatchId q, const Vec3& to, double length, std::size_t& looks) const;
   bool is_over_surface(PatchId p, const Vec3& from, PatchId q, const Vec3& to, double most, std::size_t& looks) const;
 
   const Model& model_;
@@ -123,6 +134,8 @@ class FacingFacets {
   std::vector<Part> border_parts_;
   std::vector<std::uint32_t> border_tree_;  ///< the tree of each patch, or kNoTree
   std::vector<BoxTree<NoTag>> trees_;
+  std::vector<std::uint32_t> side_;  ///< of each patch
+  std::vector<Wedge> wedges_;        ///< by their sides
   std::span<const std::pair<PatchId, PatchId>> crossing_;
   bool is_crossing_known_ = true;
   std::vector<std::uint8_t> is_turned_;  ///< for each patch, its faces look against the normal of its curved surface

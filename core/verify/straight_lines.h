@@ -21,10 +21,10 @@ class StraightLines {
  public:
   StraightLines(const Model& model, const BoundaryGraph& seams, RunControl& control);
 
-  /// Calls visit(one end, the other end) for each line.
+  /// Calls visit(one end, the other end, the uses of its edges) for each line.
   template <class Visit>
   void for_each_line(const Visit& visit) const {
-    for (const Line& line : lines_) visit(line.low, line.high);
+    for (const Line& line : lines_) visit(line.low, line.high, line.uses);
   }
 
   /// Calls is_wanted(corner) for the corners in which a line of the patch through a and another line through b end,

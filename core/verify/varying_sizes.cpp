@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
+#include "core/base/stoppable.h"
 #include "core/geometry/distances.h"
 
 namespace remesh::verification {
@@ -20,12 +22,12 @@ VaryingSizes::Graded::Graded(std::vector<Segment> segments, const Model& model, 
   for (std::size_t v = 0; v < model.surface_vertex_count; ++v) box.add(model.points[v]);
   centre_ = 0.5 * box.min + 0.5 * box.max;
   const auto entries = BoxTree<Length>::make_entries(segments_.size(), control, [&](std::size_t i, auto& entry) {
-    const auto& [a, b] = segments_[i];
+    const auto& [a, b, size] = segments_[i];
     entry.box.add(a - centre_);
     entry.box.add(b - centre_);
-    entry.tag.value = norm(b - a);
+    entry.tag.value = size;
   });
-  const auto offset = [&](Length length) { return offset_of_size(length.value, slope_); };
+  const auto offset = [&](Length length) { return offset_of_size(std::max(0.0, length.value), slope_); };
   tree_ = BoxTree<Length>(entries, control, Offsets<decltype(offset)>{offset});
 }
 
@@ -38,9 +40,9 @@ bool VaryingSizes::Graded::is_too_long(double length, const Vec3& middle) const 
         return entry.tag.value + slope_ * std::sqrt(squared_distance(entry.box, p)) * (1 - kSingle);
       },
       [&](std::size_t slot) {
-        const auto& [a, b] = segments_[tree_.number(slot)];
+        const auto& [a, b, size] = segments_[tree_.number(slot)];
         const Vec3 nearest = nearest_on_segment(middle, a, b);
-        if (tree_[slot].tag.value + slope_ * norm(nearest - middle) < length) best = -1;
+        if (size + slope_ * norm(nearest - middle) < length) best = -HUGE_VAL;
       });
   return best != length;
 }
@@ -53,15 +55,30 @@ VaryingSizes::VaryingSizes(const Claim& claim, const Model& model, const Boundar
     return;
   }
   std::vector<Segment> lines, pieces;
-  StraightLines(model, output_seams, control).for_each_line([&](VertexId a, VertexId b) {
-    lines.push_back({model.output_point(a), model.output_point(b)});
-  });
+  const auto add = [&](std::vector<Segment>& to, VertexId low, VertexId high) {
+    const Vec3 a = model.output_point(low), b = model.output_point(high);
+    to.push_back({a, b, norm(b - a)});
+  };
+  // Where a curve was cut anew, the result does not tell which of its vertices were there before refinement, and so how
+  // long the pieces were. Nothing that such a curve may ask for is certain. Its possible pieces are its edges, and a
+  // piece that was cut further is no farther from these than they are long.
+  StopCheck check(control);
+  for (const Edge& edge : output_seams.edges()) {
+    check();
+    if (!model.is_any_curved(edge.uses)) continue;
+    add(pieces, edge.low, edge.high);
+    pieces.back().size *= -slope_;
+  }
+  StraightLines(model, output_seams, control)
+      .for_each_line([&](VertexId low, VertexId high, std::span<const Use> uses) {
+        if (!model.is_any_curved(uses)) add(lines, low, high);
+      });
   // These pieces run between vertices of the input. They may be too short, because a new vertex may happen to be
   // where a dropped one was.
   output_seams.for_each_chain(
       control, [&](VertexId v) { return output_seams.is_passage(v) && model.is_new(v); },
       [&](const Chain& chain, std::span<const VertexId>) {
-        pieces.push_back({model.output_point(chain.low), model.output_point(chain.high)});
+        if (!model.is_any_curved(output_seams.edges()[chain.edge].uses)) add(pieces, chain.low, chain.high);
       },
       [](const Edge&, VertexId, Stray) {});
   lines_ = Graded(std::move(lines), model, slope_, control);

@@ -24,7 +24,8 @@ namespace remesh::verification {
 /// slope times the distance from that place to the edge's own midpoint.
 ///
 /// With gradation alone, each straight line of the input's boundaries asks for its own length. An edge may be as long
-/// as that plus the slope times the distance from the line to the edge's midpoint.
+/// as that plus the slope times the distance from the line to the edge's midpoint. So does each piece of a curve that
+/// was cut anew, but its length is not certain.
 ///
 /// Both bounds are multiplied by Goals::kSizeSlack. The smallest size that refinement permits is not part of the
 /// bound: faces that cannot meet the bound because of it must be listed.
@@ -51,8 +52,9 @@ class VaryingSizes {
   };
   struct Segment {
     Vec3 a, b;
+    double size;  ///< what it asks for
   };
-  /// Straight segments, each of which asks for its own length.
+  /// Straight segments, each of which asks for a size.
   class Graded {
    public:
     Graded() = default;

@@ -8,7 +8,9 @@
 namespace remesh::api {
 namespace {
 
-Format output(std::string_view accept, Format input = Format::kObj) { return choose_output_format({}, accept, input); }
+Format output(std::string_view accept, Format input = Format::kObj) {
+  return choose_output_format({}, accept, input).format;
+}
 
 bool is_refused(std::string_view accept, Format input = Format::kObj) {
   try {
@@ -58,8 +60,26 @@ TEST(negotiation, a_file_of_another_kind_is_told_what_it_is_unless_a_format_is_n
 }
 
 TEST(negotiation, the_option_wins_over_accept) {
-  EXPECT_EQ(choose_output_format(Format::kObj, "application/json", Format::kJson), Format::kObj);
-  EXPECT_EQ(choose_output_format(Format::kVtu, "model/obj", Format::kObj), Format::kVtu);
+  EXPECT_EQ(choose_output_format(Format::kObj, "application/json", Format::kJson).format, Format::kObj);
+  EXPECT_EQ(choose_output_format(Format::kVtu, "model/obj", Format::kObj).format, Format::kVtu);
+}
+
+TEST(negotiation, a_format_is_asked_for_by_name_if_it_weighs_more_than_any_other) {
+  const auto is_by_name = [](std::string_view accept) {
+    return choose_output_format({}, accept, Format::kStl).is_by_name;
+  };
+  EXPECT_TRUE(choose_output_format(Format::kStl, "*/*", Format::kStl).is_by_name);
+  for (const std::string_view named : {"model/stl", "model/stl, */*;q=0.9", "model/stl;q=0.5, */*;q=0.1"})
+    EXPECT_TRUE(is_by_name(named)) << named;
+  for (const std::string_view open : {"", "*/*", "model/*", "model/stl, */*", "model/stl;q=0.5, */*"})
+    EXPECT_FALSE(is_by_name(open)) << open;
+}
+
+TEST(negotiation, only_a_format_that_was_not_asked_for_by_name_may_come_as_text) {
+  EXPECT_EQ(rounding_for({Format::kStl, false}), OutputRounding::kIfHeld);
+  EXPECT_EQ(rounding_for({Format::kStl, true}), OutputRounding::kRequired);
+  EXPECT_EQ(content_type(text_form(Format::kStl)), "model/stl; charset=utf-8");
+  EXPECT_EQ(content_type(Format::kStl), "model/stl");
 }
 
 TEST(negotiation, anything_counts_as_absent) {

@@ -15,6 +15,7 @@
 #include "api/job.h"
 #include "api/service.h"
 #include "core/io/obj.h"
+#include "core/io/stl.h"
 #include "core/output/output_form.h"
 #include "tests/support/cgal_space.h"
 #include "tests/support/errors.h"
@@ -43,9 +44,11 @@ Fields with(Fields options, const std::string& name, const std::string& value) {
   return options;
 }
 
-Result in_doubles(std::string_view mesh, const Fields& options) {
+/// The result in doubles that is meant for a format.
+Result in_doubles(std::string_view mesh, const Fields& options, Format format) {
   RunControl control;
-  return remesh_for_job(job_of(mesh, with(options, "format", "stl")), {}, Purpose::kKeeping, control).result;
+  const Fields with_format = with(options, "format", std::string(format_name(format)));
+  return remesh_for_job(job_of(mesh, with_format), {}, Purpose::kKeeping, control).result;
 }
 
 RemeshAnswer written(std::string_view mesh, const Fields& options, Format format) {
@@ -199,10 +202,12 @@ TEST(written_formats, whatever_is_written_is_read_back_as_promised_or_was_refuse
     const std::string mesh = random_obj(random);
     Fields options{{"refine", random.chance(0.6) ? "true" : "false"}, {"min_angle_deg", "20"}};
     if (random.chance(0.5)) options.emplace_back("local_origin", "true");
-    const Result exact = in_doubles(mesh, options);
-    ASSERT_LT(exact.mesh.faces.size(), 3000u);
+    const Result for_doubles = in_doubles(mesh, options, Format::kObj);
+    const Result for_floats = in_doubles(mesh, options, Format::kStl);
+    ASSERT_LT(for_doubles.mesh.faces.size(), 3000u);
     for (const Format format : kFormats) {
       SCOPED_TRACE(format_name(format));
+      const Result& exact = format == Format::kStl ? for_floats : for_doubles;
       try {
         const RemeshAnswer answer = written(mesh, options, format);
         expect_as_promised(exact, answer);
@@ -234,9 +239,13 @@ TEST(written_formats, a_kept_job_gives_each_format_as_it_would_have_been_at_once
     request.body = mesh;
     request.query = options;
     RunControl control;
-    const KeptRemesh kept = run_remesh_to_keep(request, {}, control);
+    Request as_stl = request;
+    as_stl.query = with(options, "format", "stl");
+    const KeptRemesh for_doubles = run_remesh_to_keep(request, {}, control);
+    const KeptRemesh for_floats = run_remesh_to_keep(as_stl, {}, control);
     for (const Format format : kFormats) {
       SCOPED_TRACE(format_name(format));
+      const KeptRemesh& kept = format == Format::kStl ? for_floats : for_doubles;
       Request at_once = request, later;
       at_once.query = with(options, "format", std::string(format_name(format)));
       later.query = {{"format", std::string(format_name(format))}};
@@ -253,8 +262,9 @@ TEST(written_formats, a_kept_job_gives_each_format_as_it_would_have_been_at_once
       };
       if (!direct) {
         EXPECT_EQ(test::error_of(write).what(), refusal);
-        // Nor does a job succeed that asks for it.
-        EXPECT_EQ(test::error_of([&] { run_remesh_to_keep(at_once, {}, control); }).what(), refusal);
+        // The job has its result all the same, for every other format.
+        later.query = {{"format", "obj"}};
+        EXPECT_EQ(write().status, 200);
         continue;
       }
       const Response fetched = write();
@@ -283,7 +293,7 @@ TEST_F(shared_meshes, a_house_at_map_coordinates_is_exact_in_doubles_and_refused
   if (!test::has_shared_mesh("reports/house-utm.obj.gz")) return;
   const std::string house = contents(folder_ / "reports" / "house-utm.obj.gz");
   for (const Fields& options : {Fields{{"refine", "false"}}, Fields{}}) {
-    const Result exact = in_doubles(house, options);
+    const Result exact = in_doubles(house, options, Format::kObj);
     for (const Format format : kFormats)
       if (format != Format::kStl) expect_as_promised(exact, written(house, options, format));
     const Error error = test::error_of([&] { written(house, options, Format::kStl); });
@@ -292,7 +302,7 @@ TEST_F(shared_meshes, a_house_at_map_coordinates_is_exact_in_doubles_and_refused
     EXPECT_THAT(error.what(), HasSubstr("obj, json, stl_ascii, ply, off, vtu, msh"));
     EXPECT_THAT(error.what(), HasSubstr("local_origin=true"));
     const RemeshAnswer local = written(house, with(options, "local_origin", "true"), Format::kStl);
-    expect_as_promised(exact, local);
+    expect_as_promised(in_doubles(house, with(options, "local_origin", "true"), Format::kStl), local);
     ASSERT_TRUE(local.report.output_origin);
     EXPECT_NEAR(*local.report.output.volume, *exact.report.output.volume, local.report.volume_bound);
     EXPECT_EQ(local.report.patches.size(), kPinnedPatches);
@@ -317,6 +327,64 @@ TEST(written_formats, a_face_that_is_gone_allows_no_larger_rounding) {
     const Error error = test::error_of([&] { written(box_on_a_map() + more, {{"refine", "false"}}, Format::kStl); });
     EXPECT_EQ(error.code, Code::kNotAcceptable) << more;
   }
+}
+
+/// A part in floats as binary STL. It is turned, and lies `offset` times its size from the origin.
+std::string stl_upload(const PolygonMesh& part, double angle, double offset) {
+  PolygonMesh placed = shapes::moved(shapes::rotated(part, {1, 2, 3}, angle), offset * Vec3{0.7, -0.6, 0.4});
+  RunControl control;
+  return write_stl(shapes::as_triangles(shapes::fan_triangulated(placed)), {}, control);
+}
+
+TEST(written_formats, an_upload_as_stl_comes_back_as_stl_or_as_text_however_far_from_the_origin_it_lies) {
+  int binary = 0, text = 0;
+  for (const double offset : {1.0, 1e4, 1e5, 1e6, 3e6})
+    for (const PolygonMesh& part : {shapes::l_bracket(1), shapes::cylinder(7, 0.5, 2), shapes::plate_with_round_hole(8),
+                                    shapes::box({1, 1e-3, 1})}) {
+      SCOPED_TRACE(offset);
+      Request request;
+      request.body = stl_upload(part, 40, offset);
+      RunControl control;
+      try {
+        const Response answer = run_remesh(request, {}, control);
+        EXPECT_EQ(answer.status, 200);
+        const bool is_text = answer.content_type == "model/stl; charset=utf-8";
+        EXPECT_EQ(answer.body.starts_with("solid"), is_text);
+        ++(is_text ? text : binary);
+        const Format format = is_text ? Format::kStlAscii : Format::kStl;
+        EXPECT_FALSE(Joined(test::read_plainly(format, answer.body).triangles).is_any_flat());
+      } catch (const Error& error) {
+        // Coordinates may have collapsed in the upload already.
+        EXPECT_TRUE(error.code == Code::kInvalidMesh || error.code == Code::kEmptyMesh) << error.what();
+      }
+    }
+  EXPECT_GT(binary, 8);
+  EXPECT_GT(text, 0);
+}
+
+TEST(written_formats, a_result_that_binary_stl_cannot_hold_is_text_refused_by_name_and_kept_by_a_job) {
+  // Doubles of a box at map coordinates, and an answer in floats. An upload in OBJ shows it best, since its own
+  // coordinates are no floats; one in STL does where new vertices are no floats.
+  const std::string box = box_on_a_map();
+  RunControl control;
+  Job open = job_of(box, {});
+  open.input_format = Format::kObj;
+  open.accept = "model/stl, */*;q=0.5";
+  EXPECT_EQ(test::error_of([&] { run_remesh_job(std::move(open), {}, control); }).code, Code::kNotAcceptable);
+  Request by_name;
+  by_name.body = box;
+  by_name.query = {{"format", "stl"}};
+  EXPECT_EQ(test::error_of([&] { run_remesh(by_name, {}, control); }).code, Code::kNotAcceptable);
+  const KeptRemesh kept = run_remesh_to_keep(by_name, {}, control);
+  const auto fetched = [&](const Fields& query) {
+    Request later;
+    later.query = query;
+    return write_kept(
+        kept.mesh, [&] { return kept.report; }, later, control);
+  };
+  EXPECT_EQ(test::error_of([&] { fetched({}); }).code, Code::kNotAcceptable);
+  for (const char* format : {"obj", "ply", "stl_ascii", "json"}) EXPECT_EQ(fetched({{"format", format}}).status, 200);
+  EXPECT_EQ(fetched({{"local_origin", "true"}}).content_type, "model/stl");
 }
 
 TEST(written_formats, the_header_of_binary_stl_has_a_whole_origin_or_none) {

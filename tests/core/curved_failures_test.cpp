@@ -54,5 +54,21 @@ TEST(curved_failures, planes_that_cannot_be_triangulated_beside_joined_facets_ta
   }
 }
 
+TEST(curved_failures, beside_sides_that_turn_too_far_and_are_not_cut_nothing_is_put_in) {
+  // Each triangle at such a side has edges that turn too far as well, however near to the side its third corner is.
+  for (const double elements : {48.0, 100.0, 300.0}) {
+    Options options;
+    options.refine = false;
+    options.keep_boundary_vertices = true;
+    options.elements_per_circle = elements;
+    RunControl control;
+    const PolygonMesh plate = shapes::plate_with_round_hole(24);
+    const Result result = remesh_surface(plate, options, {}, control);
+    EXPECT_TRUE(result.report.verified.all_true());
+    EXPECT_FALSE(is_any(result.report, PatchStatus::kReduced));
+    EXPECT_EQ(result.mesh.positions.size(), plate.positions.size());
+  }
+}
+
 }  // namespace
 }  // namespace remesh

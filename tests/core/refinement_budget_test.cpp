@@ -82,9 +82,16 @@ PolygonMesh slotted_block() {
   return shapes::prism({{0, 0}, {4, 0}, {4, 1.95}, {1, 1.95}, {1, 2.05}, {4, 2.05}, {4, 4}, {0, 4}}, 2);
 }
 
-TEST(refinement_budget, what_is_made_in_between_and_thinned_out_is_no_reason_to_leave_anything_undone) {
+/// Makes options for the block, without a floor that keeps the result in proportion.
+Options options_of_slot() {
   Options options = with_angle(33);
   options.proximity = 2;
+  options.min_edge_length = 0;
+  return options;
+}
+
+TEST(refinement_budget, what_is_made_in_between_and_thinned_out_is_no_reason_to_leave_anything_undone) {
+  Options options = options_of_slot();
   const Result all = refined(slotted_block(), options);
   for (const double share : {1.0, 1.7, 2.0, 2.6, 100.0}) {
     options.max_output_faces = static_cast<std::uint64_t>(share * static_cast<double>(all.mesh.faces.size()));
@@ -96,8 +103,7 @@ TEST(refinement_budget, what_is_made_in_between_and_thinned_out_is_no_reason_to_
 }
 
 TEST(refinement_budget, what_thinning_out_leaves_room_for_is_used) {
-  Options options = with_angle(33);
-  options.proximity = 2;
+  Options options = options_of_slot();
   const std::uint64_t all = refined(slotted_block(), options).mesh.faces.size();
   options.max_output_faces = all - all / 8;
   const Result result = refined(slotted_block(), options);
@@ -111,8 +117,7 @@ TEST(refinement_budget, what_thinning_out_leaves_room_for_is_used) {
 }
 
 TEST(refinement_budget, what_is_made_without_a_budget_ends_alike_for_any_number_of_threads) {
-  Options options = with_angle(33);
-  options.proximity = 2;
+  Options options = options_of_slot();
   options.max_output_faces = 12'000;
   const tbb::global_control four(tbb::global_control::max_allowed_parallelism, 4);
   RunControl control;

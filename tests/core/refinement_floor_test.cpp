@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -9,6 +10,7 @@
 
 #include "core/refinement/goals.h"
 #include "core/remesh.h"
+#include "tests/support/random.h"
 #include "tests/support/refined_checks.h"
 #include "tests/support/shapes.h"
 
@@ -170,33 +172,103 @@ TEST(refinement_floor, what_sizes_ask_for_is_made) {
   EXPECT_TRUE(result.report.unrefined.empty()) << listed_in_words(result.report);
 }
 
-TEST(keep_in_proportion, is_for_angles_alone) {
-  const auto looks = [](const Options& options) {
+TEST(keep_in_proportion, is_for_everything_but_given_sizes) {
+  // Numbers of faces for ten triangles.
+  const auto allowed = [](const Options& options) {
     Goals goals = goals_of(options, 1);
     keep_in_proportion(goals, options, 1, 10);
-    return goals.faces_without_floor != Goals::kNoLimit;
+    return goals.faces_without_floor;
   };
-  EXPECT_TRUE(looks({}));
-  EXPECT_TRUE(looks(with_angle(33)));
-  EXPECT_FALSE(looks(with_length(1)));
+  EXPECT_EQ(allowed({}), 1'200u);
+  EXPECT_EQ(allowed(with_angle(33)), 1'200u);
+  EXPECT_EQ(allowed(with_length(1)), Goals::kNoLimit);
   Options options;
   options.max_edge_fraction = 0.1;
-  EXPECT_FALSE(looks(options));
+  EXPECT_EQ(allowed(options), Goals::kNoLimit);
   options = {};
   options.max_area = 1;
-  EXPECT_FALSE(looks(options));
-  options = {};
-  options.proximity = 1;
-  EXPECT_FALSE(looks(options));
+  EXPECT_EQ(allowed(options), Goals::kNoLimit);
   options = {};
   options.gradation = 1.5;
-  EXPECT_FALSE(looks(options));
+  EXPECT_EQ(allowed(options), 1'200u);
+  options.elements_per_circle = 16;
+  EXPECT_EQ(allowed(options), 1'200u);
+  options = {};
+  options.proximity = 1;
+  EXPECT_EQ(allowed(options), 20'400u);
+  options.elements_per_circle = 16;
+  EXPECT_EQ(allowed(options), 5'400u);
   options = {};
   options.min_edge_length = 0;
-  EXPECT_FALSE(looks(options));
+  EXPECT_EQ(allowed(options), Goals::kNoLimit);
   options = {};
   options.refine = false;
-  EXPECT_FALSE(looks(options));
+  EXPECT_EQ(allowed(options), Goals::kNoLimit);
+}
+
+TEST(refinement_floor, a_plate_keeps_the_proximity_that_is_asked_for) {
+  Options options;
+  options.proximity = 0.25;
+  for (const bool has_circles : {false, true}) {
+    if (has_circles) options.elements_per_circle = 16;
+    const Result result = refined(shapes::box({100, 100, 1}), options);
+    EXPECT_EQ(result.report.min_edge_length, 0);
+    EXPECT_TRUE(result.report.unrefined.empty()) << listed_in_words(result.report);
+    // No edge is longer than four gaps and a tenth. So there are at least as many faces as equilateral triangles.
+    const double longest = 1.1 * 4;
+    EXPECT_GT(static_cast<double>(result.mesh.faces.size()), 2 * 100 * 100 / (std::sqrt(3.0) / 4 * longest * longest));
+  }
+}
+
+TEST(refinement_floor, holds_with_gaps_that_ask_for_far_more) {
+  // The gap is 0.01, so the two large faces would have over a million triangles.
+  const PolygonMesh plate = shapes::box({10, 10, 0.01});
+  Options options;
+  options.proximity = 0.5;
+  const Result result = refined(plate, options);
+  EXPECT_LE(result.mesh.faces.size(), 40 * 12 + 20'000u);
+  EXPECT_GT(result.report.min_edge_length, 0);
+  EXPECT_GT(2 * listed(result.report, UnrefinedReason::kSizeFloor), result.mesh.faces.size())
+      << listed_in_words(result.report);
+}
+
+TEST(refinement_floor, holds_beside_curved_surfaces_and_with_gradation) {
+  // A pin of 24 facets, and apart from it a sheet of 20 strips that are 40 long and 0.002 wide.
+  const PolygonMesh mesh =
+      shapes::joined(shapes::cylinder(24, 5, 10), shapes::moved(shapes::sheet(40, 0.04, 1, 20), {0, 20, 0}));
+  const auto bent = [&](PolygonMesh strips) {
+    // The strips must not lie in one plane.
+    for (Vec3& p : strips.positions)
+      if (p.y >= 20) p.z = 0.3 * (p.y - 20) * (p.y - 20);
+    return strips;
+  };
+  Options options;
+  options.elements_per_circle = 16;
+  const PolygonMesh part = bent(mesh);
+  const Result circles = refined(part, options);
+  EXPECT_LE(circles.mesh.faces.size(), in_proportion(part));
+  options.proximity = 0.25;
+  EXPECT_LE(refined(part, options).mesh.faces.size(), 40 * part.face_count() + 5'000);
+  options = {};
+  options.gradation = 1.2;
+  EXPECT_LE(refined(part, options).mesh.faces.size(), in_proportion(part));
+}
+
+TEST(refinement_floor, triangles_that_cross_everywhere_stay_in_proportion) {
+  Random random(3);
+  std::vector<Vec3> positions;
+  std::vector<std::vector<std::uint32_t>> faces;
+  for (std::uint32_t i = 0; i < 150; ++i) {
+    const double x = random.unit(), y = random.unit();
+    positions.push_back({x, y, random.unit()});
+    if (i % 3 == 2) faces.push_back({i - 2, i - 1, i});
+  }
+  Options options;
+  options.proximity = 0.25;
+  options.elements_per_circle = 16;
+  const Result result = refined(shapes::from_lists(positions, faces), options);
+  EXPECT_TRUE(result.report.verified.all_true());
+  EXPECT_LE(result.mesh.faces.size(), 40 * 50 + 5'000u);
 }
 
 }  // namespace

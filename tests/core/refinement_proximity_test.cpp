@@ -141,10 +141,11 @@ TEST(refinement_proximity, a_plate_of_so_many_thicknesses_is_cut_into_so_many_pi
 }
 
 TEST(refinement_proximity, where_gaps_close_the_shortest_edge_goes_before_them) {
-  // At the bottom of a notch of 30 degrees gaps are as small as one likes.
-  const double half = 0.5, wide = std::tan(15 * std::numbers::pi / 180);
+  // Two blocks lie beside each other, with a gap below the shortest edge, which opens to a notch of 30 degrees.
+  const double half = 0.5, gap = 0.002, wide = gap + std::tan(15 * std::numbers::pi / 180);
   const PolygonMesh mesh =
-      shapes::prism({{-1, -1}, {1, -1}, {1, half}, {wide, half}, {0, -half}, {-wide, half}, {-1, half}}, 0.3);
+      shapes::joined(shapes::prism({{-1, -1}, {-gap, -1}, {-gap, -half}, {-wide, half}, {-1, half}}, 0.3),
+                     shapes::prism({{1, -1}, {1, half}, {wide, half}, {gap, -half}, {gap, -1}}, 0.3));
   for (const double shortest : {0.01, 0.02, 0.05, 0.1}) {
     Options options = with_length(0.3);
     options.proximity = 1;

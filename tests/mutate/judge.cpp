@@ -39,7 +39,8 @@ bool is_mending(DiagnosticCode code) {
     case DiagnosticCode::kRoundingCapped:
     case DiagnosticCode::kManyFaces:
     case DiagnosticCode::kRemovedDetail:
-    case DiagnosticCode::kSmallDetail: return false;
+    case DiagnosticCode::kSmallDetail:
+    case DiagnosticCode::kOutputAsText: return false;
     default: return true;
   }
 }

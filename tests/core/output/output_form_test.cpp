@@ -82,6 +82,38 @@ TEST(output_form, a_part_at_map_coordinates_is_refused_with_reason_step_and_form
   EXPECT_THAT(error.what(), HasSubstr("local_origin=true"));
 }
 
+TEST(output_form, what_floats_cannot_hold_stays_in_doubles_if_that_is_allowed) {
+  RunControl control;
+  const Result kept = remesh_surface(at_map_coordinates(2), unrefined(),
+                                     {.storage = Storage::kFloat, .rounding = OutputRounding::kIfHeld}, control);
+  const Result exact = in_doubles(at_map_coordinates(2));
+  EXPECT_TRUE(kept.is_not_held);
+  EXPECT_EQ(kept.mesh.positions, exact.mesh.positions);
+  EXPECT_EQ(kept.report.output_rounding, 0);
+  const auto told = std::find_if(kept.report.diagnostics.begin(), kept.report.diagnostics.end(),
+                                 [](const Diagnostic& d) { return d.code == DiagnosticCode::kOutputAsText; });
+  ASSERT_NE(told, kept.report.diagnostics.end());
+  EXPECT_THAT(told->message, HasSubstr("0.5 apart"));
+  EXPECT_THAT(told->message, HasSubstr("local_origin=true"));
+}
+
+TEST(output_form, refinement_makes_no_edge_that_floats_cannot_tell_apart) {
+  // A wedge of a thousandth, at 2^17: floats are 1/64 apart there. Angles of 25 degrees ask for edges far below that at
+  // its tip.
+  const PolygonMesh wedge = shapes::moved(
+      shapes::from_lists({{0, 0, 0}, {64, 0, 0}, {64, 0.0625, 0}, {64, 32, 0}, {0, 32, 0}}, {{0, 1, 2}, {0, 2, 3, 4}}),
+      {131072, 131072, 0});
+  const Result result = in_floats(wedge, Options{});
+  double shortest = 64;
+  for (const Triangle& t : result.mesh.faces)
+    for (int i = 0; i < 3; ++i)
+      shortest = std::min(shortest, norm(result.mesh.positions[t[i]] - result.mesh.positions[t[(i + 1) % 3]]));
+  // The input has an edge of 4 steps.
+  EXPECT_GE(shortest, 4.0 / 64);
+  EXPECT_TRUE(result.report.verified.all_true());
+  EXPECT_EQ(result.report.min_edge_length, 8.0 / 64);
+}
+
 TEST(output_form, it_is_written_about_a_named_origin_if_that_is_asked_for) {
   Options local = unrefined();
   local.local_origin = true;

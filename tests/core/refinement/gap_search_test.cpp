@@ -55,6 +55,7 @@ class BruteForce {
       }
     }
     find_solids();
+    find_sides();
   }
 
   double at(const Vec3& place, PatchId p) const {
@@ -66,7 +67,7 @@ class BruteForce {
         const Vec3 nearest = nearest_on(place, t);
         const double d = norm(nearest - place);
         if (is_steep(nearest - place, p) && !is_blocked(nearest - place, p, PatchId(q)) && d > kTolerance &&
-            d < least && 3 * d < way(place, p, nearest, PatchId(q)))
+            d < least && 3 * d < way(place, p, nearest, PatchId(q)) && !is_across_wedge(place, p, nearest, PatchId(q)))
           least = d;
       }
     }
@@ -139,6 +140,52 @@ class BruteForce {
     return (side(p) > 0 && side(q) > 0) || (side(p) < 0 && side(q) < 0);
   }
 
+  /// Returns the direction that leads from an edge into a face of a patch.
+  Vec3 inwards(PatchId p, VertexId from, VertexId to) const {
+    return normalized(cross(scene_.chain.patches.planes[p].normal, position(to) - position(from)));
+  }
+  /// Gives the patches that turn by less than 30 degrees over an edge the same side.
+  void find_sides() {
+    const StageChain& chain = scene_.chain;
+    for (std::uint32_t f = 0; f < chain.surface.face_count(); ++f) {
+      const auto loop = chain.surface.face(FaceId(f));
+      for (std::size_t i = 0; i < loop.size(); ++i) {
+        const VertexId v = loop[i], w = loop[(i + 1) % loop.size()];
+        const PatchId p = chain.patches.of_face[FaceId(f)];
+        into_[std::minmax(v, w)].push_back({p, inwards(p, v, w)});
+      }
+    }
+    side_.resize(scene_.gaps.patch_count());
+    for (std::size_t p = 0; p < side_.size(); ++p) side_[p] = p;
+    for (bool is_new = true; is_new;) {
+      is_new = false;
+      for (const auto& [edge, around] : into_)
+        for (const auto& [p, out] : around)
+          for (const auto& [q, there] : around)
+            if (p != q && dot(out, there) < -std::cos(std::numbers::pi / 6) && side_[p.value] < side_[q.value]) {
+              side_[q.value] = side_[p.value];
+              is_new = true;
+            }
+    }
+  }
+  /// Returns whether the way leads from one side of an edge with an angle below 60 degrees to the other, and is not
+  /// much shorter than the way over the edge.
+  bool is_across_wedge(const Vec3& from, PatchId p, const Vec3& to, PatchId q) const {
+    for (const auto& [edge, around] : into_)
+      for (const auto& [a, out] : around)
+        for (const auto& [b, there] : around) {
+          const double angle = std::acos(std::clamp(dot(out, there), -1.0, 1.0));
+          const bool is_between = side_[a.value] == side_[p.value] && side_[b.value] == side_[q.value];
+          if (a == b || !is_between || angle > std::numbers::pi / 3) continue;
+          const auto over = [&, v = edge.first, w = edge.second](double s) {
+            const Vec3 c = position(v) + s * (position(w) - position(v));
+            return norm(c - from) + norm(c - to);
+          };
+          if (over(argmin(over)) < 2 / std::sin(angle / 2) * norm(to - from)) return true;
+        }
+    return false;
+  }
+
   /// By halving: the distance is convex along every line.
   template <class Function>
   static double argmin(const Function& function) {
@@ -187,6 +234,8 @@ class BruteForce {
   const Scene& scene_;
   std::vector<std::set<VertexId>> vertices_;
   std::vector<std::set<std::pair<VertexId, VertexId>>> edges_;
+  std::map<std::pair<VertexId, VertexId>, std::vector<std::pair<PatchId, Vec3>>> into_;  ///< by edge
+  std::vector<std::size_t> side_;                                                        ///< one per patch
   std::vector<int> solid_;  ///< one per patch; -1 if the patch belongs to no solid
 };
 
@@ -296,22 +345,81 @@ TEST(gap_search, the_treads_of_a_step_are_no_gap_and_a_thin_wall_is) {
   EXPECT_EQ(Scene(shapes::prism({{0, 0}, {2, 0}, {2, 0.125}, {0, 0.125}}, 1)).smallest(), 0.125);
 }
 
-TEST(gap_search, faces_that_meet_see_each_other_below_37_degrees_and_above_39_never) {
-  for (const double degrees : {5.0, 30.0, 36.0}) {
-    const PolygonMesh mesh = wedge(degrees, 3);
-    const Scene scene(mesh);
-    const std::size_t side = face_through(mesh, {{0, 0, 0}, {1, 0, 0}, {0, 0, 3}});
-    const double sine = std::sin(degrees * std::numbers::pi / 180);
-    for (const double r : {0.9, 0.5, 0.001}) EXPECT_NEAR(scene.at(side, {r, 0, 1.5}), r * sine, 1e-12) << degrees;
-    EXPECT_NEAR(*scene.smallest(), sine, 1e-12) << degrees;  // at the ends
-  }
-  for (const double degrees : {39.0, 45.0, 60.0, 90.0}) {
+TEST(gap_search, faces_that_meet_at_an_edge_are_no_gap_at_any_angle) {
+  for (const double degrees : {0.005, 5.0, 30.0, 36.0, 39.0, 45.0, 60.0, 90.0}) {
     const PolygonMesh mesh = wedge(degrees, 3);
     const Scene scene(mesh);
     const std::size_t side = face_through(mesh, {{0, 0, 0}, {1, 0, 0}, {0, 0, 3}});
     for (const double r : {0.9, 0.5, 0.001}) EXPECT_EQ(scene.at(side, {r, 0, 1.5}), kFar) << degrees;
-    EXPECT_NEAR(*scene.smallest(), 3, 1e-12) << degrees;  // from cap to cap
+    for (const double z : {0.001, 2.999}) EXPECT_EQ(scene.at(side, {0.5, 0, z}), kFar) << degrees;
   }
+  for (const double degrees : {5.0, 30.0, 45.0, 90.0})
+    EXPECT_NEAR(*Scene(wedge(degrees, 3)).smallest(), 3, 1e-12) << degrees;  // from cap to cap
+}
+
+/// Makes a prism over a tip at the origin, whose two sides are at heights y = +-height(x) over x = 0 .. 1, each in
+/// `strips` strips. Its length is 2, along z.
+template <class Height>
+PolygonMesh tip_with_sides(int strips, const Height& height) {
+  std::vector<Vec2> outline;
+  for (int i = 0; i <= strips; ++i) outline.push_back({1.0 * i / strips, -height(1.0 * i / strips)});
+  for (int i = strips; i >= 0; --i)
+    if (const Vec2 p{1.0 * i / strips, height(1.0 * i / strips)}; i > 0 || p.y > 0) outline.push_back(p);
+  return shapes::prism(outline, 2);
+}
+
+TEST(gap_search, the_sides_of_a_wedge_are_no_gap_however_they_are_divided) {
+  // The sides of 20 degrees bend by up to 5 degrees from strip to strip, outwards, inwards, or not at all.
+  for (const double bend : {0.0, 0.06, -0.06}) {
+    const PolygonMesh mesh = tip_with_sides(6, [&](double x) { return 0.18 * x + bend * x * x; });
+    const Scene scene(mesh);
+    for (std::size_t f = 0; f < mesh.face_count(); ++f) {
+      const auto loop = mesh.face(FaceId(f));
+      if (loop.size() != 4) continue;
+      Vec3 middle;
+      for (const VertexId v : loop) middle += 0.25 * mesh.positions[v];
+      if (middle.x > 0.999) continue;  // the end opposite the tip
+      EXPECT_EQ(scene.at(f, middle), kFar) << bend << " " << middle.x;
+    }
+  }
+}
+
+TEST(gap_search, the_sides_of_a_blade_with_a_blunt_edge_are_a_gap) {
+  // The edge is 0.01 wide. Above x = 0.1 the sides are 0.01 + 0.02 and more apart.
+  const PolygonMesh mesh = tip_with_sides(1, [](double x) { return 0.005 + 0.1 * x; });
+  const Scene scene(mesh);
+  const double cosine = 1 / std::hypot(1, 0.1);
+  const std::size_t side = face_through(mesh, {{0, -0.005, 0}, {1, -0.105, 0}, {1, -0.105, 2}});
+  for (const double x : {0.1, 0.5}) {
+    // The way at right angles to the other side.
+    const double gap = 2 * (0.005 + 0.1 * x) * cosine;
+    EXPECT_NEAR(scene.at(side, {x, -0.005 - 0.1 * x, 1}), gap, 1e-9) << x;
+  }
+}
+
+TEST(gap_search, a_thin_plate_that_ends_in_a_bevel_is_a_gap_away_from_the_bevel) {
+  // A chisel: 10 long and 0.1 thick, the last 0.25 ground to 22 degrees, so that the bevel turns by less than 30.
+  const PolygonMesh mesh = shapes::prism({{0, 0}, {10, 0}, {10, 0.1}, {0.25, 0.1}}, 2);
+  const Scene scene(mesh);
+  const std::size_t bottom = face_through(mesh, {{0, 0, 0}, {10, 0, 0}, {10, 0, 2}});
+  EXPECT_EQ(scene.at(bottom, {0.2, 0, 1}), kFar);
+  for (const double x : {2.0, 5.0, 9.0}) EXPECT_NEAR(scene.at(bottom, {x, 0, 1}), 0.1, 1e-12) << x;
+}
+
+TEST(gap_search, patches_that_cross_are_no_gap_for_each_other) {
+  // Two sheets that cross at 30 degrees along x = 0. Without the pair, places beside the line would see each other.
+  const PolygonMesh mesh =
+      shapes::joined(shapes::moved(shapes::sheet(4, 4, 1, 1), {-2, 0, 0}),
+                     shapes::rotated(shapes::moved(shapes::sheet(4, 4, 1, 1), {-2, 0, 0}), {0, 1, 0}, 30));
+  const StageChain chain(mesh, kTolerance);
+  const std::vector<std::pair<PatchId, PatchId>> crossing{{PatchId(0), PatchId(1)}};
+  RunControl control;
+  const GapSearch unknowing(chain.surface, chain.adjacency, chain.patches, kTolerance, control);
+  const GapSearch knowing(chain.surface, chain.adjacency, chain.patches, kTolerance, control, nullptr,
+                          GapSearch::Rules{0, 30, crossing});
+  const Vec3 place{1, 2, 0};
+  EXPECT_NEAR(unknowing.at(place, PatchId(0), kFar), 0.5, 1e-12);
+  EXPECT_EQ(knowing.at(place, PatchId(0), kFar), kFar);
 }
 
 TEST(gap_search, a_slot_beside_a_shared_edge_is_seen_though_the_two_faces_are_joined) {

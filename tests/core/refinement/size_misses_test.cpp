@@ -47,7 +47,7 @@ class MissScene {
     refinement.reason.assign(chain_.triangulated.triangle_count(), UnrefinedReason::kInputAngle);
     const IdVector<PatchId, std::uint8_t> is_frozen(chain_.meshes.size(), 0);
     tbb::task_arena(threads).execute([&] {
-      note_size_misses(chain_.surface, chain_.meshes, is_frozen, {goals_, kPlaneTolerance, sizes_, &gaps_, nullptr, {}},
+      note_size_misses(chain_.surface, chain_.meshes, is_frozen, {goals_, kPlaneTolerance, sizes_, &gaps_, nullptr},
                        refinement, chain_.control);
     });
     refinement.misses_sizes.resize(refinement.reason.size());
