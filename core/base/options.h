@@ -134,7 +134,7 @@ enum class Storage {
   kFloat,   ///< floats of 32 bits
 };
 
-/// What becomes of the coordinates of a result that is meant for a storage.
+/// Says what becomes of the coordinates of a result that is meant for a storage.
 enum class OutputRounding : std::uint8_t {
   kRequired,  ///< they are rounded; a result that the storage cannot hold is refused
   kIfHeld,    ///< as kRequired, but a result that the storage cannot hold keeps its doubles, and a diagnostic says so

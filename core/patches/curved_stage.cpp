@@ -250,7 +250,8 @@ std::vector<PatchId> CurvedStage::at_fault(const std::vector<FailedPatch>& faile
 /// what is beside the patch, and there would be more of them.
 bool CurvedStage::is_as_fine_as_facets(PatchId p) const {
   const CurvedPatch& patch = *curved_.of(p);
-  return patch.limits.max_turn <= curved_.surfaces.surfaces[patch.surface].input_turn_deg * std::numbers::pi / 180;
+  const double facets = curved_.surfaces.surfaces[patch.surface].facets_per_turn;
+  return facets > 0 && patch.limits.max_turn * facets <= 2 * std::numbers::pi;
 }
 
 void CurvedStage::step_up(const std::vector<PatchId>& at_fault, const PatchSet& patches) {

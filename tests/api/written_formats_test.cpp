@@ -337,13 +337,15 @@ std::string stl_upload(const PolygonMesh& part, double angle, double offset) {
 }
 
 TEST(written_formats, an_upload_as_stl_comes_back_as_stl_or_as_text_however_far_from_the_origin_it_lies) {
+  const std::vector<PolygonMesh> parts{shapes::l_bracket(1), shapes::cylinder(7, 0.5, 2),
+                                       shapes::plate_with_round_hole(8), shapes::box({1, 1e-3, 1})};
   int binary = 0, text = 0;
   for (const double offset : {1.0, 1e4, 1e5, 1e6, 3e6})
-    for (const PolygonMesh& part : {shapes::l_bracket(1), shapes::cylinder(7, 0.5, 2), shapes::plate_with_round_hole(8),
-                                    shapes::box({1, 1e-3, 1})}) {
+    for (const PolygonMesh& part : parts) {
       SCOPED_TRACE(offset);
+      const std::string upload = stl_upload(part, 40, offset);
       Request request;
-      request.body = stl_upload(part, 40, offset);
+      request.body = upload;
       RunControl control;
       try {
         const Response answer = run_remesh(request, {}, control);
