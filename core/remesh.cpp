@@ -522,8 +522,8 @@ class Run : private RunState {
   MendingLimits limits_;
   std::optional<Ladder> ladder_;  ///< belongs to the prepared surface
   Regions regions_;
-  FaceMarks has_failed_;          ///< the faces of patches that have failed the check
-  FaceMarks stays_frozen_;        ///< the faces of patches that stay frozen after a step of the ladder
+  FaceMarks has_failed_;    ///< the faces of patches that have failed the check
+  FaceMarks stays_frozen_;  ///< the faces of patches that stay frozen after a step of the ladder
 };
 
 /// An arena with this many threads. The calling thread stores it for later runs. TBB (2021.8) never frees some KB of
