@@ -125,15 +125,14 @@ enum class Storage {
   kFloat,   ///< floats of 32 bits
 };
 
-/// What becomes of the coordinates of a result that is meant for a storage.
+/// Says what becomes of the coordinates of a result that is meant for a storage.
 enum class OutputRounding : std::uint8_t {
   kRequired,  ///< they are rounded; a result that the storage cannot hold is refused
   kIfHeld,    ///< as kRequired, but a result that the storage cannot hold keeps its doubles, and a diagnostic says so
   kLater,     ///< they stay doubles for now
 };
 
-/// The settings with which a run is carried out. Only `storage` and
-/// `rounding` change bytes of the result.
+/// The settings with which a run is carried out. Only `storage` and `rounding` change bytes of the result.
 struct RunSettings {
   int workers = 1;  ///< number of threads that compute, at least 1
   /// Fill Result::face_source and input_face_patch. This costs a point location per face.

@@ -19,7 +19,7 @@ inline constexpr double kAllowedRounding = 1e-6;
 /// Cost:    O(n log n).
 void measure_output(Result& result, RunControl& control);
 
-/// What round_output has done.
+/// Says what round_output has done.
 enum class Rounded : std::uint8_t {
   kUnchanged,  ///< the storage holds every point as it is
   kMoved,      ///< points have moved, or are relative to an origin

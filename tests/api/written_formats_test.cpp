@@ -332,18 +332,22 @@ TEST(written_formats, a_face_that_is_gone_allows_no_larger_rounding) {
 /// A part in floats as binary STL. It is turned, and lies `offset` times its size from the origin.
 std::string stl_upload(const PolygonMesh& part, double angle, double offset) {
   PolygonMesh placed = shapes::moved(shapes::rotated(part, {1, 2, 3}, angle), offset * Vec3{0.7, -0.6, 0.4});
+  for (Vec3& p : placed.positions)
+    for (int axis = 0; axis < 3; ++axis) p[axis] = static_cast<float>(p[axis]);
   RunControl control;
   return write_stl(shapes::as_triangles(shapes::fan_triangulated(placed)), {}, control);
 }
 
 TEST(written_formats, an_upload_as_stl_comes_back_as_stl_or_as_text_however_far_from_the_origin_it_lies) {
+  const std::vector<PolygonMesh> parts{shapes::l_bracket(1), shapes::cylinder(7, 0.5, 2),
+                                       shapes::plate_with_round_hole(8), shapes::box({1, 1e-3, 1})};
   int binary = 0, text = 0;
   for (const double offset : {1.0, 1e4, 1e5, 1e6, 3e6})
-    for (const PolygonMesh& part : {shapes::l_bracket(1), shapes::cylinder(7, 0.5, 2), shapes::plate_with_round_hole(8),
-                                    shapes::box({1, 1e-3, 1})}) {
+    for (const PolygonMesh& part : parts) {
       SCOPED_TRACE(offset);
+      const std::string upload = stl_upload(part, 40, offset);
       Request request;
-      request.body = stl_upload(part, 40, offset);
+      request.body = upload;
       RunControl control;
       try {
         const Response answer = run_remesh(request, {}, control);
