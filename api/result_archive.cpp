@@ -195,8 +195,8 @@ void unpack(Unpacker& in, Summary& summary) {
 /// The numbers of the goals in a fixed order, used by both packing and unpacking.
 template <class TheGoals>
 auto reals_of(TheGoals& goals) {
-  return std::array{&goals.min_angle_deg,   &goals.max_edge_length, &goals.max_area,
-                    &goals.min_edge_length, &goals.proximity,       &goals.gradation};
+  return std::array{&goals.min_angle_deg, &goals.max_edge_length,  &goals.max_area,  &goals.min_edge_length,
+                    &goals.proximity,     &goals.floor_of_storage, &goals.gradation, &goals.feature_angle_deg};
 }
 
 template <class Labels>
@@ -212,7 +212,6 @@ void pack(const OutputBasis& basis, Packer& out) {
   for (const double* value : reals_of(basis.goals)) out.real(*value);
   out.number(basis.goals.max_faces);
   out.number(basis.goals.faces_without_floor);
-  out.number(basis.goals.is_floor_of_storage);
   out.number(basis.goals.split_boundaries);
   out.ids(basis.unrefined.faces);
   for (const UnrefinedReason reason : basis.unrefined.reasons) out.number(static_cast<std::uint64_t>(reason));
@@ -232,7 +231,6 @@ void unpack(Unpacker& in, OutputBasis& basis) {
   for (double* value : reals_of(basis.goals)) *value = in.real();
   basis.goals.max_faces = in.number();
   basis.goals.faces_without_floor = in.number();
-  basis.goals.is_floor_of_storage = in.flag();
   basis.goals.split_boundaries = in.flag();
   in.ids(basis.unrefined.faces);
   for (std::size_t i = 0; i < basis.unrefined.faces.size(); ++i) basis.unrefined.reasons.push_back(in.reason());

@@ -65,7 +65,9 @@ struct Remedy {
 class Explanation {
  public:
   explicit Explanation(const FacesToExplain& result)
-      : result_(result), first_goals_(result.goals), lowest_floor_(floor_of_details(result.options, result.goals)) {
+      : result_(result),
+        first_goals_(result.goals),
+        lowest_floor_(std::max(floor_of_details(result.options, result.goals), result.goals.floor_of_storage)) {
     faces_of_patch_.reserve(result.patches.count());
     for (std::size_t p = 0; p < result.patches.count(); ++p) {
       faces_of_patch_.push_back(result.faces.of_patch(PatchId(p)));

@@ -267,7 +267,7 @@ void CurvedStage::step_up(const std::vector<PatchId>& at_fault, const PatchSet& 
     changed.push_back(curved_.of(p)->surface);
     const auto faces = patches.faces_of(p);
     const bool is_tightened =
-        steps_ > kPatientSteps || is_as_fine_as_facets(p) ||
+        steps_ > kPatientSteps || (!is_outside_ && is_as_fine_as_facets(p)) ||
         std::any_of(faces.begin(), faces.end(), [&](FaceId f) { return rungs_[f] != CurvedRung::kJoined; });
     CurvedRung next = is_tightened ? CurvedRung::kFacet : CurvedRung::kTightened;
     // If finer limits did not help, the surface and those beside it stay where they are, and all begins anew there.

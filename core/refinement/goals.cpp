@@ -63,7 +63,7 @@ void keep_apart_in_storage(Goals& goals, const Options& options, double step) {
   if (options.min_edge_length || !options.refine || !(floor > goals.min_edge_length)) return;
   if (!(2 * floor <= goals.max_edge_length)) return;
   goals.min_edge_length = floor;
-  goals.is_floor_of_storage = true;
+  goals.floor_of_storage = floor;
   goals.lowest_floor = std::max(goals.lowest_floor, floor);
 }
 

@@ -26,8 +26,8 @@ struct Goals {
   /// If there would be more faces than this, refinement looks for a value of min_edge_length with which there are no
   /// more. The largest number: it does not look for one.
   std::uint64_t faces_without_floor = kNoLimit;
-  double lowest_floor = 0;           ///< the first value that is tried
-  bool is_floor_of_storage = false;  ///< min_edge_length is what the result's storage can tell apart
+  double lowest_floor = 0;      ///< the first value that is tried
+  double floor_of_storage = 0;  ///< min_edge_length is at least this, so that the result's storage tells points apart
   bool split_boundaries = true;
 
   /// Sizes that gaps and short edges ask for are known at some places and interpolated between them. An edge that is

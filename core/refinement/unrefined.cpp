@@ -69,7 +69,7 @@ std::vector<Unrefined> summarise_unrefined(const UnrefinedFaces& unrefined, std:
   StopCheck check(control);
   std::array<Unrefined, kUnrefinedReasonCount> by_reason;
   // A floor that was found was not asked for.
-  const bool is_found = goals.faces_without_floor != Goals::kNoLimit || goals.is_floor_of_storage;
+  const bool is_found = goals.faces_without_floor != Goals::kNoLimit || goals.floor_of_storage > 0;
   const auto told = [&](UnrefinedReason reason) {
     return reason == UnrefinedReason::kMinEdgeLength && is_found ? UnrefinedReason::kSizeFloor : reason;
   };

@@ -332,6 +332,8 @@ TEST(written_formats, a_face_that_is_gone_allows_no_larger_rounding) {
 /// A part in floats as binary STL. It is turned, and lies `offset` times its size from the origin.
 std::string stl_upload(const PolygonMesh& part, double angle, double offset) {
   PolygonMesh placed = shapes::moved(shapes::rotated(part, {1, 2, 3}, angle), offset * Vec3{0.7, -0.6, 0.4});
+  for (Vec3& p : placed.positions)
+    for (int axis = 0; axis < 3; ++axis) p[axis] = static_cast<float>(p[axis]);
   RunControl control;
   return write_stl(shapes::as_triangles(shapes::fan_triangulated(placed)), {}, control);
 }
