@@ -44,6 +44,14 @@ constexpr double kCertainlyFiner = 2;
 /// faces.
 constexpr double kWorthAnAttempt = 0.01;
 
+/// Returns whether a surface has as many facets per turn as edges are asked for. If it has fewer, it is to be made finer.
+bool are_facets_as_fine(const RecognisedSurface& surface, const Options& options) {
+  // Facets of one circle differ a little in their turns.
+  constexpr double kAsFine = 1.02;
+  const std::optional<double> elements = elements_per_circle_of(surface, options);
+  return !elements || *elements <= kAsFine * surface.facets_per_turn;
+}
+
 /// Returns a radius that is at least as large as that of the circles along which a surface turns most.
 double largest_curvature_radius(const RecognisedSurface& surface) {
   switch (surface.shape.kind) {
@@ -123,6 +131,7 @@ std::vector<SurfaceId> CoarserFacets::find_hopeless(const CurvedPatches& joined,
     const CurvedPatch* patch = joined.of(p);
     if (patch == nullptr) continue;
     const RecognisedSurface& surface = joined.surfaces.surfaces[patch->surface];
+    if (!are_facets_as_fine(surface, options)) continue;
     const double radius = largest_curvature_radius(surface);
     const double of_depth = 2 * std::acos(std::max(-1.0, 1 - patch->limits.max_height / radius));
     const double edge = radius * std::min(of_depth, patch->limits.max_turn);
@@ -156,6 +165,7 @@ std::vector<PatchId> CoarserFacets::find_coarser(const CurvedPatches& curved,
   for (PatchId p(0); p.value < costs_.size(); ++p.value) {
     const CurvedPatch* patch = curved.of(p);
     if (patch == nullptr || allowed_[patch->surface]) continue;
+    if (!are_facets_as_fine(curved.surfaces.surfaces[patch->surface], options)) continue;
     const Total& total = totals[patch->surface];
     if (total.facets <= total.joined) found.push_back(p);
   }
@@ -163,7 +173,8 @@ std::vector<PatchId> CoarserFacets::find_coarser(const CurvedPatches& curved,
   if (options.refine && !is_first) {
     double saved = 0;
     for (SurfaceId s(0); s.value < totals.size(); ++s.value)
-      if (!allowed_[s]) saved += std::max(0.0, totals[s].joined - totals[s].facets);
+      if (!allowed_[s] && are_facets_as_fine(curved.surfaces.surfaces[s], options))
+        saved += std::max(0.0, totals[s].joined - totals[s].facets);
     const double all = std::accumulate(triangles.begin(), triangles.end(), 0.0,
                                        [](double sum, std::uint64_t n) { return sum + static_cast<double>(n); });
     if (saved < kWorthAnAttempt * all) return {};

@@ -104,27 +104,19 @@ class CirclePrediction {
     // Where boundaries are cut finely whatever the number is, more elements hardly change the faces.
     double most = 0;
     for (const int elements : kElements) {
-      most = std::max(most, faces_with(elements));
-      result[elements] = static_cast<std::uint64_t>(std::min(std::ceil(most), most_faces(elements)));
+      most = std::max(most, std::min(std::ceil(faces_with(elements)), most_faces(elements)));
+      result[elements] = static_cast<std::uint64_t>(most);
     }
-    // Where more elements would give fewer faces, coarser facets stay.
-    if (may_coarser_facets_stay(options_) && !result.empty())
-      for (auto at = std::prev(result.end()); at != result.begin();) {
-        const std::uint64_t of_more = at->second;
-        --at;
-        at->second = std::min(at->second, of_more);
-      }
     return result;
   }
 
  private:
-  /// Returns how many faces there are at most: facets that are coarser stay. All of them certainly are if none of the
-  /// surfaces has as many per turn as is asked for.
+  /// Returns how many faces there are at most: facets that are as fine as is asked for stay if they lead to fewer.
   double most_faces(int elements) const {
     constexpr double kMany = 0x1p62;
     if (!may_coarser_facets_stay(options_) || present_.patches.count() != in_.facets.count()) return kMany;
     for (const CurvedPatch& patch : joined_.curved)
-      if (in_.surfaces.surfaces[patch.surface].facets_per_turn > elements) return kMany;
+      if (in_.surfaces.surfaces[patch.surface].facets_per_turn < elements) return kMany;
     return std::min(kMany, std::accumulate(present_.faces.begin(), present_.faces.end(), 0.0));
   }
 

@@ -295,6 +295,23 @@ TEST(automatic_elements, a_larger_tolerance_or_fewer_elements_never_give_more_fa
   }
 }
 
+TEST(automatic_elements, more_edges_than_facets_make_a_surface_finer) {
+  const double height = 10;
+  const PolygonMesh shaft = shapes::cylinder(24, 5, height);
+  std::size_t fewer = 0;
+  for (const double elements : {12.0, 24.0, 48.0, 96.0}) {
+    Options options;
+    options.elements_per_circle = elements;
+    const Result result = remeshed(shaft, options);
+    EXPECT_GE(result.mesh.faces.size(), fewer) << elements;
+    fewer = result.mesh.faces.size();
+    // Rounding, and where edges of different lengths meet, cost little: it is at least a prism of nearly as many sides.
+    const double sides = 0.9 * elements;
+    const double prism = sides / 2 * 25 * std::sin(2 * std::numbers::pi / sides) * height;
+    EXPECT_GE(*result.report.output.volume, prism * (1 - 1e-9)) << elements;
+  }
+}
+
 TEST(automatic_elements, facets_of_the_bracket_stay_where_they_are_coarser) {
   const PolygonMesh bracket = own_bracket();
   Options options;

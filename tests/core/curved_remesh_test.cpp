@@ -230,9 +230,12 @@ TEST(curved_remesh, every_model_is_sound_and_follows_its_surfaces) {
       if (joined_patches(model, result).empty()) {
         EXPECT_EQ(result.mesh.faces.size(), of_facets);
       }
-      EXPECT_LE(static_cast<double>(result.mesh.faces.size()), 1.02 * static_cast<double>(of_facets));
-      // Beside facets that stay, boundaries are divided along the edges of these.
       const auto& surfaces = result.report.surfaces.surfaces;
+      if (std::all_of(surfaces.begin(), surfaces.end(),
+                      [&](const auto& s) { return s.facets_per_turn >= elements || !is_curved(s.shape.kind); })) {
+        EXPECT_LE(static_cast<double>(result.mesh.faces.size()), 1.02 * static_cast<double>(of_facets));
+      }
+      // Beside facets that stay, boundaries are divided along the edges of these.
       if (std::all_of(surfaces.begin(), surfaces.end(),
                       [](const auto& s) { return s.is_remeshed || !is_curved(s.shape.kind); })) {
         EXPECT_LE(steps_off(model, result), 4);

@@ -317,7 +317,7 @@ TEST_F(report_files, many_edges_per_turn_make_few_attempts) {
     EXPECT_TRUE(report.verified.all_true());
     for (const PatchSummary& patch : report.patches) EXPECT_NE(patch.status, PatchStatus::kReduced);
     for (const RecognisedSurface& surface : report.surfaces.surfaces) {
-      if (surface.shape.kind == SurfaceKind::kCylinder) {
+      if (surface.shape.kind == SurfaceKind::kCylinder && surface.facets_per_turn < elements) {
         EXPECT_LT(surface.patches, 4u);
       }
     }
