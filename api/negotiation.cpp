@@ -119,7 +119,8 @@ OutputFormat choose_output_format(std::optional<Format> option, std::string_view
 }
 
 OutputRounding rounding_for(const OutputFormat& wanted) {
-  return wanted.is_by_name || text_form(wanted.format) == wanted.format ? OutputRounding::kRequired : OutputRounding::kIfHeld;
+  return wanted.is_by_name || text_form(wanted.format) == wanted.format ? OutputRounding::kRequired
+                                                                        : OutputRounding::kIfHeld;
 }
 
 Format text_form(Format format) { return format == Format::kStl ? Format::kStlAscii : format; }

@@ -183,8 +183,8 @@ void tell_origin(const std::string& origin) {
   std::cerr << "remesh: the coordinates written are relative to the origin " << origin << "\n";
 }
 
-/// Returns the media type that the ending of the output asks for. An ending that the input has, too, asks for nothing by
-/// name: the format is the input's in any case, as text if need be.
+/// Returns the media type that the ending of the output asks for. An ending that the input has, too, asks for nothing
+/// by name: the format is the input's in any case, as text if need be.
 std::string accept_of(const Arguments& arguments) {
   const auto format = format_from_file_name(arguments.output);
   return format && format != format_from_file_name(arguments.input) ? std::string(media_type(*format)) : "";

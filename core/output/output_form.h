@@ -37,8 +37,8 @@ enum class Rounded : std::uint8_t {
 /// Holds:   if the storage holds every point exactly, nothing changes. The result is the same for any number of
 ///          threads.
 /// Errors:  kNotAcceptable - the storage cannot hold the result, though that is required; the message says why, how
-///          far apart the storage's numbers are there, and what would help. kVerificationFailed - the list of faces that miss the goals after
-///          rounding fails its check. kCancelled, kTimeout - through `control`.
+///          far apart the storage's numbers are there, and what would help. kVerificationFailed - the list of faces
+///          that miss the goals after rounding fails its check. kCancelled, kTimeout - through `control`.
 /// Cost:    O(n log n).
 Rounded round_output(Storage storage, bool local_origin, OutputRounding rounding, Result& result, RunControl& control);
 
