@@ -91,15 +91,14 @@ class CurvedStage {
                  RunControl& control);
   void leave_room_for_boundaries();
   void tell_failures(Partition& partition) const;
-  bool is_as_fine_as_facets(PatchId p) const;
   void cut_boundaries(Partition& partition, Prepared& prepared, Ladder& ladder, const Options& options,
                       double min_angle_deg, RunControl& control);
 
   RecognisedSurfaces recognised_;       ///< those of the facets
   RecognisedSurfaces surfaces_;         ///< those of the patches, until they are taken
   IdVector<FaceId, CurvedRung> rungs_;  ///< empty while no curved patch has failed
-  bool are_facets_kept_ = false;
-  int steps_ = 0;  ///< how often curved patches have been taken a rung up
+  bool are_facets_kept_ = false;        ///< see keep_facets
+  int steps_ = 0;                       ///< how often curved patches have been taken a rung up
   CurvedPatches curved_;
   CurveCuts cuts_;                    ///< only with curved patches
   std::optional<Surface> with_cuts_;  ///< only with curved patches
