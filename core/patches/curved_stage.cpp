@@ -167,7 +167,7 @@ void CurvedStage::cut_boundaries(Partition& partition, Prepared& prepared, Ladde
   for (std::size_t i = 0; i < surfaces.size(); ++i) {
     const PatchId p(i);
     surfaces[p].plane = partition.patches.planes[p];
-    if (const CurvedPatch* patch = curved_.of(p))
+    if (const CurvedPatch* patch = curved_.of(p)) {
       surfaces[p] = {&patch->map.shape(),
                      {},
                      patch->limits.boundary_tolerance,
@@ -175,8 +175,8 @@ void CurvedStage::cut_boundaries(Partition& partition, Prepared& prepared, Ladde
                      patch->limits.boundary_sideways,
                      patch->limits.max_height,
                      patch->area};
-    if (const CurvedPatch* patch = curved_.of(p))
       surfaces[p].fit_tolerance = recognised_.surfaces[patch->surface].tolerance;
+    }
     // If the number of elements decides, chords are as deep as it says, whatever the way along the surface is.
     if (!may_elements_be_in_force(options)) surfaces[p].along = surfaces[p].sideways;
   }
@@ -246,14 +246,6 @@ std::vector<PatchId> CurvedStage::at_fault(const std::vector<FailedPatch>& faile
   return found;
 }
 
-/// Returns whether new edges of a patch turn no further than those of its facets. Finer ones would not lie nearer to
-/// what is beside the patch, and there would be more of them.
-bool CurvedStage::is_as_fine_as_facets(PatchId p) const {
-  const CurvedPatch& patch = *curved_.of(p);
-  const double facets = curved_.surfaces.surfaces[patch.surface].facets_per_turn;
-  return facets > 0 && patch.limits.max_turn * facets <= 2 * std::numbers::pi;
-}
-
 void CurvedStage::step_up(const std::vector<PatchId>& at_fault, const PatchSet& patches) {
   rungs_.resize(patches.of_face.size(), CurvedRung::kJoined);
   ++steps_;
@@ -266,9 +258,9 @@ void CurvedStage::step_up(const std::vector<PatchId>& at_fault, const PatchSet& 
   for (const PatchId p : at_fault) {
     changed.push_back(curved_.of(p)->surface);
     const auto faces = patches.faces_of(p);
-    const bool is_tightened =
-        steps_ > kPatientSteps || (!is_outside_ && is_as_fine_as_facets(p)) ||
-        std::any_of(faces.begin(), faces.end(), [&](FaceId f) { return rungs_[f] != CurvedRung::kJoined; });
+    const bool is_tightened = steps_ > kPatientSteps || std::any_of(faces.begin(), faces.end(), [&](FaceId f) {
+                                return rungs_[f] != CurvedRung::kJoined;
+                              });
     CurvedRung next = is_tightened ? CurvedRung::kFacet : CurvedRung::kTightened;
     // If finer limits did not help, the surface and those beside it stay where they are, and all begins anew there.
     if (is_tightened && is_outside_)

@@ -97,7 +97,6 @@ class CurvedStage {
                  RunControl& control);
   void leave_room_for_boundaries();
   void tell_failures(Partition& partition) const;
-  bool is_as_fine_as_facets(PatchId p) const;
   void cut_boundaries(Partition& partition, Prepared& prepared, Ladder& ladder, const Options& options,
                       double min_angle_deg, RunControl& control);
 

@@ -48,7 +48,7 @@ constexpr std::uint64_t kMaxWaste = 100;
 /// of a second.
 constexpr std::uint64_t kFreeWaste = 25'000'000;
 
-/// Of that, so much may go into clusters in all and for each facet: on scans they are mostly in vain.
+/// This much of that work may go into clusters, in all and for each facet. On scans, clusters are mostly in vain.
 constexpr std::uint64_t kFreeWasteOfClusters = 1'000'000, kMaxWasteOfClusters = 30;
 
 /// Areas are about as large unless one of them is larger by this factor.
