@@ -210,7 +210,7 @@ class Run : private RunState {
     if (may_cut_curves(options)) control.memory().set_output(options.max_output_faces.value_or(MemoryBound::kNone));
     curves.run(partition, before, prepared, *ladder_, options,
                {report.plane_tolerance, report.input.bounding_box.diagonal(),
-                options.refine ? refiner->goals().min_angle_deg : 0},
+                options.refine ? refiner->goals().min_angle_deg : 0, refiner->goals().faces_without_floor},
                control);
     refiner->set_curved(curves.curved() != nullptr, curves.finer_share(options) > kMajority);
     refiner->set_angle_margin(curves.outside() != nullptr ? kAngleMarginOfFit : 0);

@@ -58,6 +58,11 @@ Vec3 AnalyticSurface::normal(const Vec3& p) const {
   return {};
 }
 
+double AnalyticSurface::distance_from_axis(const Vec3& p) const {
+  const Vec3 way = p - origin;
+  return norm(way - dot(way, axis) * axis);
+}
+
 bool is_same(const AnalyticSurface& a, const AnalyticSurface& b) {
   return a.kind == b.kind && a.origin == b.origin && a.axis == b.axis && a.radius == b.radius &&
          a.minor_radius == b.minor_radius && a.half_angle == b.half_angle;

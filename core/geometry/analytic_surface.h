@@ -35,6 +35,8 @@ struct AnalyticSurface {
   /// positive. It is null where no point is nearest, for example on the axis of a cylinder.
   /// Input: the kind is neither kRevolution nor kFree.
   Vec3 normal(const Vec3& p) const;
+  /// Returns the distance of a point from the axis, or from the centre of a sphere.
+  double distance_from_axis(const Vec3& p) const;
 };
 
 /// Returns whether all numbers of two surfaces are the same.

@@ -30,9 +30,9 @@ namespace {
 /// Input: `predicted` has the faces that are predicted for each patch; it is empty if nothing is refined.
 std::map<int, std::uint64_t> predict_by_circles(const RecognisedFacets& facets, const Partition& partition,
                                                 const CurveCuts& cuts, const PatchMeshes& meshes,
-                                                const std::vector<float>& predicted, const Options& options,
-                                                RunControl& control) {
-  PresentPatches present{partition.patches, partition.essential, cuts, {}, {}};
+                                                const std::vector<float>& predicted, double min_edge_length,
+                                                const Options& options, RunControl& control) {
+  PresentPatches present{partition.patches, partition.essential, cuts, {}, {}, min_edge_length};
   for (std::size_t p = 0; p < partition.patches.count(); ++p) {
     present.triangles.push_back(static_cast<double>(meshes[PatchId(p)].mesh.triangle_count()));
     present.faces.push_back(!predicted.empty() ? predicted[p]
@@ -182,7 +182,8 @@ class RunReporter {
     return predict_by_circles(
         {run_.surface(), run_.adjacency(), run_.curves.facets(run_.partition), run_.curves.recognised(),
          run_.report.plane_tolerance, run_.report.input.bounding_box.diagonal()},
-        run_.partition, run_.curves.cuts(), run_.candidate.triangulated.meshes, faces, run_.options, run_.control);
+        run_.partition, run_.curves.cuts(), run_.candidate.triangulated.meshes, faces,
+        run_.refiner->goals().min_edge_length, run_.options, run_.control);
   }
 
   /// Tells why there are far more faces than in the input, if so.

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "core/base/stoppable.h"
+#include "core/patches/curved_faces.h"
 #include "core/patches/curved_limits.h"
 
 namespace remesh {
@@ -34,11 +35,12 @@ double width_of_polygon(std::span<const Vec3> corners) {
   return width;
 }
 
-/// A joined patch has more triangles than this for each square of the longest edge that its limits allow.
-constexpr double kTrianglesPerEdgeSquared = 0.9;
-
-/// Joined patches are not tried if they would have so many times the faces that their facets are estimated to have.
-constexpr double kCertainlyFiner = 2;
+/// Joined patches are not tried if they are expected to have more than this many times the faces that their facets are
+/// estimated to have.
+constexpr double kCertainlyFiner = 3;
+/// Joined patches are not tried if more than this part of the faces in proportion are expected of them. What is expected
+/// is mostly right within a factor of 2.
+constexpr double kPartOfProportion = 0.5;
 
 /// Everything is refined again for facets that stay. After the first time, they have to save more than this part of all
 /// faces.
@@ -52,14 +54,14 @@ bool are_facets_as_fine(const RecognisedSurface& surface, const Options& options
   return !elements || *elements <= kAsFine * surface.facets_per_turn;
 }
 
-/// Returns a radius that is at least as large as that of the circles along which a surface turns most.
-double largest_curvature_radius(const RecognisedSurface& surface) {
-  switch (surface.shape.kind) {
-    case SurfaceKind::kCylinder:
-    case SurfaceKind::kSphere: return surface.shape.radius;
-    case SurfaceKind::kTorus: return surface.shape.minor_radius;
-    default: return surface.extent.diagonal() / 2;
-  }
+/// Returns by how much an edge of a curved patch may turn across the surface, in radians, at a place of it.
+double largest_turn(const CurvedPatch& patch, const Vec3& at) {
+  const AnalyticSurface& shape = patch.map.shape();
+  const double radius = shape.kind == SurfaceKind::kTorus  ? shape.minor_radius
+                        : shape.kind == SurfaceKind::kCone ? shape.distance_from_axis(at)
+                                                           : shape.radius;
+  const double of_depth = 2 * std::acos(std::max(-1.0, 1 - patch.limits.max_height / radius));
+  return std::min(of_depth, patch.limits.max_turn);
 }
 
 }  // namespace
@@ -85,13 +87,21 @@ void CoarserFacets::count_facets(const Surface& surface, const Adjacency& adjace
     const PatchId p = joined.patches.of_face[facets.patches.faces_of(f).front()];
     if (joined.of(p) == nullptr) continue;
     corners.clear();
+    Vec3 middle;
     const BoundaryLoops& loops = facets.loops;
     const std::uint32_t first = loops.patch_begin[f.value], last = loops.patch_begin[f.value + 1];
     for (std::uint32_t l = first; l < last; ++l)
       for (const std::uint32_t h : loops.loop(l)) {
         check();
-        if (facets.essential[adjacency.from(h)]) corners.push_back(surface.local[adjacency.from(h)]);
+        if (!facets.essential[adjacency.from(h)]) continue;
+        corners.push_back(surface.local[adjacency.from(h)]);
+        middle = middle + surface.positions[adjacency.from(h)];
       }
+    middle = (1 / static_cast<double>(corners.size())) * middle;
+    const double turn = largest_turn(*joined.of(p), middle);
+    costs_[p].joined += curved_faces_at_one(joined.of(p)->map.shape(), middle, facets.summaries.patches[f.value].area,
+                                            min_angle_deg > 0) /
+                        (turn * turn);
     const double triangles = static_cast<double>(corners.size()) + 2 * static_cast<double>(last - first) - 4;
     double& cost = costs_[p].facets;
     cost += std::max(triangles, 1.0);
@@ -122,25 +132,28 @@ void CoarserFacets::count_boundaries(const Adjacency& adjacency, const Partition
   }
 }
 
-std::vector<SurfaceId> CoarserFacets::find_hopeless(const CurvedPatches& joined, const Options& options) const {
+std::vector<SurfaceId> CoarserFacets::find_hopeless(const CurvedPatches& joined, const Options& options,
+                                                    std::uint64_t in_proportion) const {
   std::vector<SurfaceId> found;
   // Without refinement, edges run along rulings, however long these are.
-  if (!may_coarser_facets_stay(options) || !options.refine) return found;
+  if (!options.refine) return found;
   IdVector<SurfaceId, double> of_facets(joined.surfaces.surfaces.size()), of_joined(joined.surfaces.surfaces.size());
   for (PatchId p(0); p.value < costs_.size(); ++p.value) {
     const CurvedPatch* patch = joined.of(p);
     if (patch == nullptr) continue;
     const RecognisedSurface& surface = joined.surfaces.surfaces[patch->surface];
     if (!are_facets_as_fine(surface, options)) continue;
-    const double radius = largest_curvature_radius(surface);
-    const double of_depth = 2 * std::acos(std::max(-1.0, 1 - patch->limits.max_height / radius));
-    const double edge = radius * std::min(of_depth, patch->limits.max_turn);
     of_facets[patch->surface] += costs_[p].facets;
-    // All patches of the surface have its limits, or finer ones.
-    of_joined[patch->surface] = kTrianglesPerEdgeSquared * surface.area / (edge * edge);
+    of_joined[patch->surface] += costs_[p].joined;
   }
+  const bool are_compared = may_coarser_facets_stay(options);
+  std::vector<SurfaceId> left;
   for (SurfaceId s(0); s.value < of_joined.size(); ++s.value)
-    if (of_joined[s] > kCertainlyFiner * of_facets[s]) found.push_back(s);
+    (are_compared && of_joined[s] > kCertainlyFiner * of_facets[s] ? found : left).push_back(s);
+  std::stable_sort(left.begin(), left.end(), [&](SurfaceId a, SurfaceId b) { return of_joined[a] < of_joined[b]; });
+  double sum = 0;
+  for (const SurfaceId s : left)
+    if ((sum += of_joined[s]) > kPartOfProportion * static_cast<double>(in_proportion)) found.push_back(s);
   return found;
 }
 

@@ -33,10 +33,13 @@ class CoarserFacets {
   /// Cost:   O(n).
   void count_facets(const Surface& surface, const Adjacency& adjacency, const Partition& facets,
                     const CurvedPatches& joined, double min_angle_deg, RunControl& control);
-  /// Returns the surfaces whose facets are so coarse that no refinement of joined patches could make fewer faces.
-  /// To find that out by refining them could take far more work than the result is worth.
-  /// Input: the joined patches with their limits, whose facets have been counted.
-  std::vector<SurfaceId> find_hopeless(const CurvedPatches& joined, const Options& options) const;
+  /// Returns the surfaces whose facets are so coarse that no refinement of joined patches could make fewer faces, and
+  /// those that would have more faces than are in proportion: no floor under the lengths of edges makes a curved patch
+  /// coarser. To find that out by refining them could take far more work than the result is worth.
+  /// Input: the joined patches with their limits, whose facets have been counted; and the number of faces that is in
+  ///        proportion to the input (Goals::faces_without_floor).
+  std::vector<SurfaceId> find_hopeless(const CurvedPatches& joined, const Options& options,
+                                       std::uint64_t in_proportion) const;
   /// Counts the boundary vertices of the joined patches, before their boundaries are cut and after that.
   /// Cost:   O(n log n).
   void count_boundaries(const Adjacency& adjacency, const Partition& joined, const CurvedPatches& curved,
@@ -61,6 +64,7 @@ class CoarserFacets {
   /// Counts of one joined patch.
   struct Cost {
     double facets = 0;
+    double joined = 0;  ///< expected of the joined patch by its limits
     std::uint64_t boundary_before = 0, boundary_after = 0;
   };
   /// How many triangles the facets of a surface that was found may have. Nothing is known of others.

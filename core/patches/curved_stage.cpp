@@ -98,7 +98,7 @@ void CurvedStage::run(Partition& partition, const PatchSet& facets_before, Prepa
   };
   join();
   if (curved_.has_any()) {
-    const std::vector<SurfaceId> hopeless = coarser_.find_hopeless(curved_, options);
+    const std::vector<SurfaceId> hopeless = coarser_.find_hopeless(curved_, options, measures.in_proportion);
     for (const SurfaceId s : hopeless) limits[s.value] = {};
     if (!hopeless.empty()) join();
   }

@@ -1,6 +1,8 @@
 /// Recognises curved surfaces and remeshes them as a whole, as far as that is asked for and succeeds.
 #pragma once
 
+#include <cstdint>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -31,6 +33,8 @@ class CurvedStage {
     double plane_tolerance = 0;
     double diagonal = 0;       ///< of the input's bounding box
     double min_angle_deg = 0;  ///< the bound on angles; 0 without refinement
+    /// No more faces than these are in proportion to the input (Goals::faces_without_floor).
+    std::uint64_t in_proportion = std::numeric_limits<std::uint64_t>::max();
   };
 
   /// Forgets everything. The next surface is another one.

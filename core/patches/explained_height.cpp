@@ -12,12 +12,6 @@ constexpr double kNoTurn = 0.2;
 /// A corner that is nearer to the axis than this part of the others' distance is an apex.
 constexpr double kNearApex = 0.02;
 
-/// Returns the distance of a point from the axis, or from the centre of a sphere.
-double distance_from_axis(const AnalyticSurface& shape, const Vec3& p) {
-  const Vec3 way = p - shape.origin;
-  return shape.kind == SurfaceKind::kSphere ? norm(way) : norm(way - dot(way, shape.axis) * shape.axis);
-}
-
 double angle_of(double sine) { return std::asin(std::clamp(sine, -1.0, 1.0)); }
 
 /// Returns the largest distance of a facet's corners from the line through a side.
@@ -52,11 +46,11 @@ bool share_corner(const FacetGraph& graph, PatchId p, PatchId q) {
 double height_along(const FacetGraph& graph, const AnalyticSurface& shape, PatchId p, const Vec3& direction) {
   Span width, turn;
   double farthest = 0;
-  graph.for_each_corner(p, [&](const Vec3& q) { farthest = std::max(farthest, distance_from_axis(shape, q)); });
+  graph.for_each_corner(p, [&](const Vec3& q) { farthest = std::max(farthest, shape.distance_from_axis(q)); });
   graph.for_each_corner(p, [&](const Vec3& q) {
     width.add(dot(q, direction));
     // In an apex, rounding alone says where the normal points.
-    if (distance_from_axis(shape, q) > kNearApex * farthest) turn.add(angle_of(dot(shape.normal(q), direction)));
+    if (shape.distance_from_axis(q) > kNearApex * farthest) turn.add(angle_of(dot(shape.normal(q), direction)));
   });
   const double own = dot(graph.normal(p), direction);
   double before = 0, behind = 0;

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/base/blocks.h"
-#include "core/refinement/curved_prediction.h"
+#include "core/patches/curved_faces.h"
 #include "core/refinement/edge_sizes.h"
 #include "core/refinement/fixed_side_sizes.h"
 #include "core/refinement/prediction.h"

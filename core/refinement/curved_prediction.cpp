@@ -10,6 +10,7 @@
 #include "core/base/stoppable.h"
 #include "core/base/union_find.h"
 #include "core/patches/coarser_facets.h"
+#include "core/patches/curved_faces.h"
 #include "core/patches/curved_limits.h"
 #include "core/patches/curved_patches.h"
 #include "core/refinement/goals.h"
@@ -20,17 +21,8 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr std::array kElements = {8, 12, 16, 24, 36};
 
-/// Columns that are one width apart, with steps of 1.94 widths, make one triangle per this number of squared widths.
-constexpr double kColumnArea = 0.97;
-/// See experiments.md, Prediction of curved patches, for these numbers. A bound on angles makes this many times as many
-/// faces in patches with columns.
-constexpr double kFacesForAngle = 1.7;
-/// Most cylinders and cones are divided into strips, with triangles that are twice as long.
-constexpr double kFacesInStrips = 1.15;
-/// A ball has this many times the faces of equilateral triangles with the longest edges.
-constexpr double kCurvedFacesPerIdeal = 1.9, kCurvedFacesPerIdealByAngle = 1.6;
-/// Edges of a ball are this part of what its turn allows, because triangles are deeper than their edges.
-constexpr double kEdgeOfBall = 0.866;
+// See experiments.md, Prediction of curved patches, for these numbers.
+
 /// A bound on angles makes this many times as many faces of a planar patch beside curved ones.
 constexpr double kFacesForAngleBeside = 3;
 /// A piece of a boundary that is shorter than edges inside of a curved patch leads to this number of faces, over which
@@ -47,11 +39,6 @@ constexpr double kFacesPerSize = 1.45;
 double angle_between(const Vec3& a, const Vec3& b) {
   if (a == Vec3{} || b == Vec3{}) return 0;
   return 2 * std::asin(std::min(1.0, 0.5 * norm(a - b)));
-}
-
-double distance_from_axis(const AnalyticSurface& shape, const Vec3& p) {
-  const Vec3 way = p - shape.origin;
-  return norm(way - dot(way, shape.axis) * shape.axis);
 }
 
 /// Returns the angle by which a boundary edge on a surface turns, as the cutting of curves counts it.
@@ -115,6 +102,8 @@ class CirclePrediction {
   double most_faces(int elements) const {
     constexpr double kMany = 0x1p62;
     if (!may_coarser_facets_stay(options_) || present_.patches.count() != in_.facets.count()) return kMany;
+    // Other options may need no floor, and then facets have more faces than these.
+    if (present_.min_edge_length > goals_.min_edge_length) return kMany;
     for (const CurvedPatch& patch : joined_.curved)
       if (in_.surfaces.surfaces[patch.surface].facets_per_turn < elements) return kMany;
     return std::min(kMany, std::accumulate(present_.faces.begin(), present_.faces.end(), 0.0));
@@ -295,20 +284,6 @@ class CirclePrediction {
 };
 
 }  // namespace
-
-double curved_faces_at_one(const AnalyticSurface& shape, const Vec3& at, double area, bool by_angle) {
-  if (shape.kind == SurfaceKind::kSphere) {
-    const double factor = by_angle ? kCurvedFacesPerIdealByAngle : kCurvedFacesPerIdeal;
-    return factor * area / equilateral_area(kEdgeOfBall * shape.radius);
-  }
-  // Without a bound on angles, edges run along a ruling from one end of the patch to the other.
-  if (!by_angle && shape.kind != SurfaceKind::kTorus) return 0;
-  double radius = shape.kind == SurfaceKind::kCylinder ? shape.radius : distance_from_axis(shape, at);
-  if (shape.kind == SurfaceKind::kTorus) radius = std::min(radius, shape.minor_radius);
-  if (!(radius > 0)) return 0;
-  const double factor = shape.kind == SurfaceKind::kTorus ? kFacesForAngle : kFacesInStrips;
-  return (by_angle ? factor : 1) * area / (kColumnArea * radius * radius);
-}
 
 std::map<int, std::uint64_t> predict_by_elements_per_circle(const RecognisedFacets& facets,
                                                             const PresentPatches& present, const Options& options,

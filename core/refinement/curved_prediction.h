@@ -33,12 +33,8 @@ struct PresentPatches {
   const CurveCuts& cuts;          ///< empty if no facets were joined
   std::vector<double> triangles;  ///< one per patch: how many triangles it has before it is refined
   std::vector<double> faces;      ///< one per patch: how many faces are predicted for it
+  double min_edge_length = 0;     ///< the floor with which these faces are predicted, in model units
 };
-
-/// Returns how many faces fill an area of a curved surface if edges turn by one radian. Twice as many edges make four
-/// times as many faces.
-/// Input: a place of the area. `by_angle`: angles have a bound.
-double curved_faces_at_one(const AnalyticSurface& shape, const Vec3& at, double area, bool by_angle);
 
 /// Predicts the faces for some values of elements_per_circle. All other options stay. Nothing is refined for that, and
 /// no boundary is cut.
