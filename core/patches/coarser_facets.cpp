@@ -38,9 +38,6 @@ double width_of_polygon(std::span<const Vec3> corners) {
 /// Joined patches are not tried if they are expected to have more than this many times the faces that their facets are
 /// estimated to have.
 constexpr double kCertainlyFiner = 3;
-/// Joined patches are not tried if more than this part of the faces in proportion are expected of them. What is expected
-/// is mostly right within a factor of 2.
-constexpr double kPartOfProportion = 0.5;
 
 /// Everything is refined again for facets that stay. After the first time, they have to save more than this part of all
 /// faces.
@@ -153,7 +150,7 @@ std::vector<SurfaceId> CoarserFacets::find_hopeless(const CurvedPatches& joined,
   std::stable_sort(left.begin(), left.end(), [&](SurfaceId a, SurfaceId b) { return of_joined[a] < of_joined[b]; });
   double sum = 0;
   for (const SurfaceId s : left)
-    if ((sum += of_joined[s]) > kPartOfProportion * static_cast<double>(in_proportion)) found.push_back(s);
+    if ((sum += of_joined[s]) > static_cast<double>(in_proportion)) found.push_back(s);
   return found;
 }
 

@@ -105,15 +105,28 @@ class TurnMeasure {
   TurnMeasure(const Facets& facets, const FacetGraph& graph, const RecognisedSurfaces& recognised)
       : facets_(facets), graph_(graph), recognised_(recognised) {}
 
+  /// Measures the angles that the facets cover. A facet may share many sides with a neighbour.
+  void measure_ranges(RunControl& control) {
+    ranges_.resize(graph_.size());
+    for_blocks(graph_.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
+      for (PatchId p(begin); p.value < end; ++p.value)
+        if (is_measured(p) && surface_of(p).shape.kind != SurfaceKind::kSphere)
+          ranges_[p] = ranges_of(p, surface_of(p).shape);
+    });
+  }
+
   FacetTurn turn_of(PatchId p) const {
-    const SurfaceKind kind = surface_of(p).shape.kind;
-    if (kind == SurfaceKind::kPlane || kind == SurfaceKind::kFree || !graph_.may_be_seed(p)) return {};
-    return kind == SurfaceKind::kSphere ? on_sphere(p) : around_axis(p);
+    if (!is_measured(p)) return {};
+    return surface_of(p).shape.kind == SurfaceKind::kSphere ? on_sphere(p) : around_axis(p);
   }
 
  private:
   using Ranges = std::array<AngleRange, kTurnDirections>;
 
+  bool is_measured(PatchId p) const {
+    const SurfaceKind kind = surface_of(p).shape.kind;
+    return kind != SurfaceKind::kPlane && kind != SurfaceKind::kFree && graph_.may_be_seed(p);
+  }
   const RecognisedSurface& surface_of(PatchId p) const { return recognised_.surfaces[recognised_.of_patch[p]]; }
   const Vec3& corner(std::uint32_t side) const { return facets_.surface.positions[graph_.vertex(side)]; }
 
@@ -192,7 +205,7 @@ class TurnMeasure {
 
   FacetTurn around_axis(PatchId p) const {
     const AnalyticSurface& shape = surface_of(p).shape;
-    const Ranges own = ranges_of(p, shape);
+    const Ranges& own = ranges_[p];
     FacetTurn result{};
     graph_.for_each_neighbour(p, [&](PatchId q) {
       bool is_band = false;
@@ -202,7 +215,7 @@ class TurnMeasure {
         result[kAcrossAxis] = std::max(result[kAcrossAxis], std::fabs(slope(shape) - slope(beside)));
         return;
       }
-      const Ranges other = ranges_of(q, shape);
+      const Ranges& other = ranges_[q];
       for (std::size_t d = 0; d < kTurnDirections; ++d)
         if (own[d].from(other[d]) > kPartOfWidth * std::min(own[d].width, other[d].width)) result[d] = own[d].step;
     });
@@ -238,6 +251,7 @@ class TurnMeasure {
   const Facets& facets_;
   const FacetGraph& graph_;
   const RecognisedSurfaces& recognised_;
+  IdVector<PatchId, Ranges> ranges_;
 };
 
 /// A turn, and the area for which it counts.
@@ -291,7 +305,8 @@ bool is_nearly_flat(const Facets& facets, const FacetGraph& graph, std::span<con
 
 void measure_turns(const Facets& facets, const FacetGraph& graph, RecognisedSurfaces& recognised, RunControl& control) {
   if (!graph.has_smooth_edges()) return;
-  const TurnMeasure measure(facets, graph, recognised);
+  TurnMeasure measure(facets, graph, recognised);
+  measure.measure_ranges(control);
   std::vector<FacetTurn> turns(graph.size());
   for_blocks(graph.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) turns[i] = measure.turn_of(PatchId(i));
