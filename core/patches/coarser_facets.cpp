@@ -43,7 +43,8 @@ constexpr double kCertainlyFiner = 3;
 /// faces.
 constexpr double kWorthAnAttempt = 0.01;
 
-/// Returns whether a surface has as many facets per turn as edges are asked for. If it has fewer, it is to be made finer.
+/// Returns whether a surface has as many facets per turn as edges are asked for. If it has fewer, it is to be made
+/// finer.
 bool are_facets_as_fine(const RecognisedSurface& surface, const Options& options) {
   // Facets of one circle differ a little in their turns.
   constexpr double kAsFine = 1.02;

@@ -136,7 +136,9 @@ std::vector<CurvedLimits> curved_limits(const Surface& surface, const PatchSet& 
     const double below = is_cone ? std::cos(s.shape.half_angle) : 1, along = is_cone ? std::sin(s.shape.half_angle) : 0;
     // Where a boundary is cut anew, the result may leave the input both in depth and along the surface. The proven
     // bound is the root of the sum of their squares. Boundaries that stay are as deep as the input's facets.
-    const double of_circles = std::max(kDepthShare * tolerance, tolerance - asked.value_or(excused));
+    // Pieces that are finer than the facets are as far from them as the facets are deep.
+    const double of_circles =
+        std::max({kDepthShare * tolerance, tolerance - asked.value_or(excused), std::min(own, tolerance)});
     const double depth = std::max(below * of_circles, std::min(own, kDepthShare * tolerance));
     const double sideways = std::sqrt(tolerance * tolerance - depth * depth);
     of_surface.max_height = std::min(of_surface.max_height, depth + plane_tolerance);

@@ -165,11 +165,13 @@ PatchChart PatchCharts::develop(PatchId p, std::span<const Vec3> points, double 
 
 PatchChart PatchCharts::project(PatchId p, std::span<const Vec3> points, std::span<const Edge3> edges, double grid) {
   if (!curved_at_.empty() && curved_at_[p] != kNone) return develop(p, points, grid);
-  const Frame frame = projection(p, points, edges, grid);
-  if (stored_at_[p] == kNone)
+  if (stored_at_[p] == kNone) {
+    // Whoever asks later knows nothing of new vertices between the corners, so they do not count here either.
     triangle_kind_[p] = grid == kFineGrid ? TriangleKind::kFineGrid : TriangleKind::kCoarseGrid;
-  else
-    stored_[stored_at_[p]] = with_offset(p, frame);
+    return PatchChart(frame_of_triangle(p));
+  }
+  const Frame frame = projection(p, points, edges, grid);
+  stored_[stored_at_[p]] = with_offset(p, frame);
   return PatchChart(frame);
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -68,6 +69,40 @@ TEST(curved_failures, beside_sides_that_turn_too_far_and_are_not_cut_nothing_is_
     EXPECT_FALSE(is_any(result.report, PatchStatus::kReduced));
     EXPECT_EQ(result.mesh.positions.size(), plate.positions.size());
   }
+}
+
+/// Makes a cylinder with a low roof. At each of its `n` rim edges lies a triangle whose other sides are shorter.
+PolygonMesh cylinder_with_roof(std::uint32_t n) {
+  std::vector<Vec3> positions;
+  for (const auto& [radius, height, start] : {std::tuple(5.0, 0.0, 0.0), {5.0, 10.0, 0.0}, {4.7, 10.1, 0.5}})
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const double angle = 2 * std::numbers::pi * (i + start) / n;
+      positions.push_back({radius * std::cos(angle), radius * std::sin(angle), height});
+    }
+  std::vector<std::vector<std::uint32_t>> faces(2);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const std::uint32_t j = (i + 1) % n;
+    faces[0].push_back(n - 1 - i);
+    faces[1].push_back(2 * n + i);
+    faces.push_back({i, j, n + j, n + i});
+    faces.push_back({n + i, n + j, 2 * n + i});
+    faces.push_back({2 * n + i, n + j, 2 * n + j});
+  }
+  return shapes::from_lists(positions, faces);
+}
+
+TEST(curved_failures, single_triangles_beside_a_finer_boundary_are_sound_at_once) {
+  for (const bool is_refined : {false, true})
+    for (const double elements : {30.0, 48.0, 60.0}) {
+      Options options;
+      options.refine = is_refined;
+      options.elements_per_circle = elements;
+      RunControl control;
+      const Result result = remesh_surface(cylinder_with_roof(24), options, {}, control);
+      EXPECT_TRUE(result.report.verified.all_true());
+      EXPECT_FALSE(is_any(result.report, PatchStatus::kReduced)) << elements;
+      EXPECT_GE(result.mesh.faces.size(), 3 * elements) << "the wall and the floor";
+    }
 }
 
 }  // namespace
