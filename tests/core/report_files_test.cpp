@@ -316,8 +316,9 @@ TEST_F(report_files, many_edges_per_turn_make_few_attempts) {
     const Report report = remeshed("../planar-cad/couplingdown.off", Format::kOff, options);
     EXPECT_TRUE(report.verified.all_true());
     // With six times as many edges as facets, some faces beside cut rims turn over at first.
-    if (elements <= 100)
+    if (elements <= 100) {
       for (const PatchSummary& patch : report.patches) EXPECT_NE(patch.status, PatchStatus::kReduced);
+    }
     for (const RecognisedSurface& surface : report.surfaces.surfaces) {
       if (surface.shape.kind == SurfaceKind::kCylinder && surface.facets_per_turn < elements) {
         EXPECT_LT(surface.patches, 4u);
