@@ -53,23 +53,28 @@ class PointGrid {
     }
   }
 
+  /// Where sizes grow fast, the distance may be millions of cells, so only rows with points are looked at.
   bool has_point_within(Vec2 p, double distance) const {
     const Key low = key({p.x - distance, p.y - distance}), high = key({p.x + distance, p.y + distance});
-    for (std::int64_t row = low.first; row <= high.first; ++row) {
-      auto at = std::lower_bound(keys_.begin(), keys_.end(), Key{row, low.second});
+    auto at = std::lower_bound(keys_.begin(), keys_.end(), low);
+    while (at != keys_.end() && at->first <= high.first) {
+      const std::int64_t row = at->first;
+      at = std::lower_bound(at, keys_.end(), Key{row, low.second});
       for (; at != keys_.end() && at->first == row && at->second <= high.second; ++at) {
         const Vec2 d = points_[static_cast<std::size_t>(at - keys_.begin())] - p;
         if (dot(d, d) < distance * distance) return true;
       }
+      at = std::lower_bound(at, keys_.end(), Key{row + 1, low.second});
     }
     return false;
   }
 
  private:
   using Key = std::pair<std::int64_t, std::int64_t>;
-  Key key(Vec2 p) const {
-    return {static_cast<std::int64_t>(std::floor((p.y - origin_.y) / cell_)),
-            static_cast<std::int64_t>(std::floor((p.x - origin_.x) / cell_))};
+  Key key(Vec2 p) const { return {number((p.y - origin_.y) / cell_), number((p.x - origin_.x) / cell_)}; }
+  static std::int64_t number(double cells) {
+    constexpr double kBeyondAll = 0x1p60;
+    return static_cast<std::int64_t>(std::floor(std::clamp(cells, -kBeyondAll, kBeyondAll)));
   }
 
   std::vector<Vec2> points_;

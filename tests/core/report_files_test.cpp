@@ -17,6 +17,7 @@
 #include "core/remesh.h"
 #include "tests/support/shapes.h"
 #include "tests/support/shared_meshes.h"
+#include "tests/support/time_limit.h"
 #include "tests/support/unrefined_options.h"
 
 namespace remesh {
@@ -325,6 +326,24 @@ TEST_F(report_files, many_edges_per_turn_make_few_attempts) {
       }
     }
   }
+}
+
+TEST_F(report_files, sizes_that_grow_fast_on_a_flattened_part_take_little_time) {
+  // Sizes are millions of times the smallest one. Places were looked for row by row over such lengths: for minutes, and
+  // a stop was not seen.
+  PolygonMesh part = read("../curved-cad/object.stl", Format::kStl);
+  for (Vec3& p : part.positions) p.z *= 1e-4;
+  Options options;
+  options.max_radius_edge_ratio = 1.36;
+  options.proximity = 1.66;
+  options.gradation = 1e238;
+  options.feature_angle_deg = 49;
+  options.surface_tolerance = 0.0008;
+  options.elements_per_circle = 292;
+  RunControl control;
+  const test::Seconds before = test::processor_time();
+  EXPECT_TRUE(remesh_surface(part, options, {}, control).report.verified.all_true());
+  test::expect_within(test::Seconds(20), test::processor_time() - before);
 }
 
 }  // namespace

@@ -191,7 +191,9 @@ class Judge {
         return object("bounding box", "the output leaves the input's bounding box");
     }
     double furthest = 0;
-    for (int i = 0; i < kSamples && output_.face_count() > 0; ++i) {
+    // What closes a hole is not on the input.
+    const int samples = has(report_, DiagnosticCode::kClosedHole) ? 0 : kSamples;
+    for (int i = 0; i < samples && output_.face_count() > 0; ++i) {
       const std::size_t f = below(output_.face_count());
       const Vec3 p = i % 2 == 0 ? output_.positions()[output_.face(f)[0]] : output_.sample(f, random_);
       furthest = std::max(furthest, input_.distance(p));
@@ -202,10 +204,18 @@ class Judge {
       const std::size_t f = below(input_.face_count());
       // A face without area may be dropped, and a face that is not plane may be cut in several ways.
       if (input_.height(f) <= 2 * reach_ || input_.thickness(f) > reach_ || input_.has_spike(f, reach_)) continue;
+      if (is_listed(f, DiagnosticCode::kDuplicateFace)) continue;
       const Vec3 p = i % 2 == 0 ? input_.positions()[input_.face(f)[0]] : input_.sample(f, random_);
       furthest = std::max(furthest, output_.distance(p));
     }
     tell_distance("input to output", furthest);
+  }
+
+  /// Returns whether diagnostics of a code name a face of the input. Both sides of a fin are dropped.
+  bool is_listed(std::size_t face, DiagnosticCode code) const {
+    return std::any_of(report_.diagnostics.begin(), report_.diagnostics.end(), [&](const Diagnostic& d) {
+      return d.code == code && std::find(d.elements.begin(), d.elements.end(), face) != d.elements.end();
+    });
   }
 
   void tell_distance(const char* direction, double furthest) {
