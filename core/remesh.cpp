@@ -352,7 +352,7 @@ class Run : private RunState {
     const FitInput fit{with_cuts(), partition.patches, *curves.curved(), *outside, asked_goals() != nullptr};
     const FittedVolumes fitted = fit_volumes(fit, candidate.triangulated, candidate.refinement.new_positions, control);
     if (!fitted.impossible.empty()) {
-      curves.step_up(curves.patches_of(fitted.impossible), partition.patches);
+      curves.step_up(curves.patches_of(fitted.impossible), partition.patches, true);
       return false;
     }
     if (!fitted.is_near && outside->is_better_estimate_worth_while()) {
@@ -458,7 +458,9 @@ class Run : private RunState {
     refiner->thaw();
     watch.enter(Stage::kPatches);
     if (const std::vector<PatchId> curved = curved_at_fault(failed); !curved.empty()) {
-      curves.step_up(curved, partition.patches);
+      // Where patches of the input cross, checks take long. For a default, not much of their work is spent in vain.
+      const bool is_patient = !are_fine_facets_coarsened(options) || intersections().patches.empty();
+      curves.step_up(curved, partition.patches, is_patient);
       return AttemptOutcome::kPatchesFailed;
     }
     const std::vector<FaceId> exhausted =

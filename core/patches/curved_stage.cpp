@@ -246,7 +246,7 @@ std::vector<PatchId> CurvedStage::at_fault(const std::vector<FailedPatch>& faile
   return found;
 }
 
-void CurvedStage::step_up(const std::vector<PatchId>& at_fault, const PatchSet& patches) {
+void CurvedStage::step_up(const std::vector<PatchId>& at_fault, const PatchSet& patches, bool is_patient) {
   rungs_.resize(patches.of_face.size(), CurvedRung::kJoined);
   ++steps_;
   if (steps_ > kMaxSteps) {
@@ -258,9 +258,9 @@ void CurvedStage::step_up(const std::vector<PatchId>& at_fault, const PatchSet& 
   for (const PatchId p : at_fault) {
     changed.push_back(curved_.of(p)->surface);
     const auto faces = patches.faces_of(p);
-    const bool is_tightened = steps_ > kPatientSteps || std::any_of(faces.begin(), faces.end(), [&](FaceId f) {
-                                return rungs_[f] != CurvedRung::kJoined;
-                              });
+    const bool is_tightened =
+        !is_patient || steps_ > kPatientSteps ||
+        std::any_of(faces.begin(), faces.end(), [&](FaceId f) { return rungs_[f] != CurvedRung::kJoined; });
     CurvedRung next = is_tightened ? CurvedRung::kFacet : CurvedRung::kTightened;
     // If finer limits did not help, the surface and those beside it stay where they are, and all begins anew there.
     if (is_tightened && is_outside_)

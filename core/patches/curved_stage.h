@@ -63,7 +63,8 @@ class CurvedStage {
   /// are moved outwards, finer limits come first, then the surfaces stay where they are, and then all begins anew. A
   /// chain of neighbours that fail one after the other must not cost a step for each of them. So after some steps,
   /// patches become facets at once, and after some more, all curved patches do.
-  void step_up(const std::vector<PatchId>& at_fault, const PatchSet& patches);
+  /// Input: whether finer limits are worth an attempt.
+  void step_up(const std::vector<PatchId>& at_fault, const PatchSet& patches, bool is_patient);
 
   /// Leaves the facets of those surfaces that would probably be finer if they were joined than if they stay, and joins
   /// those again that have turned out to be finer as facets. All is joined anew then. A surface is left once at most.
