@@ -191,7 +191,7 @@ class Judge {
         return object("bounding box", "the output leaves the input's bounding box");
     }
     double furthest = 0;
-    // What closes a hole is not on the input.
+    // A face that closes a hole is not on the input.
     const int samples = has(report_, DiagnosticCode::kClosedHole) ? 0 : kSamples;
     for (int i = 0; i < samples && output_.face_count() > 0; ++i) {
       const std::size_t f = below(output_.face_count());
