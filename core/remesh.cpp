@@ -283,7 +283,11 @@ class Run : private RunState {
     }
     watch.enter(Stage::kAssembly);
     assemble(candidate, with_cuts(), asked_goals(), control);
-    if (refiner->is_over_budget(candidate.assembled.faces.size())) return AttemptOutcome::kTooManyFaces;
+    const bool are_angles_worse =
+        refiner->has_found_floor() &&
+        has_worse_angles(candidate, surface(), with_cuts(), curves.curved(), refiner->goals(), control);
+    if (refiner->is_over_budget(candidate.assembled.faces.size(), are_angles_worse))
+      return AttemptOutcome::kTooManyFaces;
     refuse_if_too_large();
     check_candidate();
     if (report.verified.all_true()) {
@@ -458,8 +462,10 @@ class Run : private RunState {
     refiner->thaw();
     watch.enter(Stage::kPatches);
     if (const std::vector<PatchId> curved = curved_at_fault(failed); !curved.empty()) {
-      // Where patches of the input cross, checks take long. For a default, not much of their work is spent in vain.
-      const bool is_patient = !are_fine_facets_coarsened(options) || intersections().patches.empty();
+      // Attempts take long where patches of the input cross, and where floors are looked for. For a default, not much
+      // of that work is spent in vain.
+      const bool is_patient =
+          !are_fine_facets_coarsened(options) || (intersections().patches.empty() && !refiner->has_found_floor());
       curves.step_up(curved, partition.patches, is_patient);
       return AttemptOutcome::kPatchesFailed;
     }

@@ -7,6 +7,7 @@
 
 #include "core/base/drop.h"
 #include "core/base/stoppable.h"
+#include "core/mending/triangulated.h"
 
 namespace remesh {
 namespace {
@@ -80,6 +81,31 @@ void assemble(Candidate& candidate, const Surface& surface, const Goals* goals, 
 void list_unrefined(Candidate& candidate, const Goals& goals, RunControl& control) {
   candidate.unrefined = find_unrefined(candidate.positions.items(), candidate.assembled.faces.items(),
                                        candidate.refinement.reason, candidate.refinement.misses_sizes, goals, control);
+}
+
+bool has_worse_angles(Candidate& candidate, const Surface& surface, const Surface& with_cuts,
+                      const CurvedPatches* curved, const Goals& goals, RunControl& control) {
+  std::vector<VertexId> corners;
+  StopCheck check(control);
+  for (std::size_t i = 0; i < candidate.unrefined.faces.size(); ++i) {
+    check();
+    const UnrefinedReason reason = candidate.unrefined.reasons[i];
+    const FaceId f = candidate.unrefined.faces[i];
+    const bool is_by_floor = reason == UnrefinedReason::kMinEdgeLength || reason == UnrefinedReason::kSizeFloor;
+    const bool is_curved = curved != nullptr && curved->of(candidate.assembled.face_patch[f]) != nullptr;
+    if (is_by_floor && !is_curved)
+      corners.insert(corners.end(), candidate.assembled.faces[f].begin(), candidate.assembled.faces[f].end());
+  }
+  const SmallAngles left = small_angles(candidate.positions.items(), corners, goals.min_angle_deg, control);
+  if (left.count == 0) return false;
+  SmallAngles before =
+      small_angles(surface.positions.items(), Triangulated(surface, control).corners(), goals.min_angle_deg, control);
+  if (!left.are_worse_than(before)) return false;
+  candidate.refinement.before.exchange_with(candidate.triangulated.meshes);
+  before.take_worse(
+      small_angles(with_cuts.positions.items(), candidate.triangulated.corners(), goals.min_angle_deg, control));
+  candidate.refinement.before.exchange_with(candidate.triangulated.meshes);
+  return left.are_worse_than(before);
 }
 
 void replace_reasons(Candidate& candidate, std::span<const std::uint8_t> is_moved, UnrefinedReason reason) {

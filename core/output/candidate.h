@@ -60,6 +60,14 @@ void assemble(Candidate& candidate, const Surface& surface, const Goals* goals, 
 /// Cost: O(triangles).
 void list_unrefined(Candidate& candidate, const Goals& goals, RunControl& control);
 
+/// Returns whether a floor under the lengths of edges leaves worse angles in plane patches than there were: more
+/// triangles below the bound on angles, or a smaller least angle. There were the surface's own triangles, and those of
+/// its patches without refinement. Such a floor is too low, since it lets edges be cut that cannot be cut often enough.
+/// Input: an assembled candidate. Its patches were triangulated on `with_cuts`. `curved` is null if no patch is curved.
+/// Cost:  O(triangles).
+bool has_worse_angles(Candidate& candidate, const Surface& surface, const Surface& with_cuts,
+                      const CurvedPatches* curved, const Goals& goals, RunControl& control);
+
 /// Gives triangles other reasons for missing the goals, before some vertices are moved by a little: all those that meet
 /// the goals, and those with a moved vertex that lie across an angle of the input, which asks for equal distances.
 /// These reasons count if the triangles miss a goal afterwards.

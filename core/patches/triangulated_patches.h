@@ -4,7 +4,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
+#include <vector>
 
+#include "core/base/ids.h"
 #include "core/geometry/patch_mesh.h"
 #include "core/patches/patch_chart.h"
 
@@ -21,6 +23,15 @@ struct TriangulatedPatches {
   std::uint64_t triangle_count() const {
     return std::accumulate(meshes.begin(), meshes.end(), std::uint64_t{0},
                            [](std::uint64_t sum, const PatchMesh& patch) { return sum + patch.mesh.triangle_count(); });
+  }
+  /// Returns the corners of the triangles of all patches, three for each.
+  std::vector<VertexId> corners() const {
+    std::vector<VertexId> result;
+    result.reserve(3 * triangle_count());
+    for (const PatchMesh& patch : meshes)
+      for (std::uint32_t h = 0; h < 3 * patch.mesh.triangle_count(); ++h)
+        result.push_back(patch.vertices[patch.mesh.from(h)]);
+    return result;
   }
 };
 

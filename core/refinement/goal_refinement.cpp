@@ -63,7 +63,7 @@ void GoalRefinement::predict_before(const PatchedSurface& on, const Triangulated
   // within this factor leaves no doubt of it.
   constexpr double kDoubt = 1.5;
   Prediction prediction = predict_closely(triangulated, goals_, sizes, control_);
-  while (needs_other_floor(whole(prediction.expected / kDoubt)))
+  while (needs_other_floor(whole(prediction.expected / kDoubt), false))
     prediction = predict_closely(triangulated, goals_, size_field(on, triangulated, gaps.get()), control_);
   limit_to_proportion(prediction);
   double sum = 0;
@@ -268,10 +268,10 @@ void GoalRefinement::change_floor() {
   goals_.min_edge_length = floors_.floor();
 }
 
-/// Returns whether there is another floor to be tried after so many faces, and takes it.
-bool GoalRefinement::needs_other_floor(std::uint64_t faces) {
+/// Returns whether there is another floor to be tried after so many faces or such angles, and takes it.
+bool GoalRefinement::needs_other_floor(std::uint64_t faces, bool are_angles_worse) {
   if (!is_floor_automatic() || needs_budget_) return false;
-  if (faces > goals_.faces_without_floor) {
+  if (faces > goals_.faces_without_floor || are_angles_worse) {
     if (!floors_.may_go_on()) return false;
     change_floor();
     return true;
@@ -345,9 +345,9 @@ double GoalRefinement::predict_with(const Goals& goals, const PatchedSurface& on
   return predict(sizes_for(goals, gaps.get(), 0, on, triangulated, effort_.size_steps(), control_));
 }
 
-bool GoalRefinement::is_over_budget(std::uint64_t faces) {
+bool GoalRefinement::is_over_budget(std::uint64_t faces, bool are_angles_worse) {
   const bool is_any_refined = has_goals() && std::find(frozen_.begin(), frozen_.end(), 0) != frozen_.end();
-  if (is_any_refined && needs_other_floor(faces)) {
+  if (is_any_refined && needs_other_floor(faces, are_angles_worse)) {
     effort_.give_back_last();
     return true;
   }

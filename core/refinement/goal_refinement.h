@@ -74,6 +74,8 @@ class GoalRefinement {
   void set_angle_margin(double degrees) { angle_margin_ = degrees; }
   /// Returns the number of faces that was predicted to be told to users.
   std::uint64_t predicted_faces() const { return static_cast<std::uint64_t>(std::min(predicted_.expected, 0x1p62)); }
+  /// Returns whether edges must not be shorter than a floor that was found, and that another attempt may raise.
+  bool has_found_floor() const { return goals_.min_edge_length > asked_floor_ && may_change_floor(); }
   /// Returns the smallest distance from a facet to another that is not its neighbour, in model units. It is known only
   /// with goals.proximity, and not if the search for it was cut short.
   std::optional<double> smallest_gap() const { return sizes_.smallest_gap; }
@@ -120,13 +122,14 @@ class GoalRefinement {
   const IdVector<PatchId, std::uint8_t>& frozen() const { return frozen_; }
 
   /// Returns whether a result with so many faces needs another attempt, and adapts the budget for that attempt. Or it
-  /// adapts the floor under the lengths of edges, if the faces are out of proportion (Goals::faces_without_floor) or a
-  /// lower floor may serve as well. The first attempt has no budget as long as it does not make far more triangles than
-  /// allowed: many of them are removed when patches are thinned out, so they are no reason to leave anything undone.
+  /// adapts the floor under the lengths of edges, if the faces are out of proportion (Goals::faces_without_floor), if
+  /// the floor leaves worse angles than there were before, or if a lower floor may serve as well. The first attempt has
+  /// no budget as long as it does not make far more triangles than allowed: many of them are removed when patches are
+  /// thinned out, so they are no reason to leave anything undone.
   /// The next attempt may exceed its budget by cuts that patches have to make because their neighbours made them, by
   /// points in chords, or by cuts for sizes alone. Then the attempt after it gets a smaller budget. If that does not
   /// help, or not soon enough, nothing is refined.
-  bool is_over_budget(std::uint64_t faces);
+  bool is_over_budget(std::uint64_t faces, bool are_angles_worse);
 
   /// Freezes patches whose refinement failed the check: they stay as they were before it. Returns whether any of them
   /// was not frozen before.
@@ -206,7 +209,7 @@ class GoalRefinement {
   bool is_floor_automatic() const;
   bool may_change_floor() const;
   void change_floor();
-  bool needs_other_floor(std::uint64_t faces);
+  bool needs_other_floor(std::uint64_t faces, bool are_angles_worse);
   void limit_to_proportion(Prediction& prediction) const;
   void refuse_if_hopeless(double least) const;
   bool is_worth_trying_without_budget() const;

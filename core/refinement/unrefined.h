@@ -1,6 +1,7 @@
 /// Finds the triangles that do not meet the goals of a refinement.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -34,6 +35,29 @@ struct UnrefinedFaces {
 UnrefinedFaces find_unrefined(std::span<const Vec3> positions, std::span<const Triangle> faces,
                               std::span<const UnrefinedReason> reason, std::span<const std::uint8_t> misses_sizes,
                               const Goals& goals, RunControl& control);
+
+/// How many triangles have an angle below a bound, and the least of their angles, in degrees.
+struct SmallAngles {
+  std::uint64_t count = 0;
+  double least_deg = 180;
+
+  void add(const SmallAngles& other) {
+    count += other.count;
+    least_deg = std::min(least_deg, other.least_deg);
+  }
+  /// Takes the larger count and the smaller angle of both.
+  void take_worse(const SmallAngles& other) {
+    count = std::max(count, other.count);
+    least_deg = std::min(least_deg, other.least_deg);
+  }
+  bool are_worse_than(const SmallAngles& other) const { return count > other.count || least_deg < other.least_deg; }
+};
+
+/// Finds the triangles with an angle below the bound. `corners` has three for each triangle.
+/// Errors: kCancelled, kTimeout - asked to stop through `control`.
+/// Cost:   O(faces).
+SmallAngles small_angles(std::span<const Vec3> positions, std::span<const VertexId> corners, double bound_deg,
+                         RunControl& control);
 
 /// Groups by reason the triangles that find_unrefined found. For each reason, counts the triangles and lists the
 /// centroids of the first ones. What a floor leaves that `goals` found for themselves counts as kSizeFloor.

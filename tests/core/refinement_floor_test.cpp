@@ -132,16 +132,60 @@ PolygonMesh prism_of_many_widths(int sides, double factor, double height) {
   return shapes::prism(outline, height);
 }
 
-TEST(refinement_floor, half_of_the_faces_are_made_where_a_floor_leads_to_as_many) {
-  // When the floor is doubled from attempt to attempt, these prisms get 54, 126 and 1,036 faces.
+/// Returns whether a surface has more triangles below the default bound on angles than another, or a smaller least
+/// angle.
+bool has_worse_angles(const TriangleMesh& mesh, const TriangleMesh& other) {
+  const double least = smallest_angle_deg(mesh);
+  if (faces_beyond(mesh, bounds_of({})).size() > faces_beyond(other, bounds_of({})).size()) return true;
+  return least < 25 && least < smallest_angle_deg(other) * (1 - 1e-9);
+}
+
+TEST(refinement_floor, a_lower_one_leads_to_too_many_faces_or_to_worse_angles) {
   for (const PolygonMesh& mesh :
        {prism_of_many_widths(6, 0.9, 300), prism_of_many_widths(24, 0.9, 300), prism_of_many_widths(16, 0.9, 60)}) {
+    Options options;
+    options.refine = false;
+    const TriangleMesh before = refined(mesh, options).mesh;
     const Result result = refined(mesh);
     EXPECT_TRUE(result.report.verified.all_true());
-    EXPECT_GT(result.report.min_edge_length, 0);
     EXPECT_LE(result.mesh.faces.size(), in_proportion(mesh));
-    EXPECT_GE(result.mesh.faces.size(), in_proportion(mesh) / 2);
+    EXPECT_FALSE(has_worse_angles(result.mesh, before));
+    ASSERT_GT(result.report.min_edge_length, 0);
+    options = {};
+    options.min_edge_length = 0.9 * result.report.min_edge_length;
+    const TriangleMesh lower = refined(mesh, options).mesh;
+    EXPECT_TRUE(lower.faces.size() > in_proportion(mesh) || has_worse_angles(lower, before));
   }
+}
+
+/// The sheet of a nose whose strips become narrower towards its tip: a curve that is extruded by 1.
+PolygonMesh nose_of_strips(int strips, double power) {
+  PolygonMesh mesh;
+  for (int i = 0; i <= strips; ++i) {
+    const double s = 2.0 * i / strips - 1;
+    const Vec3 at{0.04 * std::copysign(std::pow(std::fabs(s), power), s), -0.05 * std::pow(std::fabs(s), power - 1), 0};
+    mesh.positions.push_back(at);
+    mesh.positions.push_back(at + Vec3{0, 0, 1});
+  }
+  for (int i = 0; i < strips; ++i)
+    for (const int k : {0, 1, 3, 0, 3, 2}) {
+      mesh.corners.push_back(VertexId(static_cast<std::size_t>(2 * i + k)));
+      if (mesh.corners.size() % 3 == 0) mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corners.size()));
+    }
+  return mesh;
+}
+
+TEST(refinement_floor, no_worse_angles_are_left_than_there_were) {
+  int floors = 0;
+  for (const int strips : {20, 40, 80})
+    for (const double power : {2.0, 3.0, 4.0}) {
+      const PolygonMesh mesh = nose_of_strips(strips, power);
+      const Result result = refined(mesh);
+      EXPECT_TRUE(result.report.verified.all_true());
+      EXPECT_FALSE(has_worse_angles(result.mesh, shapes::as_triangles(mesh))) << strips << " strips, " << power;
+      floors += result.report.min_edge_length > 0 ? 1 : 0;
+    }
+  EXPECT_GE(floors, 3);
 }
 
 TEST(refinement_floor, is_scaled_with_the_input) {

@@ -272,6 +272,18 @@ TEST_F(report_files, needles_beside_a_bore_do_not_make_a_result_out_of_proportio
   EXPECT_GT(report.min_edge_length, 0);
 }
 
+TEST_F(report_files, narrow_strips_do_not_get_worse_angles) {
+  for (const Options& options : usual_options()) {
+    const Report report = remeshed("narrow-strips.stl", Format::kStl, options);
+    EXPECT_TRUE(report.verified.all_true());
+    EXPECT_GE(report.output.quality.min_angle_deg, report.input.quality.min_angle_deg * (1 - 1e-9));
+    // All 80 triangles of the file have an angle below the bound.
+    std::uint64_t left = 0;
+    for (const Unrefined& unrefined : report.unrefined) left += unrefined.count;
+    EXPECT_LE(left, 80u);
+  }
+}
+
 TEST_F(report_files, a_pin_that_crosses_its_bore_asks_for_few_faces) {
   Options options;
   options.proximity = 0.25;
