@@ -525,6 +525,47 @@ TEST(surface_recognition, a_single_ring_is_a_cone_and_no_ball_and_the_disc_that_
   }
 }
 
+TEST(surface_recognition, a_few_corners_that_are_less_exact_do_not_divide_a_torus_into_cones) {
+  // A barrel of five rows. Programs compute points where surfaces meet less exactly than the others.
+  constexpr int kAround = 32, kRows = 5;
+  constexpr double kMiddle = -20, kTube = 30;
+  const auto barrel = [&](double off) {
+    std::vector<Vec3> positions;
+    std::vector<std::vector<std::uint32_t>> faces;
+    for (int i = 0; i <= kRows; ++i)
+      for (int k = 0; k < kAround; ++k) {
+        // Every eleventh corner of the first circle is off.
+        const double tube = kTube + (i == 0 && k % 11 == 0 ? off : 0);
+        const double t = 0.05 + 0.1 * i, rho = kMiddle + tube * std::cos(t), a = 2 * std::numbers::pi * k / kAround;
+        positions.push_back({rho * std::cos(a), rho * std::sin(a), tube * std::sin(t)});
+      }
+    std::vector<std::uint32_t> low, high;
+    for (std::uint32_t k = 0; k < kAround; ++k) {
+      const std::uint32_t next = (k + 1) % kAround;
+      for (std::uint32_t i = 0; i < kRows * kAround; i += kAround)
+        faces.push_back({i + k, i + next, i + next + kAround, i + k + kAround});
+      low.push_back(kAround - 1 - k);
+      high.push_back(kRows * kAround + k);
+    }
+    faces.push_back(low);
+    faces.push_back(high);
+    PolygonMesh mesh = shapes::from_lists(positions, faces);
+    for (Vec3& p : mesh.positions)
+      for (int axis = 0; axis < 3; ++axis) p[axis] = static_cast<float>(p[axis]);
+    return mesh;
+  };
+  double tolerance = 0;
+  const Claims exact = claims_of(barrel(0));
+  for (const RecognisedSurface& s : exact.surfaces())
+    if (s.shape.kind == SurfaceKind::kTorus) tolerance = s.tolerance;
+  ASSERT_GT(tolerance, 0);
+  for (const double part : {0.0, 0.5, 0.7}) {
+    const Claims claims = claims_of(barrel(part * tolerance));
+    for (std::uint32_t f = 0; f < kRows * kAround; ++f)
+      EXPECT_EQ(claims.kind_of(FaceId(f)), SurfaceKind::kTorus) << part;
+  }
+}
+
 TEST(surface_recognition, an_ogive_is_remeshed_as_a_torus_whose_middle_lies_beyond_the_axis) {
   constexpr int kAround = 32, kRings = 10;
   constexpr double kMiddle = -30, kTube = 40;
