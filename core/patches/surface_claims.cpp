@@ -64,6 +64,10 @@ constexpr double kSoftBorder = 4, kAlikeArea = 4, kMaxSoft = 0.15;
 /// as far is honest, but facets at the ends of a surface have too few neighbours to explain themselves.
 constexpr double kMaxUnexplained = 1.5;
 
+/// A cone lies on the corners of a sphere as well as the sphere does if it is farther from them by no more than this
+/// factor and this many tolerances.
+constexpr double kAsNear = 2, kAsNearTolerances = 0.1;
+
 /// The smallest numbers of facets that are believed.
 std::size_t min_facets(SurfaceKind kind) { return kind == SurfaceKind::kTorus ? 6 : 4; }
 
@@ -93,6 +97,51 @@ bool has_enough_rings(std::span<const Vec3> points, const AnalyticSurface& torus
     return circles;
   };
   return count(around_tube) >= kMinRings && count(along_tube) >= kMinRings - 2;
+}
+
+/// Returns the mean of a facet's corners.
+Vec3 mean_corner_of(const FacetGraph& graph, PatchId p) {
+  Vec3 sum;
+  int count = 0;
+  graph.for_each_corner(p, [&](const Vec3& q) {
+    sum += q;
+    ++count;
+  });
+  return (1.0 / std::max(1, count)) * sum;
+}
+
+/// Returns whether the corners of a sphere's facets lie as near to a cylinder or a cone, as those of a single ring of
+/// facets do: there is a sphere through any two circles about one axis.
+/// Input: the corners.
+bool is_ring(const FacetGraph& graph, const SurfaceClaim& sphere, std::span<const Vec3> points,
+             const RunControl& control) {
+  // A disc that closes a ring has its corners on the ring's circle, but it is no piece of the cone.
+  constexpr std::size_t kMaxCorners = 4;
+  std::vector<FacetPlace> places;
+  for (const PatchId p : sphere.facets)
+    if (graph.may_be_seed(p) && graph.corner_count(p) <= kMaxCorners)
+      places.push_back({mean_corner_of(graph, p), graph.normal(p)});
+  const double near =
+      std::min(sphere.tolerance, std::max(kAsNear * sphere.deviation, kAsNearTolerances * sphere.tolerance));
+  const auto fits_all = [&](const std::optional<AnalyticSurface>& guess) {
+    const auto fitted = guess ? fit_from(*guess, points, {.control = &control}) : std::nullopt;
+    return fitted && std::all_of(points.begin(), points.end(),
+                                 [&](const Vec3& p) { return std::fabs(fitted->distance(p)) <= near; });
+  };
+  return fits_all(guess_cylinder(points, places)) || fits_all(guess_cone(points, places));
+}
+
+/// Removes facets whose corners are all at one height above a cone's apex, like a disc that closes it.
+void drop_cross_sections(const FacetGraph& graph, const AnalyticSurface& cone, double tolerance,
+                         std::vector<PatchId>& members) {
+  std::erase_if(members, [&](PatchId p) {
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    graph.for_each_corner(p, [&](const Vec3& q) {
+      low = std::min(low, dot(q, cone.axis));
+      high = std::max(high, dot(q, cone.axis));
+    });
+    return high - low <= 2 * tolerance;
+  });
 }
 
 }  // namespace
@@ -167,15 +216,7 @@ class ClaimGrower::Gauge {
 ClaimGrower::ClaimGrower(const FacetGraph& graph, RunControl& control)
     : graph_(graph), control_(control), check_(control), taken_(graph.size(), Taken::kFree), mark_(graph.size(), 0) {}
 
-FacetPlace ClaimGrower::place_of(PatchId p) const {
-  Vec3 sum;
-  int count = 0;
-  graph_.for_each_corner(p, [&](const Vec3& q) {
-    sum += q;
-    ++count;
-  });
-  return {(1.0 / std::max(1, count)) * sum, graph_.normal(p)};
-}
+FacetPlace ClaimGrower::place_of(PatchId p) const { return {mean_corner_of(graph_, p), graph_.normal(p)}; }
 
 bool ClaimGrower::fits(const Gauge& gauge, PatchId p, double tolerance, int side) {
   work_ += kWorkOfTest;
@@ -424,6 +465,8 @@ bool ClaimGrower::is_explained(const SurfaceClaim& claim) const {
 std::optional<SurfaceClaim> ClaimGrower::conclude(AnalyticSurface shape, int side, std::vector<PatchId> members) {
   constexpr int kMaxFits = 4;
   for (int i = 0; i < kMaxFits; ++i) {
+    if (shape.kind == SurfaceKind::kCone) drop_cross_sections(graph_, shape, tolerance_, members);
+    if (members.size() < min_facets(shape.kind)) return std::nullopt;
     const double chord_height = drop_uneven(shape, members);
     if (members.size() < min_facets(shape.kind)) return std::nullopt;
     vertices_.clear();
@@ -439,15 +482,17 @@ std::optional<SurfaceClaim> ClaimGrower::conclude(AnalyticSurface shape, int sid
     sort_stoppable(points_.begin(), points_.end(), control_);
     if (shape.kind == SurfaceKind::kTorus && !has_enough_rings(points_, shape, tolerance_, control_))
       return std::nullopt;
-    work_ += 2 * kWorkOfFit * points_.size();
+    work_ += (shape.kind == SurfaceKind::kSphere ? 4 : 2) * kWorkOfFit * points_.size();
     const std::optional<AnalyticSurface> near = fit_from(shape, points_, {.control = &control_});
     const auto best = near ? fit_from(*near, points_, {.is_canonical = true, .control = &control_}) : std::nullopt;
     if (!best) return std::nullopt;
     shape = *best;
+    // A torus whose tube has its middle on the axis is a sphere.
+    if (shape.kind == SurfaceKind::kTorus && !(std::fabs(shape.radius) > tolerance_)) return std::nullopt;
     const std::size_t before = members.size();
     trim(shape, tolerance_, side, members);
     if (members.size() == before) {
-      SurfaceClaim claim{shape, side, std::move(members), tolerance_, {}, 0, 0, true, chord_height, {}};
+      SurfaceClaim claim{shape, side, std::move(members), tolerance_, {}, 0, 0, false, true, chord_height, {}};
       claim.is_explained = is_explained(claim);
       const Gauge gauge(shape);
       std::size_t close = 0;
@@ -456,7 +501,10 @@ std::optional<SurfaceClaim> ClaimGrower::conclude(AnalyticSurface shape, int sid
         claim.deviation = std::max(claim.deviation, d);
         if (d <= kCloseClaim * tolerance_) ++close;
       }
+      if (shape.kind == SurfaceKind::kSphere && claim.is_explained)
+        claim.is_explained = !is_ring(graph_, claim, points_, control_);
       const double part = static_cast<double>(close) / static_cast<double>(points_.size());
+      claim.is_clear = part >= kCloseOfFew;
       const bool is_clear = part >= (claim.facets.size() < kManyFacets ? kCloseOfFew : kCloseOfMany);
       if ((is_doubtful_ || !is_clear) && goes_on_beyond(gauge, claim)) return std::nullopt;
       for (const PatchId p : claim.facets) claim.area += graph_.area(p);

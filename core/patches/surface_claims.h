@@ -28,6 +28,7 @@ struct SurfaceClaim {
   std::vector<Vec2> profile;  ///< only a surface of revolution has one, see RecognisedSurface
   double area = 0;            ///< sum of the facets' areas
   double deviation = 0;       ///< largest distance of a corner from the surface
+  bool is_clear = false;      ///< nearly all corners are so near to the surface that rounding alone explains them
   bool is_explained = true;   ///< the turns between the facets explain how far they are from the surface
   double chord_height = 0;    ///< the facets' distance from the surface: the mean of their largest ones, by area
   std::vector<SurfaceClaim>

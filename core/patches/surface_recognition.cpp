@@ -15,6 +15,7 @@
 #include "core/patches/facet_graph.h"
 #include "core/patches/loose_claims.h"
 #include "core/patches/surface_bands.h"
+#include "core/patches/surface_bends.h"
 #include "core/patches/surface_claims.h"
 #include "core/patches/surface_islands.h"
 #include "core/patches/surface_records.h"
@@ -30,8 +31,9 @@ constexpr double kMuchLarger = 1.3, kMuchLargerIfDoubtful = 6;
 /// A facet is no seed any more if this many surfaces were given up that had come to it.
 constexpr std::uint8_t kMaxAttempts = 3;
 
-/// A claim is close if all of its corners are within this many tolerances of its surface. Only close claims are tried
-/// together with their neighbours.
+/// A claim is close if all of its corners are within this many tolerances of its surface, or if rounding alone explains
+/// nearly all of them: programs compute points where two surfaces meet less exactly than the others. Only close claims
+/// are tried together with their neighbours.
 constexpr double kCloseFit = 0.4;
 
 /// Corners may be off their surface by this part of the chord height that the turn between two facets implies.
@@ -84,6 +86,7 @@ class Recogniser {
     claim_ruled(seeds);
     claim_clusters(seeds);
     join_bands(graph_, table_, control_);
+    drop_bends(graph_, table_, control_);
     drop_islands(graph_, table_, control_);
     return take_claims();
   }
@@ -208,7 +211,9 @@ class Recogniser {
   }
 
   /// Returns whether a claim fits so well that it may be a piece of something larger that fits as well.
-  bool is_close(const SurfaceClaim& claim) const { return claim.deviation <= kCloseFit * claim.tolerance; }
+  bool is_close(const SurfaceClaim& claim) const {
+    return claim.is_clear || claim.deviation <= kCloseFit * claim.tolerance;
+  }
 
   void replace_band(std::uint32_t c) {
     if (is_exhausted()) return;

@@ -360,6 +360,7 @@ std::string add_swept(DrawnBody& body, Random& random, int most_facets) {
   std::string part;
   const double first = random.uniform(0, 1);
   const auto around = [n, first](double i) { return 2 * kPi * (i + first) / n; };
+  const bool is_coarse = 2 * kPi / n > kFeatureTurn;
   if (kind == 0) {
     part = "hose";
     count = random.integer(8, 48);
@@ -371,7 +372,7 @@ std::string add_swept(DrawnBody& body, Random& random, int most_facets) {
       const Vec3 up{1, 0, 0}, side = cross(along, up);
       return Vec3{0, wave * std::sin(a), length * t} + r * std::cos(around(i)) * up + r * std::sin(around(i)) * side;
     };
-    s = body.surface({}, part, r * (1 - std::cos(kPi / n)));
+    s = body.surface({}, is_coarse ? coarse_name(part) : part, r * (1 - std::cos(kPi / n)));
   } else if (kind == 1) {
     part = "elbow";
     const double ring = random.uniform(1.3, 5) * r, sweep = random.uniform(30, 300) * kPi / 180;
@@ -392,9 +393,14 @@ std::string add_swept(DrawnBody& body, Random& random, int most_facets) {
       const double t = k / last, d = r * (1 + t * bump * std::cos(4 * around(i)) + 0.1 * t * t);
       return Vec3{d * std::cos(around(i)), d * std::sin(around(i)), length * t};
     };
-    s = body.surface({}, part, r * (1 - std::cos(kPi / n)));
+    s = body.surface({}, is_coarse ? coarse_name(part) : part, r * (1 - std::cos(kPi / n)));
   }
-  const auto [low, high] = body.sweep(n, count, at, s);
+  // Facets that turn by more than the feature angle meet in edges, so the true surface runs straight between these.
+  const auto between_edges = [&](double i, double k) {
+    const double low = std::floor(i), part = i - low;
+    return part == 0 ? at(i, k) : (1 - part) * at(low, k) + part * at(low + 1, k);
+  };
+  const auto [low, high] = body.sweep(n, count, is_coarse ? std::function<Vec3(double, double)>(between_edges) : at, s);
   if (kind == 2) {
     body.plane(low, {}, false);
     body.plane(high, {}, true);
