@@ -197,45 +197,46 @@ class Verification::Tests {
  private:
   void test_surface() {
     // Output vertices get the surface's vertex numbers by exact coordinates.
-    model_ = make_model(claim_, faults_, control_);
+    model_.emplace(make_model(claim_, faults_, control_));
+    const Model& model = *model_;
     control_.progress(0.2);
 
     // This checks the faces that were made of the input's polygons.
-    check_polygons(claim_, model_, faults_, control_);
+    check_polygons(claim_, model, faults_, control_);
 
     // This finds the faces that use each edge, before and after.
     std::optional<EdgeTable> edges_before;
     std::optional<BoundaryGraph> seams_before, seams_after;
     const auto look_at = [&](const Faces& faces, std::span<const std::uint32_t> order, std::optional<EdgeTable>& edges,
                              std::optional<BoundaryGraph>& seams) {
-      edges.emplace(model_.points.size(), faces, order, control_);
-      seams.emplace(model_.points.size(), edges->take_bounding(), control_);
+      edges.emplace(model.points.size(), faces, order, control_);
+      seams.emplace(model.points.size(), edges->take_bounding(), control_);
     };
     // The input is mostly the larger one. It is read on this thread, whose memory comes from where all the rest was.
-    do_all([&] { look_at(model_.output, {}, output_edges_, seams_after); },
-           [&] { look_at(model_.input, claim_.surface_edge_order, edges_before, seams_before); });
+    do_all([&] { look_at(model.output, {}, output_edges_, seams_after); },
+           [&] { look_at(model.input, claim_.surface_edge_order, edges_before, seams_before); });
     seams_.emplace(*std::move(seams_before), *std::move(seams_after));
-    check_caps(claim_, model_, *edges_before, faults_, control_);
+    check_caps(claim_, model, *edges_before, faults_, control_);
     control_.progress(0.6);
 
     // This checks that loops are preserved and edges conform.
-    const Boundary boundary = check_boundary(model_, *seams_, faults_, control_);
+    const Boundary boundary = check_boundary(model, *seams_, faults_, control_);
     control_.progress(0.8);
 
     // This checks that each patch is the same piece of surface and that its triangles are sound.
     std::vector<std::uint8_t> is_positive;
     const ShapeSums shapes =
-        check_shapes(model_, *edges_before, *seams_, boundary, is_positive, verdict_.patch_bounds, faults_, control_);
-    verdict_.deviation = shapes.deviation / model_.scale;
-    for (double& bound : verdict_.patch_bounds) bound /= model_.scale;
+        check_shapes(model, *edges_before, *seams_, boundary, is_positive, verdict_.patch_bounds, faults_, control_);
+    verdict_.deviation = shapes.deviation / model.scale;
+    for (double& bound : verdict_.patch_bounds) bound /= model.scale;
     verdict_.distance_bound = {verdict_.deviation, verdict_.deviation};
     // The minimum keeps the bound finite for a model near the largest double, as its volume is.
-    verdict_.volume_bound = std::min(std::ldexp(shapes.volume_bound, -3 * std::ilogb(model_.scale)), DBL_MAX);
+    verdict_.volume_bound = std::min(std::ldexp(shapes.volume_bound, -3 * std::ilogb(model.scale)), DBL_MAX);
     control_.progress(0.9);
 
-    DelaunayCheck(model_, *output_edges_, is_positive).run(faults_, control_);
+    DelaunayCheck(model, *output_edges_, is_positive).run(faults_, control_);
     check_intersections(claim_, is_positive, faults_, verdict_, control_);
-    check_whole(model_, edges_before->counts(), boundary.input_vertices, output_edges_->counts(), shapes, faults_,
+    check_whole(model, edges_before->counts(), boundary.input_vertices, output_edges_->counts(), shapes, faults_,
                 control_);
   }
 
@@ -246,8 +247,8 @@ class Verification::Tests {
       return;
     }
     std::optional<VaryingSizes> sizes;
-    if (do_sizes_vary) sizes.emplace(claim_, model_, seams_->input, seams_->output, control_);
-    check_goals(refinement, model_, *output_edges_, seams_->output, sizes ? &*sizes : nullptr, faults_, control_);
+    if (do_sizes_vary) sizes.emplace(claim_, *model_, seams_->input, seams_->output, control_);
+    check_goals(refinement, *model_, *output_edges_, seams_->output, sizes ? &*sizes : nullptr, faults_, control_);
   }
 
   const Claim& claim_;
@@ -255,7 +256,7 @@ class Verification::Tests {
   FoundFaults faults_;
   Verdict verdict_;
   bool is_well_formed_ = false;
-  Model model_;
+  std::optional<Model> model_;
   std::optional<EdgeTable> output_edges_;
   std::optional<Seams> seams_;
 };
