@@ -26,16 +26,16 @@ MACHINE = {"--workers", "--max-running", "--queue-size", "--memory-budget"}
 # These flags of the daemon are no settings, since they end it.
 ENDING = {"--help", "--version", "--print-config", "--check-config"}
 # These are flags of other programs: curl, tsc, docker.
-FOREIGN = {"--data-binary", "--noEmit", "--rm", "--scale"}
+FOREIGN = {"--data-binary", "--fail-with-body", "--noEmit", "--rm", "--scale"}
 # These variables are read by `docker/` or by tests, or are options of CMake.
 OTHER_VARIABLES = {"REMESHD_API_KEY", "REMESHD_CORPUS", "REMESHD_DOMAIN", "REMESHD_REQUIRE_CORPUS", "REMESHD_TESTS",
                    "REMESHD_UNITY", "REMESHD_UPSTREAM", "REMESHD_WEB", "REMESHD_WERROR"}
-# Numbers of faces in documents: where they stand, as a pattern whose group is the number, and which run has as many. A run is
-# a mesh and the options of `remesh`; without options it is the mesh itself. White space in a pattern stands for any.
+# Numbers of faces in documents. A pattern tells where they stand; its group is the number, and its spaces stand for any
+# white space. The run that must have as many faces is a mesh and options of `remesh`, or without options the mesh itself.
 BRACKET = "tests/data/bracket.obj"
 FACES = (
     ("README.md", r"before and after: ([\d,]+) irregular triangles", (BRACKET,)),
-    ("README.md", r"irregular triangles, and ([\d,]+) with 16 edges per full turn", (BRACKET, "--elements-per-circle=16")),
+    ("README.md", r"triangles, and ([\d,]+) with 16 edges per full turn", (BRACKET, "--elements-per-circle=16")),
     ("core/README.md", r"one bracket, ([\d,]+) triangles", (BRACKET,)),
 )
 failures = []
@@ -320,8 +320,8 @@ def check_wishes(daemon, capabilities):
         if refusal:
             failures.append(f"README.md, {query}: {refusal}")
     literals = set(re.findall(r"\"([a-z_]+)\"", "\n".join(sources(folder) for folder in ("core", "api", "server"))))
-    for code in [span for row in refusals for span in code_spans(" ".join(row)) if re.fullmatch(r"[a-z]+(_[a-z]+)+", span)]:
-        if code not in literals | names:
+    for code in [span for row in refusals for span in code_spans(" ".join(row))]:
+        if re.fullmatch(r"[a-z]+(_[a-z]+)+", code) and code not in literals | names:
             failures.append(f"README.md: there is no {code}")
 
 
@@ -348,7 +348,8 @@ def check_results(twin):
             if int(faces.replace(",", "")) != known[run]:
                 failures.append(f"{document}: {' '.join(run)} has {known[run]:,} faces, not {faces}")
 
-    blocks = re.findall(r"^```\w*\n(.*?)^```$", (ROOT / "api/README.md").read_text(encoding="utf-8"), re.MULTILINE | re.DOTALL)
+    text = (ROOT / "api/README.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"^```\w*\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
     told = [block for block in blocks if block.startswith(BRACKET)]
     found = subprocess.run([twin, "--analyze", BRACKET], check=True, capture_output=True, text=True, cwd=ROOT).stdout
     if told != [found]:
