@@ -204,17 +204,20 @@ class Judge {
       const std::size_t f = below(input_.face_count());
       // A face without area may be dropped, and a face that is not plane may be cut in several ways.
       if (input_.height(f) <= 2 * reach_ || input_.thickness(f) > reach_ || input_.has_spike(f, reach_)) continue;
-      if (is_listed(f, DiagnosticCode::kDuplicateFace)) continue;
+      if (may_be_listed(f, DiagnosticCode::kDuplicateFace)) continue;
       const Vec3 p = i % 2 == 0 ? input_.positions()[input_.face(f)[0]] : input_.sample(f, random_);
       furthest = std::max(furthest, output_.distance(p));
     }
     tell_distance("input to output", furthest);
   }
 
-  /// Returns whether diagnostics of a code name a face of the input. Both sides of a fin are dropped.
-  bool is_listed(std::size_t face, DiagnosticCode code) const {
+  /// Returns whether diagnostics of a code name a face of the input, or may mean it: no more than 100 faces are named.
+  /// Both sides of a fin are dropped.
+  bool may_be_listed(std::size_t face, DiagnosticCode code) const {
     return std::any_of(report_.diagnostics.begin(), report_.diagnostics.end(), [&](const Diagnostic& d) {
-      return d.code == code && std::find(d.elements.begin(), d.elements.end(), face) != d.elements.end();
+      const bool are_all_named = d.count <= d.elements.size();
+      return d.code == code &&
+             (!are_all_named || std::find(d.elements.begin(), d.elements.end(), face) != d.elements.end());
     });
   }
 
