@@ -387,7 +387,7 @@ std::optional<JobOutcome> JobRunner::work_on(Held& held) {
     api::Request request = unpack_request(held.claim.request);
     request.body = *input;
     running.is_computing = true;
-    api::KeptRemesh kept = operation_(request, settings_.limits, running.control);
+    api::StoredRemesh kept = operation_(request, settings_.limits, running.control);
     running.is_computing = false;
     metrics_.count_work(kept.done);
     held.done = std::move(kept.done);

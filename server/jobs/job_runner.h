@@ -29,7 +29,7 @@
 
 namespace remesh::server::jobs {
 
-using KeepOperation = std::function<api::KeptRemesh(const api::Request&, const api::Limits&, RunControl&)>;
+using KeepOperation = std::function<api::StoredRemesh(const api::Request&, const api::Limits&, RunControl&)>;
 
 struct RunnerSettings {
   std::string worker;  ///< the name of this process in the store and in the log
