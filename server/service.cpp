@@ -106,10 +106,8 @@ std::unique_ptr<jobs::JobService> Service::make_jobs() {
   settings.worker = new_request_id().substr(0, 12);
   settings.limits = work_limits_.api;
   settings.max_held = static_cast<std::size_t>(config_.max_running);
-  settings.max_attempts = config_.jobs.rules.max_attempts;
-  settings.lease = config_.jobs.rules.lease;
+  settings.rules = config_.jobs.rules;
   settings.job_timeout = config_.jobs.job_timeout;
-  settings.store_timeout = config_.jobs.rules.timeout;
   return std::make_unique<jobs::JobService>(std::move(store), config_.jobs, std::move(settings), pool_, registry_,
                                             memory_, metrics_, operations_.remesh_to_keep);
 }

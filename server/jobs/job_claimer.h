@@ -1,17 +1,10 @@
 /// Claims jobs from the store, in a thread of its own, whenever this process has room for another one.
 #pragma once
 
-#include <atomic>
-#include <cstdint>
 #include <functional>
-#include <memory>
-#include <optional>
-#include <string>
 #include <thread>
 
-#include "server/jobs/job_store.h"
 #include "server/jobs/lease_keeper.h"
-#include "server/work/memory_budget.h"
 
 namespace remesh::server::jobs {
 

@@ -1,18 +1,12 @@
 /// Writes the outcomes of jobs to the store, in a thread of its own, so that the next job need not wait for the store.
 #pragma once
 
-#include <atomic>
 #include <condition_variable>
 #include <deque>
 #include <functional>
-#include <memory>
-#include <mutex>
 #include <thread>
-#include <utility>
 
-#include "server/jobs/job_store.h"
 #include "server/jobs/lease_keeper.h"
-#include "server/observe/metrics.h"
 
 namespace remesh::server::jobs {
 

@@ -70,9 +70,7 @@ void JobRunner::stop() {
 
 void JobRunner::drop(const std::string& id) {
   for (const std::shared_ptr<ActiveJob>& job : leases_.jobs()) {
-    if (job->claim.id != id) continue;
-    job->is_lost = true;
-    job->running->cancel();
+    if (job->claim.id == id) job->lose();
   }
 }
 
@@ -164,16 +162,16 @@ bool JobRunner::pause_without_folder(const Claim& claim) {
     pauses_.erase(claim.id);
     return false;
   }
-  claimer_.pause_until(Clock::now() + settings_.lease);
+  claimer_.pause_until(Clock::now() + settings_.rules.lease);
   log::write(log::Level::kError, "a job's input is in a folder, but --blob-dir is missing; no jobs are claimed now",
-             {{"job", claim.id}, {"pause_s", std::chrono::duration<double>(settings_.lease).count()}});
+             {{"job", claim.id}, {"pause_s", std::chrono::duration<double>(settings_.rules.lease).count()}});
   return true;
 }
 
 std::optional<JobOutcome> JobRunner::outcome_of_failure(ActiveJob& job, std::exception_ptr failure) {
   using Eviction = RunningRequest::Eviction;
   if (job.is_lost) return std::nullopt;
-  const bool may_retry = job.claim.attempts < settings_.max_attempts;
+  const bool may_retry = job.claim.attempts < settings_.rules.max_attempts;
   try {
     std::rethrow_exception(failure);
   } catch (const Error& error) {

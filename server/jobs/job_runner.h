@@ -5,21 +5,10 @@
 #include <exception>
 #include <functional>
 #include <map>
-#include <memory>
-#include <mutex>
-#include <optional>
-#include <string>
 
-#include "api/service.h"
 #include "server/jobs/job_claimer.h"
 #include "server/jobs/job_committer.h"
-#include "server/jobs/job_settings.h"
-#include "server/jobs/job_store.h"
 #include "server/jobs/lease_keeper.h"
-#include "server/observe/metrics.h"
-#include "server/work/memory_budget.h"
-#include "server/work/request_registry.h"
-#include "server/work/worker_pool.h"
 
 namespace remesh::server::jobs {
 

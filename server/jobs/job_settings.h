@@ -33,12 +33,9 @@ struct RunnerSettings {
   std::string worker;  ///< the name of this process in the store and in the log
   api::Limits limits;
   std::size_t max_held = 1;  ///< jobs that this process works on at once
-  /// Attempts after which a job fails that repeatedly finds no memory or threads.
-  int max_attempts = StoreRules().max_attempts;
-  std::chrono::milliseconds lease = StoreRules().lease;  ///< renewed when a quarter of it has passed
+  StoreRules rules;          ///< a lease is renewed when a quarter of it has passed
   /// The longest time that the computation of one job may take.
   std::chrono::milliseconds job_timeout = JobSettings().job_timeout;
-  std::chrono::milliseconds store_timeout = StoreRules().timeout;
 };
 
 /// Finds the folder that `state_dir` means, and creates it if it is missing.

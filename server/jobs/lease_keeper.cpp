@@ -1,7 +1,6 @@
 #include "server/jobs/lease_keeper.h"
 
 #include <algorithm>
-#include <exception>
 
 #include "server/jobs/store_deadline.h"
 #include "server/observe/log.h"
@@ -14,27 +13,12 @@ constexpr std::chrono::milliseconds kMaxBetweenLooks{1000};
 }  // namespace
 
 void LeaseKeeper::start() {
-  renewals_.emplace(std::min(kMaxBetweenLooks, settings_.lease / 8), [this] { renew_all(); });
-}
-
-void LeaseKeeper::add(std::shared_ptr<ActiveJob> job) {
-  const std::lock_guard lock(mutex_);
-  jobs_.push_back(std::move(job));
-}
-
-void LeaseKeeper::remove(const std::shared_ptr<ActiveJob>& job) {
-  const std::lock_guard lock(mutex_);
-  jobs_.remove(job);
-}
-
-LeaseKeeper::Jobs LeaseKeeper::jobs() const {
-  const std::lock_guard lock(mutex_);
-  return jobs_;
+  renewals_.emplace(std::min(kMaxBetweenLooks, settings_.rules.lease / 8), [this] { renew_all(); });
 }
 
 void LeaseKeeper::renew_all() {
   // Where one row is locked, the others still get their turn.
-  const SharedStoreDeadline deadline(Clock::now() + settings_.store_timeout);
+  const SharedStoreDeadline deadline(Clock::now() + settings_.rules.timeout);
   return_late();
   for (const std::shared_ptr<ActiveJob>& job : jobs()) {
     if (job->started.load() <= Clock::now() - settings_.job_timeout) job->running->control.expire();
@@ -71,7 +55,7 @@ void LeaseKeeper::renew(ActiveJob& job) {
   if (job.is_lost || job.is_committing) return;
   const RunControl& control = job.running->control;
   const Progress now{std::string(stage_name(control.stage())), control.fraction()};
-  const bool is_due = Clock::now() - job.renewed >= settings_.lease / 4;
+  const bool is_due = Clock::now() - job.renewed >= settings_.rules.lease / 4;
   const bool has_moved = now.stage != job.told.stage || now.fraction != job.told.fraction;
   const Clock::time_point asked = Clock::now();
   if (is_due || has_moved ? store_.renew(job.claim, now) : store_.holds(job.claim)) {
@@ -81,8 +65,7 @@ void LeaseKeeper::renew(ActiveJob& job) {
   }
   if (job.is_committing) return;  // this claim itself has ended the job
   log::write(log::Level::kInfo, "job lost", {{"job", job.claim.id}, {"token", job.claim.token}});
-  job.is_lost = true;
-  job.running->cancel();
+  job.lose();
 }
 
 void LeaseKeeper::give_back(ActiveJob& job, JobStore::Attempt attempt, const char* reason,

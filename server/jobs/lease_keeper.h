@@ -2,18 +2,13 @@
 #pragma once
 
 #include <atomic>
-#include <cstdint>
 #include <list>
 #include <memory>
 #include <mutex>
-#include <optional>
-#include <string>
 #include <utility>
 #include <vector>
 
-#include "api/service.h"
 #include "server/jobs/job_settings.h"
-#include "server/jobs/job_store.h"
 #include "server/observe/metrics.h"
 #include "server/work/memory_budget.h"
 #include "server/work/periodic.h"
@@ -26,6 +21,12 @@ namespace remesh::server::jobs {
 struct ActiveJob {
   ActiveJob(Claim its_claim, RequestRegistry& registry)
       : claim(std::move(its_claim)), running(registry.add(new_request_id())) {}
+
+  /// Stops work on a job that is no longer this process's.
+  void lose() {
+    is_lost = true;
+    running->cancel();
+  }
 
   const Claim claim;
   const RequestRegistry::Entry running;
@@ -56,9 +57,18 @@ class LeaseKeeper {
   void start();
   void stop() { renewals_.reset(); }
 
-  void add(std::shared_ptr<ActiveJob> job);
-  void remove(const std::shared_ptr<ActiveJob>& job);
-  Jobs jobs() const;
+  void add(std::shared_ptr<ActiveJob> job) {
+    const std::lock_guard lock(mutex_);
+    jobs_.push_back(std::move(job));
+  }
+  void remove(const std::shared_ptr<ActiveJob>& job) {
+    const std::lock_guard lock(mutex_);
+    jobs_.remove(job);
+  }
+  Jobs jobs() const {
+    const std::lock_guard lock(mutex_);
+    return jobs_;
+  }
   /// Returns a job to the queue; if the store is away, later.
   /// Input: `memory` - as JobStore::give_back.
   void give_back(ActiveJob& job, JobStore::Attempt attempt, const char* reason,
