@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Does refinement end, and hold what it says, on every part? Refines all manifold surfaces below the given folders (an
-edge has one face or two) at several bounds on the angles, and writes a Markdown table to standard output: the faces in,
-predicted and out, the least angle, what is listed as unrefined and why, rounds, seconds, the peak of memory. What it is
+edge has one face or two) at several bounds on the angles, and writes a Markdown table to standard output: the faces in
+and out, the least angle, what is listed as unrefined and why, rounds, seconds, the peak of memory. What it is
 doing goes to standard error.
 
 The triangles below the bound are counted again from the output's coordinates: they must be as many as the listed ones.
@@ -43,7 +43,6 @@ class Row:
     part: str
     faces: int
     bound_deg: float
-    predicted: int = 0
     result: int = 0
     least_angle_deg: float = 0.0
     listed: dict = dataclasses.field(default_factory=dict)  # count by reason
@@ -105,7 +104,6 @@ def count_below(surface, degrees):
 
 def check(row, report, output):
     """Fills in the report, and what fails in words."""
-    row.predicted = report["predicted_faces"]
     row.result = report["output"]["faces"]
     row.least_angle_deg = report["output"]["quality"]["min_angle_deg"]
     row.listed = {entry["reason"]: entry["count"] for entry in report["unrefined"]}
@@ -147,9 +145,8 @@ def listed_text(listed):
 def cells_of(row):
     start = [row.part, str(row.faces), f"{row.bound_deg:g}"]
     if row.result == 0:
-        return start + [""] * 8 + [row.failure.replace("|", "\\|")]
+        return start + [""] * 7 + [row.failure.replace("|", "\\|")]
     return start + [
-        str(row.predicted),
         str(row.result),
         f"{row.least_angle_deg:.4g}",
         listed_text(row.listed),
@@ -162,7 +159,7 @@ def cells_of(row):
 
 
 def print_table(rows):
-    titles = ["part", "faces", "bound", "predicted", "result", "least angle", "listed", "rounds", "s", "MB", "verified"]
+    titles = ["part", "faces", "bound", "result", "least angle", "listed", "rounds", "s", "MB", "verified"]
     table = [titles + ["failure"]] + [cells_of(row) for row in rows]
     if not any(cells[-1] for cells in table[1:]):
         table = [cells[:-1] for cells in table]

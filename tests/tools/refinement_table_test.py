@@ -54,7 +54,6 @@ class Table(unittest.TestCase):
 
     def run_with(self, surface, listed, verified=True, program=None):
         report = {
-            "predicted_faces": 7,
             "refinement_rounds": 3,
             "output": {"faces": len(surface.faces), "quality": {"min_angle_deg": 12.5}},
             "unrefined": [{"reason": reason, "count": count} for reason, count in listed.items()],

@@ -63,9 +63,8 @@ std::vector<Member> members() {
 
 /// Expects that what the report predicts is right within the factor of the member.
 void expect_right(const Member& member, const Options& options) {
-  const Result result = refined(member.mesh, options);
-  const auto predicted = static_cast<double>(result.report.predicted_faces);
-  const auto made = static_cast<double>(result.mesh.faces.size());
+  const double predicted = predicted_faces(member.mesh, options);
+  const auto made = static_cast<double>(refined(member.mesh, options).mesh.faces.size());
   EXPECT_LE(std::fabs(std::log(predicted / made)), std::log(member.factor))
       << member.name << " at " << options.min_angle_deg.value_or(25) << " degrees: " << predicted << " instead of "
       << made;
@@ -103,9 +102,7 @@ TEST(close_prediction, it_is_the_same_for_any_number_of_threads) {
     if (member.name == "fan") continue;  // it takes long
     Options options = with_angle(25);
     options.proximity = 0.5;
-    EXPECT_EQ(refined(member.mesh, options, 1).report.predicted_faces,
-              refined(member.mesh, options, 4).report.predicted_faces)
-        << member.name;
+    EXPECT_EQ(predicted_faces(member.mesh, options, 1), predicted_faces(member.mesh, options, 4)) << member.name;
   }
 }
 
