@@ -85,10 +85,11 @@ class Scanner {
 }  // namespace
 
 std::size_t read_plain_vertices(std::string_view text, std::size_t begin, const ReadLimits& limits, RunControl& control,
-                                PolygonMesh& mesh) {
+                                PolygonMesh* mesh) {
   Scanner scanner(text, begin, control);
+  std::uint64_t vertices = 0;
   return scanner.read_array([&] {
-    if (mesh.vertex_count() >= limits.max_vertices) throw NotPlain();
+    if (vertices++ >= limits.max_vertices) throw NotPlain();
     Vec3 position;
     scanner.take('[');
     position.x = scanner.take_number();
@@ -97,25 +98,29 @@ std::size_t read_plain_vertices(std::string_view text, std::size_t begin, const 
     scanner.take(',');
     position.z = scanner.take_number();
     scanner.take(']');
-    mesh.positions.push_back(position);
+    if (mesh != nullptr) mesh->positions.push_back(position);
   });
 }
 
 std::size_t read_plain_faces(std::string_view text, std::size_t begin, const ReadLimits& limits, RunControl& control,
-                             PolygonMesh& mesh) {
+                             PolygonMesh* mesh) {
   Scanner scanner(text, begin, control);
+  std::uint64_t faces = 0;
+  std::uint64_t corners = 0;
   return scanner.read_array([&] {
-    if (mesh.face_count() >= limits.max_faces) throw NotPlain();
+    if (faces++ >= limits.max_faces) throw NotPlain();
+    const std::uint64_t first = corners;
     scanner.take('[');
     for (;;) {
-      if (mesh.corners.size() >= PolygonMesh::kMaxCorners) throw NotPlain();
-      mesh.corners.emplace_back(scanner.take_index());
+      if (corners++ >= PolygonMesh::kMaxCorners) throw NotPlain();
+      const std::uint32_t index = scanner.take_index();
+      if (mesh != nullptr) mesh->corners.emplace_back(index);
       if (scanner.peek() == ']') break;
       scanner.take(',');
     }
     scanner.take(']');
-    if (mesh.corners.size() - mesh.face_begin.back() < 3) throw NotPlain();
-    mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corners.size()));
+    if (corners - first < 3) throw NotPlain();
+    if (mesh != nullptr) mesh->face_begin.push_back(static_cast<std::uint32_t>(corners));
   });
 }
 

@@ -51,6 +51,9 @@ class TrackedIterator {
 /// plain readers take a sixth of the time.
 enum class Arrays { kByEvents, kPlain };
 
+/// Says whether the mesh is built or its text is only checked.
+enum class Building { kMesh, kNothing };
+
 enum class Place { kRoot, kMesh, kVertices, kVertex, kFaces, kFace, kFaceGroups, kOptions, kOptionList };
 
 enum class Key { kMesh, kOptions, kVertices, kFaces, kFaceGroups, kUnknown };
@@ -79,7 +82,7 @@ struct Number {
 class Handler final : public nlohmann::json_sax<Json> {
  public:
   Handler(std::string_view text, const ReadLimits& limits, RunControl& control, OptionReader& options, Place root,
-          Arrays arrays)
+          Arrays arrays, Building building)
       : text_(text),
         at_(text.data()),
         end_(text.data() + text.size()),
@@ -87,7 +90,8 @@ class Handler final : public nlohmann::json_sax<Json> {
         control_(control),
         options_(options),
         root_(root),
-        arrays_(arrays) {}
+        arrays_(arrays),
+        building_(building) {}
 
   void run() { Json::sax_parse(TrackedIterator(&at_), TrackedIterator(&end_), this); }
 
@@ -151,6 +155,7 @@ class Handler final : public nlohmann::json_sax<Json> {
   OptionReader& options_;
   Place root_;
   Arrays arrays_;
+  Building building_;
 
   std::vector<Place> stack_;
   std::size_t skipped_depth_ = 0;  // nesting levels below an unknown key
@@ -329,10 +334,11 @@ void Handler::enter_child(bool is_object) {
 /// if the array were empty.
 void Handler::read_plain_array() {
   const auto here = static_cast<std::size_t>(at_ - text_.data());
+  PolygonMesh* const mesh = building_ == Building::kMesh ? &mesh_ : nullptr;
   if (stack_.back() == Place::kVertices) {
-    at_ = text_.data() + read_plain_vertices(text_, here, limits_, control_, mesh_);
+    at_ = text_.data() + read_plain_vertices(text_, here, limits_, control_, mesh);
   } else if (stack_.back() == Place::kFaces) {
-    at_ = text_.data() + read_plain_faces(text_, here, limits_, control_, mesh_);
+    at_ = text_.data() + read_plain_faces(text_, here, limits_, control_, mesh);
   }
 }
 
@@ -361,7 +367,7 @@ void Handler::open_vertex() {
 
 void Handler::close_vertex() {
   if (coordinate_count_ != 3) fail_value();
-  mesh_.positions.push_back({coordinates_[0], coordinates_[1], coordinates_[2]});
+  if (building_ == Building::kMesh) mesh_.positions.push_back({coordinates_[0], coordinates_[1], coordinates_[2]});
 }
 
 void Handler::open_face() {
@@ -395,6 +401,7 @@ void Handler::close_face() {
             "face " + number_text(face_count()) + " has " + number_text(std::uint64_t{corners}) +
                 " corners; it takes at least 3");
   }
+  if (building_ == Building::kNothing) return mesh_.corners.clear();
   mesh_.face_begin.push_back(static_cast<std::uint32_t>(mesh_.corners.size()));
 }
 
@@ -402,6 +409,7 @@ void Handler::add_face_group(const Number& read) {
   tick();
   const Number number = read.as_integer();
   if (!number.is_integer) fail_value();
+  if (building_ == Building::kNothing) return;
   LabelSet& groups = mesh_.labels.group;
   if (groups.of_face.size() >= limits_.max_faces) fail_shape("face_groups has more entries than a mesh may have faces");
   std::string name = number.text();
@@ -476,14 +484,18 @@ ReadResult Handler::take_mesh() {
   return result;
 }
 
-}  // namespace
+ReadResult read_document(std::string_view text, const ReadLimits& limits, RunControl& control, OptionReader& options,
+                         Arrays arrays, Building building) {
+  Handler handler(text, limits, control, options, Place::kRoot, arrays, building);
+  handler.run();
+  return building == Building::kMesh ? handler.take_mesh() : ReadResult();
+}
 
-ReadResult read_json(std::string_view text, const ReadLimits& limits, RunControl& control, OptionReader& options) {
+ReadResult read_plain_first(std::string_view text, const ReadLimits& limits, RunControl& control, OptionReader& options,
+                            Building building) {
   try {
     OptionReader plain_options = options;
-    Handler handler(text, limits, control, plain_options, Place::kRoot, Arrays::kPlain);
-    handler.run();
-    ReadResult result = handler.take_mesh();
+    ReadResult result = read_document(text, limits, control, plain_options, Arrays::kPlain, building);
     options = std::move(plain_options);
     return result;
   } catch (const NotPlain&) {
@@ -491,18 +503,35 @@ ReadResult read_json(std::string_view text, const ReadLimits& limits, RunControl
     // Unless it was cancelled, read everything again: the parser has not seen the arrays and misjudges its position.
     control.check();
   }
-  return read_json_by_events(text, limits, control, options);
+  return read_document(text, limits, control, options, Arrays::kByEvents, building);
+}
+
+bool is_of_mesh(Code code) {
+  return code == Code::kInvalidMesh || code == Code::kIndexOutOfRange || code == Code::kNonfiniteCoordinate ||
+         code == Code::kEmptyMesh || code == Code::kMeshTooLarge;
+}
+
+}  // namespace
+
+ReadResult read_json(std::string_view text, const ReadLimits& limits, RunControl& control, OptionReader& options) {
+  return read_plain_first(text, limits, control, options, Building::kMesh);
 }
 
 ReadResult read_json_by_events(std::string_view text, const ReadLimits& limits, RunControl& control,
                                OptionReader& options) {
-  Handler handler(text, limits, control, options, Place::kRoot, Arrays::kByEvents);
-  handler.run();
-  return handler.take_mesh();
+  return read_document(text, limits, control, options, Arrays::kByEvents, Building::kMesh);
+}
+
+void check_json_text(std::string_view text, const ReadLimits& limits, RunControl& control, OptionReader& options) {
+  try {
+    read_plain_first(text, limits, control, options, Building::kNothing);
+  } catch (const Error& error) {
+    if (!is_of_mesh(error.code)) throw;
+  }
 }
 
 void read_json_options(std::string_view text, RunControl& control, OptionReader& options) {
-  Handler handler(text, ReadLimits{}, control, options, Place::kOptions, Arrays::kByEvents);
+  Handler handler(text, ReadLimits{}, control, options, Place::kOptions, Arrays::kByEvents, Building::kMesh);
   handler.run();
 }
 

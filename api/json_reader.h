@@ -25,6 +25,14 @@ ReadResult read_json(std::string_view text, const ReadLimits& limits, RunControl
 ReadResult read_json_by_events(std::string_view text, const ReadLimits& limits, RunControl& control,
                                OptionReader& options);
 
+/// Checks a text that read_json is to read later, without building its mesh. The text must be JSON, and the options in
+/// it must be valid. The first error in the mesh itself ends the check and is not reported, since read_json will.
+/// Output:  options go to `options`.
+/// Holds:   it takes no memory but for the parser, which copies one string of the text at a time.
+/// Errors:  kMalformedJson - with the line; those of OptionReader::add.
+/// Cost:    as read_json.
+void check_json_text(std::string_view text, const ReadLimits& limits, RunControl& control, OptionReader& options);
+
 /// Reads an options object alone: {"plane_tolerance": 1e-5, "repair": ["degenerate"]}.
 /// Errors: kMalformedJson; kInvalidOption; those of OptionReader::add.
 void read_json_options(std::string_view text, RunControl& control, OptionReader& options);

@@ -233,7 +233,7 @@ Response run_analyze(const Request& request, const Limits& limits, RunControl& c
   return response;
 }
 
-KeptRemesh run_remesh_to_keep(const Request& request, const Limits& limits, RunControl& control) {
+StoredRemesh run_remesh_to_keep(const Request& request, const Limits& limits, RunControl& control) {
   control.enter(Stage::kRead);
   ParsedRequest parsed;
   parse_request(request, limits, control, parsed);
@@ -253,7 +253,7 @@ KeptRemesh run_remesh_to_keep(const Request& request, const Limits& limits, RunC
   kept.summary = summary_of(remeshed.result.report);
   kept.server_timing = server_timing(remeshed.times);
   kept.file_name = std::move(parsed.file_name);
-  KeptRemesh answer;
+  StoredRemesh answer;
   answer.report = report_text(remeshed.result.report);
   if (storage_of(format) != Storage::kDouble) kept.exact_report = answer.report;
   kept.result = std::move(remeshed.result);
@@ -280,42 +280,24 @@ KeptRemesh run_remesh_to_keep(const Request& request, const Limits& limits, RunC
   return answer;
 }
 
-void check_remesh(const Request& request, const Limits& limits) {
+bool check_remesh(const Request& request, const Limits& limits) {
   RunControl control;
   ParsedRequest parsed;
   // A compressed body is not looked at here, but later when it is read.
   Request head = request;
   if (is_compressed(request)) head.body = head.content_encoding = head.content_type = "";
   parse_request(head, limits, control, parsed);
-  check_job(parsed.job, limits);
-}
-
-bool has_json_mesh(const Request& request, const Limits& limits) {
-  if (is_compressed(request)) return false;
-  RunControl control;
-  ParsedRequest parsed;
-  parse_request(request, limits, control, parsed);
   const Job& job = parsed.job;
+  check_job(job, limits);
   return job.input_format ? *job.input_format == Format::kJson && !is_gzip(job.mesh)
                           : sniff_format(job.mesh) == Format::kJson;
 }
 
-void check_json(const Request& request, const Limits& limits) {
-  RunControl control;
+void check_json(const Request& request, const Limits& limits, RunControl& control) {
+  control.enter(Stage::kRead);
   ParsedRequest parsed;
   parse_request(request, limits, control, parsed);
-  try {
-    read_json(parsed.job.mesh, limits.input, control, parsed.job.options);
-  } catch (const Error& error) {
-    switch (error.code) {
-      case Code::kInvalidMesh:
-      case Code::kIndexOutOfRange:
-      case Code::kNonfiniteCoordinate:
-      case Code::kEmptyMesh:
-      case Code::kMeshTooLarge: break;
-      default: throw;
-    }
-  }
+  check_json_text(parsed.job.mesh, limits.input, control, parsed.job.options);
   check_job(parsed.job, limits);
 }
 

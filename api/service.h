@@ -76,28 +76,23 @@ Response run_remesh(const Request& request, const Limits& limits, RunControl& co
 Response run_analyze(const Request& request, const Limits& limits, RunControl& control);
 
 /// The result of a remeshing whose answer is fetched later, in any format. See result_archive.
-struct KeptRemesh {
+struct StoredRemesh {
   std::string mesh;    ///< the mesh in the format of result_archive
   std::string report;  ///< the report object as JSON
   WorkDone done;
 };
 /// Remeshes like run_remesh, but returns the result in the form to be stored.
 /// Errors: as run_remesh.
-KeptRemesh run_remesh_to_keep(const Request& request, const Limits& limits, RunControl& control);
+StoredRemesh run_remesh_to_keep(const Request& request, const Limits& limits, RunControl& control);
 /// Checks everything of a request to remesh that can be refused before its mesh is read: the options, the form and
 /// the media types.
+/// Output: true if the mesh is JSON that is not compressed, so that `check_json` can check more.
 /// Errors: as run_remesh.
-void check_remesh(const Request& request, const Limits& limits);
-/// True if the mesh is JSON that is not compressed, so that `check_json` can read it.
-/// Input: a request that check_remesh accepts.
-bool has_json_mesh(const Request& request, const Limits& limits);
-/// Checks a request whose mesh is JSON by reading all of it: the text must be JSON, and the options in it must be
-/// valid. Errors in the mesh itself are not looked for.
-/// Errors: kMalformedJson; those of options.
-/// Cost:   takes up to kCheckPerJsonByte bytes of memory for each byte of the body.
-void check_json(const Request& request, const Limits& limits);
-/// A number in JSON has at least two bytes, and takes eight as a coordinate. The arrays grow by doubling.
-inline constexpr std::uint64_t kCheckPerJsonByte = 10;
+bool check_remesh(const Request& request, const Limits& limits);
+/// Checks a request for which check_remesh gave true by reading all of its JSON, without building the mesh: the text
+/// must be JSON, and the options in it must be valid. Errors in the mesh itself are not reported.
+/// Errors: kMalformedJson; those of options; kCancelled, kTimeout - through `control`.
+void check_json(const Request& request, const Limits& limits, RunControl& control);
 /// Writes a stored result. The format is the one that `wanted` names by the option `format`, else by Accept, else the
 /// one that the job asked for. The option `local_origin` of `wanted` replaces the job's.
 /// Input:  `report` - returns the job's report; it is called only if the format contains the report.

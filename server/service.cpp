@@ -41,8 +41,6 @@ std::shared_ptr<RunningRequest> find_own(const RequestRegistry& registry, const 
   throw HttpError(404, "not_found", "no running request has this id");
 }
 
-HttpError draining() { return HttpError(503, "draining", "this server is about to stop"); }
-
 }  // namespace
 
 // This is the complete list of routes.
@@ -60,11 +58,11 @@ std::vector<Route> Service::routes() {
   list.push_back(
       {"POST", "/v1/remesh",
        [this](const Call& call) {
-         return makes_job(call.request) ? job_routes_.submit(call) : work(operations_.remesh, call);
+         return makes_job(call.request) ? job_routes_.submit(call) : run_in_pool(work_, operations_.remesh, call);
        },
        [this](const RequestHead& head) { return makes_job(head) ? job_routes_.admit(head) : admit_work(head); }});
-  list.push_back(
-      {"POST", "/v1/analyze", [this](const Call& call) { return work(operations_.analyze, call); }, work_body});
+  list.push_back({"POST", "/v1/analyze",
+                  [this](const Call& call) { return run_in_pool(work_, operations_.analyze, call); }, work_body});
   list.push_back({"GET", "/v1/requests/{id}", [this](const Call& call) { return show_request(call); }});
   list.push_back({"DELETE", "/v1/requests/{id}", [this](const Call& call) { return cancel_request(call); }});
   list.push_back({"GET", "/v1/requests/{id}/events", [this](const Call& call) { return follow_request(call); }});
@@ -81,13 +79,14 @@ Service::Service(const Config& config, Operations operations)
     : config_(config),
       operations_(std::move(operations)),
       work_limits_{config.limits, config.memory_budget},
+      work_{pool_, registry_, work_limits_},
       keys_(config.api_key_file, config.api_key),
       // Each request that waits for memory takes a connection, and others need some to look or to cancel.
       memory_(config.memory_budget, MemoryBudget::kPatience,
               std::max<std::size_t>(1, config.connections.max_connections / 4)),
       memory_watch_(memory_, registry_),
       jobs_(make_jobs()),
-      job_routes_({jobs_.get(), keys_, work_limits_, memory_, registry_, pool_, draining_}),
+      job_routes_({jobs_.get(), keys_, work_, memory_, draining_}),
       pool_(config.max_running, config.limits.queue, config.limits.workers),
       spool_(spool_folder(), config.max_spooled, config.memory_budget / 4),
       http_(routes(), http_settings()) {
@@ -107,10 +106,8 @@ std::unique_ptr<jobs::JobService> Service::make_jobs() {
   settings.worker = new_request_id().substr(0, 12);
   settings.limits = work_limits_.api;
   settings.max_held = static_cast<std::size_t>(config_.max_running);
-  settings.max_attempts = config_.jobs.rules.max_attempts;
-  settings.lease = config_.jobs.rules.lease;
+  settings.rules = config_.jobs.rules;
   settings.job_timeout = config_.jobs.job_timeout;
-  settings.store_timeout = config_.jobs.rules.timeout;
   return std::make_unique<jobs::JobService>(std::move(store), config_.jobs, std::move(settings), pool_, registry_,
                                             memory_, metrics_, operations_.remesh_to_keep);
 }
@@ -161,7 +158,6 @@ void Service::begin_drain() {
 
 void Service::stop() {
   begin_drain();
-  stopping_ = true;
   memory_.close();  // whoever waits for memory is answered while jobs are given back
   if (jobs_) jobs_->stop();
   registry_.cancel_all();
@@ -180,18 +176,6 @@ Admission Service::admit_work(const RequestHead& head) {
   // The length of a chunked body is unknown here. The queue checks its room again once the body has arrived.
   if (pool_.is_full(body.length)) throw overloaded(pool_);
   return {config_.limits.max_body, memory_.open_share()};
-}
-
-Response Service::work(const Operation& operation, const Call& call) {
-  if (stopping_) throw draining();  // its upload lasted until after the others were cancelled
-  try {
-    Response response = wrap(run_in_pool(pool_, registry_, work_limits_, operation, call.request, call.connection));
-    if (call.request.memory) call.request.memory->hold_answer(response.body.size());
-    return response;
-  } catch (const Error& error) {
-    if (stopping_ && error.code == Code::kCancelled) throw draining();
-    throw;
-  }
 }
 
 Response Service::show_contract(const Call& call) const {

@@ -75,7 +75,6 @@ class Service {
   /// The contract, with the URL of the server as the client sees it.
   Response show_contract(const Call& call) const;
   Response show_metrics() const;
-  Response work(const Operation& operation, const Call& call);
   Response readiness() const;
   Response show_request(const Call& call);
   Response cancel_request(const Call& call);
@@ -84,8 +83,8 @@ class Service {
   const Config config_;
   const Operations operations_;
   const WorkLimits work_limits_;
+  const Workplace work_;
   std::atomic<bool> draining_{false};
-  std::atomic<bool> stopping_{false};
   ApiKeys keys_;
   Metrics metrics_;
   RequestRegistry registry_;

@@ -19,4 +19,6 @@ HttpError out_of_memory() {
   return HttpError(503, "out_of_memory", "not enough memory for this request now: try again shortly");
 }
 
+HttpError draining() { return HttpError(503, "draining", "this server is about to stop"); }
+
 }  // namespace remesh::server

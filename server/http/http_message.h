@@ -106,5 +106,7 @@ HttpError body_too_large(std::uint64_t limit);
 HttpError never_fits(std::uint64_t limit);
 /// The error to throw for a request for which there is no memory now.
 HttpError out_of_memory();
+/// The error to throw for a request that comes, or is stopped, because the daemon is about to stop.
+HttpError draining();
 
 }  // namespace remesh::server

@@ -225,7 +225,7 @@ JobLinks JobRoutes::links_for(const Request& request) const {
 
 Admission JobRoutes::admit(const RequestHead& head) const {
   check_content_coding(head);
-  if (context_.draining) throw HttpError(503, "draining", "this server is about to stop");
+  if (context_.draining) throw draining();
   if (!jobs().is_well()) throw store_unavailable();
   // Where the folder of jobs is in memory, what is stored takes memory from all work.
   if (context_.memory.stored() > context_.memory.limit() / 2) {
@@ -235,21 +235,7 @@ Admission JobRoutes::admit(const RequestHead& head) const {
   if (jobs().is_full()) throw HttpError(503, "overloaded", "the queue of jobs is full: try again later");
   // The request only passes the body on to the store, which copies it, so each byte counts twice. Whoever claims the
   // job reserves the memory for the work.
-  return {context_.limits.api.max_body, context_.memory.open_share(/*per_byte=*/2)};
-}
-
-void JobRoutes::check(const api::Request& request, const Call& call) const {
-  api::check_remesh(request, context_.limits.api);
-  if (!api::has_json_mesh(request, context_.limits.api)) return;
-  // The request's own share grows. A second one would be a newcomer, which may have to wait for the request itself.
-  MemoryShare& memory = *call.request.memory;
-  const std::uint64_t held = memory.bytes();
-  const std::uint64_t wanted = held + api::kCheckPerJsonByte * request.body.size();
-  wait_for_memory(
-      memory, [&] { return memory.try_hold(wanted); }, call.request, call.connection,
-      end_of_waiting(call.request, context_.limits.memory_patience().of(request.body.size())));
-  api::check_json(request, context_.limits.api);
-  memory.hold_answer(held);
+  return {context_.work.limits.api.max_body, context_.memory.open_share(/*per_byte=*/2)};
 }
 
 Response JobRoutes::submit(const Call& call) const {
@@ -259,7 +245,7 @@ Response JobRoutes::submit(const Call& call) const {
   job.request = pack_request(kept);
   kept.body = request.body;
   job.idempotency = idempotency(request, kept);
-  check(kept, call);
+  if (api::check_remesh(kept, context_.work.limits.api)) check_in_pool(context_.work, api::check_json, call);
 
   if (request.body.size() > context_.memory.limit()) throw never_fits(context_.memory.limit());
   job.memory = std::max<std::uint64_t>(
@@ -342,12 +328,8 @@ Response JobRoutes::answer_from(const Operation& write, std::uint64_t memory, co
   memory = std::min(memory, context_.memory.limit());
   wait_for_memory(
       *call.request.memory, [&] { return call.request.memory->try_hold(memory); }, call.request, call.connection,
-      end_of_waiting(call.request, context_.limits.api.request_timeout));
-  Response response;
-  static_cast<api::Response&>(response) =
-      run_in_pool(context_.pool, context_.registry, context_.limits, write, call.request, call.connection);
-  call.request.memory->hold_answer(response.body.size());
-  return response;
+      end_of_waiting(call.request, context_.work.limits.api.request_timeout));
+  return run_in_pool(context_.work, write, call);
 }
 
 Response JobRoutes::result(const Call& call) const {

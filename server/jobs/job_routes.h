@@ -18,10 +18,8 @@ namespace remesh::server::jobs {
 struct JobContext {
   JobService* jobs = nullptr;  ///< null without a job store: every route then answers 501
   const ApiKeys& keys;
-  const WorkLimits& limits;
+  const Workplace work;
   MemoryBudget& memory;
-  RequestRegistry& registry;
-  WorkerPool& pool;
   const std::atomic<bool>& draining;
 };
 
@@ -44,10 +42,6 @@ class JobRoutes {
 
  private:
   JobService& jobs() const;
-  /// Checks what can be known of a request before it is worked on.
-  /// Input: `held` - the bytes that are reserved for the request already.
-  /// Errors: remesh::Error; HttpError - there is no memory for the check.
-  void check(const api::Request& request, const Call& call) const;
   JobRecord find_own(const Call& call) const;
   /// Input: `request` - must outlive the links.
   JobLinks links_for(const Request& request) const;

@@ -80,8 +80,6 @@ void JobService::start() {
   if (settings_.role != Role::kServe) runner_.start();
 }
 
-void JobService::begin_drain() { runner_.begin_drain(); }
-
 void JobService::stop() {
   if (std::exchange(is_stopped_, true)) return;
   store_->end_calls_at(Clock::now() + kLastCalls);
@@ -93,8 +91,6 @@ QueueStatistics JobService::statistics() const {
   const std::lock_guard lock(mutex_);
   return statistics_;
 }
-
-void JobService::wake() { runner_.wake(); }
 
 void JobService::remove(const std::string& id) {
   if (store_->cancel(id)) {

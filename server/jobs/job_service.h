@@ -28,7 +28,7 @@ class JobService {
 
   /// Errors: StoreUnusable.
   void start();
-  void begin_drain();
+  void begin_drain() { runner_.begin_drain(); }
   bool is_idle() const { return runner_.is_idle(); }
   void stop();
 
@@ -43,7 +43,7 @@ class JobService {
   /// The bytes of all inputs and results, as of some seconds ago.
   std::uint64_t stored_bytes() const { return stored_bytes_; }
   /// Tells the runner that a job was submitted here, so that it need not wait for the store to say so.
-  void wake();
+  void wake() { runner_.wake(); }
   /// Cancels a job in the store and here. If the job has ended already, its stored blobs are removed instead.
   void remove(const std::string& id);
 

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <string>
 
+#include "api/service.h"
 #include "server/jobs/job_store.h"
 
 namespace remesh::server::jobs {
@@ -25,6 +26,16 @@ struct JobSettings {
   std::chrono::milliseconds job_timeout{3'600'000};
   /// Jobs that may wait in the whole store. The limit is approximate, since each daemon counts for itself.
   std::int64_t max_queued = 100'000;
+};
+
+/// The settings of the part that works on jobs.
+struct RunnerSettings {
+  std::string worker;  ///< the name of this process in the store and in the log
+  api::Limits limits;
+  std::size_t max_held = 1;  ///< jobs that this process works on at once
+  StoreRules rules;          ///< a lease is renewed when a quarter of it has passed
+  /// The longest time that the computation of one job may take.
+  std::chrono::milliseconds job_timeout = JobSettings().job_timeout;
 };
 
 /// Finds the folder that `state_dir` means, and creates it if it is missing.

@@ -35,9 +35,7 @@ void wait_for_memory(MemoryShare& share, const std::function<bool()>& try_hold, 
   } const place(share, request);
   while (!try_hold()) {
     const MemoryBudget& budget = share.budget();
-    if (budget.is_closed()) {
-      throw HttpError(503, "draining", "this server is about to stop");
-    }
+    if (budget.is_closed()) throw draining();
     if (Clock::now() >= end || share.is_stuck()) throw out_of_memory();
     const auto pause = std::min(kMaxLook, kLook * static_cast<int>(1 + budget.waiting() / kUsualLine));
     // Until its body was read, what comes next belongs to it, and there is no memory for that.

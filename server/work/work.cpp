@@ -27,9 +27,9 @@ constexpr std::int64_t kMinRetry = 1;
 constexpr std::int64_t kMaxRetry = 300;
 
 /// The state that the connection's thread and the pool's thread share. Either may be the last to own it.
-class Job {
+class PoolTask {
  public:
-  Job(Request& request, const WorkLimits& limits, Operation operation, std::shared_ptr<RunningRequest> running)
+  PoolTask(Request& request, const WorkLimits& limits, Operation operation, std::shared_ptr<RunningRequest> running)
       : running_(std::move(running)),
         limits_(limits.api),
         operation_(std::move(operation)),
@@ -83,13 +83,12 @@ class Job {
     timing.queue = milliseconds_between(running_->start, *started_);
     timing.work = milliseconds_between(*started_, ended_);
   }
-  /// Gives the request its parts back, so that the work can be tried again.
+  /// Gives the request its parts back, so that more can be done with it. The body rests if the operation released it.
   /// Output: false if the work has not ended, so that it still uses them.
   bool give_back(Request& request) {
     const std::lock_guard lock(mutex_);
     if (!is_done_) return false;
     request.body = std::move(body_);
-    request.body.seal();
     request.query = std::move(input_.query);
     return true;
   }
@@ -125,45 +124,45 @@ class Job {
 
 /// Waits for a task that was told to stop.
 /// Errors: the remesh::Error of the stop, if the task does not end in time.
-api::Response wait_for_stop(Job& job, RunningRequest& running) {
+api::Response wait_for_stop(PoolTask& task, RunningRequest& running) {
   const Clock::time_point patience = Clock::now() + kStopPatience;
-  while (!job.is_done() && Clock::now() < patience) {
+  while (!task.is_done() && Clock::now() < patience) {
     running.changed.wait(patience);
     running.changed.clear();
   }
-  if (!job.is_done()) running.control.check();
-  return job.take_response();
+  if (!task.is_done()) running.control.check();
+  return task.take_response();
 }
 
 /// Waits until the task is done or must be stopped.
 /// Input: `last_start` - the latest time for its start; `end` - the latest time for its end, if it is tried again.
-api::Response wait_for(Job& job, RunningRequest& running, WorkerPool& pool, WorkerPool::Ticket ticket,
-                       const WorkLimits& limits, Request& request, Connection& connection, Clock::time_point last_start,
-                       Clock::time_point end) {
-  const auto time_is_over = [&](Clock::time_point start) { return std::min(start + limits.api.request_timeout, end); };
+api::Response wait_for(PoolTask& task, RunningRequest& running, const Workplace& place, WorkerPool::Ticket ticket,
+                       const Call& call, Clock::time_point last_start, Clock::time_point end) {
+  const std::chrono::milliseconds timeout = place.limits.api.request_timeout;
+  const auto time_is_over = [&](Clock::time_point start) { return std::min(start + timeout, end); };
   for (;;) {
-    const std::optional<Clock::time_point> begun = job.started();
+    const std::optional<Clock::time_point> begun = task.started();
     const Clock::time_point until = begun ? time_is_over(*begun) : last_start;
-    const Connection::Wake wake = connection.wait(&running.changed, until, half_closed(request));
+    const Connection::Wake wake = call.connection.wait(&running.changed, until, half_closed(call.request));
     running.changed.clear();
-    if (job.is_done()) {
-      job.tell_times(request.timing);
-      return job.take_response();
+    if (task.is_done()) {
+      task.tell_times(call.request.timing);
+      return task.take_response();
     }
 
     if (wake == Connection::Wake::kClientGone) running.control.cancel();
     if (!running.control.is_stopped() && Clock::now() < until) continue;
-    if (pool.withdraw(ticket)) {
+    if (place.pool.withdraw(ticket)) {
       running.control.check();
-      throw overloaded(pool);
+      throw overloaded(place.pool);
     }
     if (!running.control.is_stopped()) {
       // The task may have started just now, and then it has its full time before it.
-      const std::optional<Clock::time_point> started = job.started();
+      const std::optional<Clock::time_point> started = task.started();
       if (!started || Clock::now() < time_is_over(*started)) continue;
       running.control.expire();
     }
-    return wait_for_stop(job, running);
+    return wait_for_stop(task, running);
   }
 }
 
@@ -174,12 +173,11 @@ struct StoppedForMemory {
 
 /// Waits until there is so much memory, and reserves it. Meanwhile the request reserves nothing.
 /// Errors: HttpError 503 - the time is over; remesh::Error - the client is gone or has cancelled the request.
-void reserve_again(std::uint64_t bytes, RunningRequest& running, Request& request, Connection& connection,
-                   Clock::time_point end) {
-  MemoryShare& memory = *request.memory;
+void reserve_again(std::uint64_t bytes, RunningRequest& running, const Call& call, Clock::time_point end) {
+  MemoryShare& memory = *call.request.memory;
   memory.hold_answer(0);
   wait_for_memory(
-      memory, [&] { return memory.try_hold(bytes); }, request, connection, end, &running.changed,
+      memory, [&] { return memory.try_hold(bytes); }, call.request, call.connection, end, &running.changed,
       [&](Connection::Wake wake) {
         if (wake == Connection::Wake::kClientGone) running.control.cancel();
         running.changed.clear();
@@ -188,26 +186,57 @@ void reserve_again(std::uint64_t bytes, RunningRequest& running, Request& reques
 }
 
 /// Does the work once.
-/// Input:  as `wait_for`.
+/// Input:  as `wait_for`; `effort` - the size of a body by which the effort is judged.
 /// Errors: those of the work; StoppedForMemory.
-api::Response run_once(WorkerPool& pool, const std::shared_ptr<RunningRequest>& running, const WorkLimits& limits,
-                       const Operation& operation, Request& request, Connection& connection,
-                       Clock::time_point last_start, Clock::time_point end) {
-  const std::uint64_t bytes = request.body.size();
-  const auto job = std::make_shared<Job>(request, limits, operation, running);
-  const std::optional<WorkerPool::Ticket> ticket = pool.try_submit([job] { job->run(); }, bytes);
-  if (!ticket) throw overloaded(pool);
+api::Response run_once(const Workplace& place, const std::shared_ptr<RunningRequest>& running,
+                       const Operation& operation, const Call& call, std::uint64_t effort, Clock::time_point last_start,
+                       Clock::time_point end) {
+  Request& request = call.request;
+  const auto task = std::make_shared<PoolTask>(request, place.limits, operation, running);
+  const std::optional<WorkerPool::Ticket> ticket = place.pool.try_submit([task] { task->run(); }, effort);
+  if (!ticket) throw overloaded(place.pool);
   try {
-    return wait_for(*job, *running, pool, *ticket, limits, request, connection, last_start, end);
+    api::Response response = wait_for(*task, *running, place, *ticket, call, last_start, end);
+    task->give_back(request);
+    return response;
   } catch (const Error& error) {
     if (error.code != Code::kCancelled || running->was_cancelled) throw;
     switch (running->eviction.load()) {
       case RunningRequest::Eviction::kNone: throw;
-      case RunningRequest::Eviction::kAlone: throw never_fits(limits.memory_budget);
+      case RunningRequest::Eviction::kAlone: throw never_fits(place.limits.memory_budget);
       case RunningRequest::Eviction::kAmongOthers: break;
     }
-    if (!request.memory || !job->give_back(request)) throw out_of_memory();
+    if (!task->give_back(request)) throw out_of_memory();
+    request.body.seal();
     throw StoppedForMemory{request.memory->next_reservation(running->next_estimate(request.memory->bytes()))};
+  }
+}
+
+/// Does the work, again and again if it is stopped because of its memory.
+/// Input:  as `run_once`.
+api::Response run_until_done(const Workplace& place, const Operation& operation, const Call& call,
+                             std::uint64_t effort) {
+  Request& request = call.request;
+  const std::chrono::milliseconds timeout = place.limits.api.request_timeout;
+  if (request.memory->budget().is_closed()) throw draining();  // its upload lasted until after others were cancelled
+  const Clock::time_point start = Clock::now();
+  const Clock::time_point end_of_retries = start + timeout;
+  // The time to wait for a worker is what is left of the time to wait for memory, or enough to find one that is free.
+  Clock::time_point last_start =
+      start + std::max<Clock::duration>(timeout - request.waited, std::min<Clock::duration>(kMinQueueTime, timeout));
+  Clock::time_point end = Clock::time_point::max();
+  for (std::optional<std::uint64_t> estimate;; end = last_start = end_of_retries) {
+    const RequestRegistry::Entry running = place.registry.add(request.id, request.owner);
+    request.id = running->id;
+    try {
+      if (estimate) reserve_again(*estimate, *running.get(), call, end);
+      return run_once(place, running.get(), operation, call, effort, last_start, end);
+    } catch (const StoppedForMemory& stopped) {
+      estimate = stopped.estimate;
+    } catch (const Error& error) {
+      if (error.code == Code::kCancelled && request.memory->budget().is_closed()) throw draining();
+      throw;
+    }
   }
 }
 
@@ -219,25 +248,22 @@ HttpError overloaded(const WorkerPool& pool) {
       .with_header("Retry-After", std::to_string(std::clamp<std::int64_t>(wait, kMinRetry, kMaxRetry)));
 }
 
-api::Response run_in_pool(WorkerPool& pool, RequestRegistry& registry, const WorkLimits& limits,
-                          const Operation& operation, Request& request, Connection& connection) {
-  const Clock::time_point start = Clock::now();
-  const Clock::time_point end_of_retries = start + limits.api.request_timeout;
-  // The time to wait for a worker is what is left of the time to wait for memory, or enough to find one that is free.
-  Clock::time_point last_start =
-      start + std::max<Clock::duration>(limits.api.request_timeout - request.waited,
-                                        std::min<Clock::duration>(kMinQueueTime, limits.api.request_timeout));
-  Clock::time_point end = Clock::time_point::max();
-  for (std::optional<std::uint64_t> estimate;; end = last_start = end_of_retries) {
-    const RequestRegistry::Entry running = registry.add(request.id, request.owner);
-    request.id = running->id;
-    if (estimate) reserve_again(*estimate, *running.get(), request, connection, end);
-    try {
-      return run_once(pool, running.get(), limits, operation, request, connection, last_start, end);
-    } catch (const StoppedForMemory& stopped) {
-      estimate = stopped.estimate;
-    }
-  }
+Response run_in_pool(const Workplace& place, const Operation& operation, const Call& call) {
+  Response response;
+  static_cast<api::Response&>(response) = run_until_done(place, operation, call, call.request.body.size());
+  call.request.body = {};
+  call.request.memory->hold_answer(response.body.size());
+  return response;
+}
+
+void check_in_pool(const Workplace& place, Check check, const Call& call) {
+  const Operation operation = [check = std::move(check)](const auto& request, const auto& limits, auto& control) {
+    check(request, limits, control);
+    return api::Response{204, "", "", {}};
+  };
+  const std::uint64_t held = call.request.memory->bytes();
+  run_until_done(place, operation, call, std::min<std::uint64_t>(call.request.body.size(), WorkerPool::kSmallBytes));
+  call.request.memory->hold_answer(held);  // another attempt may have reserved more
 }
 
 }  // namespace remesh::server

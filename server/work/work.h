@@ -5,8 +5,8 @@
 #include <functional>
 
 #include "api/service.h"
-#include "server/http/connection.h"
 #include "server/http/http_message.h"
+#include "server/http/route.h"
 #include "server/work/memory_wait.h"
 #include "server/work/request_registry.h"
 #include "server/work/worker_pool.h"
@@ -14,6 +14,7 @@
 namespace remesh::server {
 
 using Operation = std::function<api::Response(const api::Request&, const api::Limits&, RunControl&)>;
+using Check = std::function<void(const api::Request&, const api::Limits&, RunControl&)>;
 
 struct WorkLimits {
   api::Limits api;
@@ -30,14 +31,27 @@ struct WorkLimits {
   }
 };
 
+/// The objects that all work needs. They must outlive it.
+struct Workplace {
+  WorkerPool& pool;
+  RequestRegistry& registry;
+  const WorkLimits& limits;
+};
+
 /// Runs `operation` on the request in the pool. While it runs, the request can be found in the registry. It stops
 /// when the client goes away, when its time is over, or when it is cancelled.
+/// Input:   `call` - its request has a share of the memory, which shrinks to the size of the answer.
 /// Output:  the answer of the operation. `request.id` becomes the id under which it ran, and `request.timing` the
 ///          times that it took; the request's body is consumed.
 /// Errors:  whatever the operation throws; remesh::Error kTimeout, kCancelled; HttpError 503 - the queue is full, no
-///          thread became free in time, or the request was ended because of its memory (413 if it was alone).
-api::Response run_in_pool(WorkerPool& pool, RequestRegistry& registry, const WorkLimits& limits,
-                          const Operation& operation, Request& request, Connection& connection);
+///          thread became free in time, the daemon is about to stop, or the request was ended because of its memory
+///          (413 if it was alone).
+Response run_in_pool(const Workplace& place, const Operation& operation, const Call& call);
+
+/// Runs `check` on the request in the pool, as run_in_pool does. It has the place of a small request in the queue,
+/// however large the body is. Afterwards the request has its body and its memory as before.
+/// Errors:  as run_in_pool.
+void check_in_pool(const Workplace& place, Check check, const Call& call);
 
 /// The error to throw if the pool has no place for the work. Its Retry-After is the time that what waits will
 /// probably take.

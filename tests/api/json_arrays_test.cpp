@@ -53,7 +53,7 @@ bool expect_same_reading(std::string_view text, const ReadLimits& limits = {}) {
 PolygonMesh plain_vertices(std::string_view text) {
   RunControl control;
   PolygonMesh mesh;
-  EXPECT_EQ(text[read_plain_vertices(text, 0, {}, control, mesh)], ']') << text;
+  EXPECT_EQ(text[read_plain_vertices(text, 0, {}, control, &mesh)], ']') << text;
   return mesh;
 }
 
@@ -74,19 +74,19 @@ TEST(json_arrays, what_is_not_plain_is_left_to_the_parser) {
         "[1 2 3]]",   "[01,2,3]]",  "[+1,2,3]]",    "[.5,2,3]]", "[5.,2,3]]",   "[1.e3,2,3]]", "[1e,2,3]]",
         "[0x1,2,3]]", "[nan,2,3]]", "[1e999,2,3]]", "[-,2,3]]",  "[null,2,3]]", "{}]",         "[\"1\",2,3]]",
         "[[1],2,3]]", "[1,2,3]}"})
-    EXPECT_THROW(read_plain_vertices(text, 0, {}, control, mesh), NotPlain) << text;
+    EXPECT_THROW(read_plain_vertices(text, 0, {}, control, &mesh), NotPlain) << text;
   for (const char* text : {"", "[0,1,2]", "[0,1]]", "[0,1,2],]", "[0,1,-2]]", "[0,1,2.0]]", "[0,1,02]]", "[0,1,2e0]]",
                            "[0,1,123456789]]", "[]]", "[0,1,]]", "[0,1,[2]]]"})
-    EXPECT_THROW(read_plain_faces(text, 0, {}, control, mesh), NotPlain) << text;
+    EXPECT_THROW(read_plain_faces(text, 0, {}, control, &mesh), NotPlain) << text;
 }
 
 TEST(json_arrays, limits_and_a_stop_are_obeyed) {
   RunControl control;
   PolygonMesh mesh;
-  EXPECT_THROW(read_plain_vertices("[0,0,0],[0,0,1]]", 0, {.max_vertices = 1}, control, mesh), NotPlain);
-  EXPECT_THROW(read_plain_faces("[0,1,2],[0,1,2]]", 0, {.max_faces = 1}, control, mesh), NotPlain);
+  EXPECT_THROW(read_plain_vertices("[0,0,0],[0,0,1]]", 0, {.max_vertices = 1}, control, &mesh), NotPlain);
+  EXPECT_THROW(read_plain_faces("[0,1,2],[0,1,2]]", 0, {.max_faces = 1}, control, &mesh), NotPlain);
   control.cancel();
-  EXPECT_THROW(read_plain_faces("[0,1,2]]", 0, {}, control, mesh), Error);
+  EXPECT_THROW(read_plain_faces("[0,1,2]]", 0, {}, control, &mesh), Error);
 }
 
 /// Returns a mesh as JSON that now and then has something odd or wrong in it.

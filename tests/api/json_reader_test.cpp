@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <bit>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <random>
 
@@ -300,6 +301,55 @@ TEST(json_reader, any_single_changed_byte_gives_a_mesh_or_a_typed_error) {
     text[i] = original[i];
   }
   EXPECT_GT(read_whole, 0u);
+}
+
+/// Returns what a check without a mesh must say of a text: the error of reading it, unless it is one of the mesh.
+std::string told_by_reading(std::string_view text) {
+  try {
+    const Read got = read(text);
+    return "good, " + std::to_string(got.options.core.plane_tolerance.value_or(0));
+  } catch (const Error& error) {
+    for (const Code code : {Code::kInvalidMesh, Code::kIndexOutOfRange, Code::kNonfiniteCoordinate, Code::kEmptyMesh})
+      if (error.code == code) return "an error of the mesh";
+    return error.what() + std::to_string(error.line.value_or(0));
+  }
+}
+
+std::string told_by_check(std::string_view text, std::string_view for_mesh_errors) {
+  RunControl control;
+  OptionReader options;
+  try {
+    check_json_text(text, {}, control, options);
+    return for_mesh_errors.empty() ? "good, " + std::to_string(options.options().core.plane_tolerance.value_or(0))
+                                   : std::string(for_mesh_errors);
+  } catch (const Error& error) {
+    return error.what() + std::to_string(error.line.value_or(0));
+  }
+}
+
+TEST(json_reader, a_check_without_a_mesh_finds_what_reading_finds_but_for_errors_of_the_mesh) {
+  std::string text(R"({"mesh": {"vertices": [[0,0.5,0],
+    [1e2,0,0],[0,1,-0]], "faces": [[0,1,2]], "face_groups": [4]}, "other": ["x"],
+    "options": {"plane_tolerance": 2e-3}})");
+  const std::string original = text;
+  std::map<std::string, int> seen;
+  const auto compare = [&](std::string_view changed) {
+    const std::string told = told_by_reading(changed);
+    const bool is_of_mesh = told == "an error of the mesh";
+    EXPECT_EQ(told_by_check(changed, is_of_mesh ? told : ""), told) << changed;
+    ++seen[is_of_mesh || told.starts_with("good") ? told : "an error of the text"];
+  };
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    for (const char c : {'\0', '"', '[', ']', '{', '}', ',', ':', '9', '-', 'e', '.', '\xff', ' ', 'N'}) {
+      text[i] = c;
+      compare(text);
+    }
+    text[i] = original[i];
+    compare(std::string_view(text).substr(0, i));
+  }
+  EXPECT_GT(seen["good, 0.002000"], 100);
+  EXPECT_GT(seen["an error of the mesh"], 100);
+  EXPECT_GT(seen["an error of the text"], 100);
 }
 
 TEST(json_reader, a_stop_is_obeyed) {

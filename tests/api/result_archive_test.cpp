@@ -28,12 +28,12 @@ Request request(std::string_view body, Fields query = {}, const std::string& acc
   return made;
 }
 
-KeptRemesh keep(const Request& asked) {
+StoredRemesh keep(const Request& asked) {
   RunControl control;
   return run_remesh_to_keep(asked, {}, control);
 }
 
-Response write(const KeptRemesh& kept, const Request& wanted) {
+Response write(const StoredRemesh& kept, const Request& wanted) {
   RunControl control;
   return write_kept(
       kept.mesh, [&] { return kept.report; }, wanted, control);
@@ -48,7 +48,7 @@ nlohmann::json without_times(const std::string& text) {
 }
 
 TEST(result_archive, a_kept_result_is_written_in_every_format_as_it_would_have_been_at_once) {
-  const KeptRemesh kept = keep(request(kLabelled, {{"max_edge_length", "0.3"}}));
+  const StoredRemesh kept = keep(request(kLabelled, {{"max_edge_length", "0.3"}}));
   for (const Format format : kFormats) {
     const std::string name(format_name(format));
     RunControl control;
@@ -66,11 +66,11 @@ TEST(result_archive, a_kept_result_is_written_in_every_format_as_it_would_have_b
 }
 
 TEST(result_archive, what_the_job_asked_for_holds_where_nothing_else_is_asked) {
-  const KeptRemesh as_stl = keep(request(kLabelled, {{"format", "stl"}}));
+  const StoredRemesh as_stl = keep(request(kLabelled, {{"format", "stl"}}));
   EXPECT_EQ(write(as_stl, request("")).content_type, "model/stl");
   EXPECT_EQ(write(as_stl, request("", {}, "*/*")).content_type, "model/stl");
   EXPECT_EQ(write(as_stl, request("", {}, "model/obj")).content_type, "model/obj");
-  const KeptRemesh accepted = keep(request(kLabelled, {}, "application/x-off"));
+  const StoredRemesh accepted = keep(request(kLabelled, {}, "application/x-off"));
   EXPECT_EQ(write(accepted, request("")).content_type, "application/x-off");
   EXPECT_EQ(write(keep(request(kLabelled)), request("")).content_type, "model/obj");
 }
@@ -192,9 +192,9 @@ TEST(result_archive, json_is_checked_for_its_form_and_its_options_before_it_is_w
     Request asked = request(body);
     asked.content_type = content_type;
     try {
-      check_remesh(asked, {});
-      if (!has_json_mesh(asked, {})) return std::string("no JSON");
-      check_json(asked, {});
+      if (!check_remesh(asked, {})) return std::string("no JSON");
+      RunControl control;
+      check_json(asked, {}, control);
     } catch (const Error& error) {
       return std::string(error_name(error));
     }

@@ -241,11 +241,11 @@ TEST(written_formats, a_kept_job_gives_each_format_as_it_would_have_been_at_once
     RunControl control;
     Request as_stl = request;
     as_stl.query = with(options, "format", "stl");
-    const KeptRemesh for_doubles = run_remesh_to_keep(request, {}, control);
-    const KeptRemesh for_floats = run_remesh_to_keep(as_stl, {}, control);
+    const StoredRemesh for_doubles = run_remesh_to_keep(request, {}, control);
+    const StoredRemesh for_floats = run_remesh_to_keep(as_stl, {}, control);
     for (const Format format : kFormats) {
       SCOPED_TRACE(format_name(format));
-      const KeptRemesh& kept = format == Format::kStl ? for_floats : for_doubles;
+      const StoredRemesh& kept = format == Format::kStl ? for_floats : for_doubles;
       Request at_once = request, later;
       at_once.query = with(options, "format", std::string(format_name(format)));
       later.query = {{"format", std::string(format_name(format))}};
@@ -379,7 +379,7 @@ TEST(written_formats, a_result_that_binary_stl_cannot_hold_is_text_refused_by_na
   by_name.body = box;
   by_name.query = {{"format", "stl"}};
   EXPECT_EQ(test::error_of([&] { run_remesh(by_name, {}, control); }).code, Code::kNotAcceptable);
-  const KeptRemesh kept = run_remesh_to_keep(by_name, {}, control);
+  const StoredRemesh kept = run_remesh_to_keep(by_name, {}, control);
   const auto fetched = [&](const Fields& query) {
     Request later;
     later.query = query;

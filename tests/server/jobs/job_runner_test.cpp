@@ -47,7 +47,7 @@ class runner : public ::testing::Test {
     runner_->start();
   }
 
-  api::KeptRemesh work(const api::Request& request, RunControl& control) {
+  api::StoredRemesh work(const api::Request& request, RunControl& control) {
     const int call = ++calls_;
     if (request.body == "throw") throw std::runtime_error("a secret of the server");
     if (request.body == "no memory") throw std::bad_alloc();
@@ -145,14 +145,14 @@ TEST_F(runner, want_of_descriptors_or_threads_is_tried_again_too) {
 
 TEST_F(runner, a_job_has_its_time_and_no_more) {
   settings_.job_timeout = milliseconds(100);
-  settings_.lease = milliseconds(800);
+  settings_.rules.lease = milliseconds(800);
   const JobRecord job = outcome_of("block");
   EXPECT_EQ(job.problem_status, 504);
   EXPECT_NE(job.problem.find("\"code\":\"timeout\""), std::string::npos);
 }
 
 TEST_F(runner, a_job_cancelled_elsewhere_is_dropped_at_the_next_look) {
-  settings_.lease = milliseconds(800);
+  settings_.rules.lease = milliseconds(800);
   start();
   const std::string id = submit("block");
   ASSERT_TRUE(reaches(id, JobState::kRunning));
@@ -259,6 +259,7 @@ TEST_F(runner, while_a_job_is_passed_over_the_store_is_rarely_asked_for_others) 
   std::this_thread::sleep_for(milliseconds(2500));
   EXPECT_LE(claims - before, 2 + (Clock::now() - begin) / std::chrono::seconds(1));
   EXPECT_EQ(ended(submit("small", 1000)).state, JobState::kSucceeded) << "a new job is found";
+  runner_->stop();  // it counts in `claims`, which ends here
 }
 
 TEST_F(runner, a_waiting_job_that_is_cancelled_or_a_stop_sets_no_memory_aside) {
@@ -304,7 +305,7 @@ TEST_F(runner, an_input_that_is_missing_fails_its_job) {
 }
 
 TEST_F(runner, an_input_in_a_file_without_a_folder_is_left_to_others_but_not_for_ever) {
-  settings_.lease = milliseconds(200);
+  settings_.rules.lease = milliseconds(200);
   const std::string id = submit("gone"), good = submit("good");
   make_sqlite_driver(folder_ / "jobs.sqlite")
       ->connect()
@@ -314,7 +315,7 @@ TEST_F(runner, an_input_in_a_file_without_a_folder_is_left_to_others_but_not_for
   const JobRecord job = ended(id);
   EXPECT_EQ(job.problem_status, 500);
   EXPECT_EQ(job.attempts, 1) << "those before do not count";
-  EXPECT_GE(Clock::now() - begin, 5 * settings_.lease) << "another daemon may have the folder";
+  EXPECT_GE(Clock::now() - begin, 5 * settings_.rules.lease) << "another daemon may have the folder";
   EXPECT_EQ(ended(good).state, JobState::kSucceeded);
 }
 
@@ -376,8 +377,8 @@ TEST_F(runner, an_outage_is_no_attempt_and_takes_no_job_from_its_worker) {
   // The worker renews every second or so. A judge that counted an outage would look before that.
   rules.lease = milliseconds(1900);
   rules.timeout = milliseconds(200);
-  settings_.lease = milliseconds(4000);
-  settings_.store_timeout = rules.timeout;
+  settings_.rules.lease = milliseconds(4000);
+  settings_.rules.timeout = rules.timeout;
   store_ = std::make_unique<SqlStore>(make_sqlite_driver(folder_ / "jobs.sqlite"), rules);
   // Another daemon judges all the time whether this one lives.
   SqlStore judge(make_sqlite_driver(folder_ / "jobs.sqlite"), rules);
