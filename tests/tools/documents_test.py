@@ -13,10 +13,12 @@ import pathlib
 import re
 import subprocess
 import sys
-import threading
 import urllib.request
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.append(str(ROOT / "tests" / "support"))
+from remeshd import Daemon  # noqa: E402
+
 # These defaults depend on the machine.
 MACHINE = {"--workers", "--max-running", "--queue-size", "--memory-budget"}
 # These flags of the daemon are no settings, since they end it.
@@ -76,26 +78,9 @@ def code_spans(cell):
     return re.findall(r"`([^`]+)`", cell)
 
 
-class Daemon:
-    """remeshd on a free port, for the length of a `with`."""
-
-    def __init__(self, program):
-        environment = {name: value for name, value in os.environ.items() if not name.startswith("REMESHD_")}
-        command = [program, "--bind", "127.0.0.1:0", "--log-format", "json", "--store", "none"]
-        self.process = subprocess.Popen(command, stderr=subprocess.PIPE, env=environment)
-        self.address = json.loads(self.process.stderr.readline())["address"]
-        threading.Thread(target=self.process.stderr.read, daemon=True).start()
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.process.kill()
-        self.process.wait()
-
-    def get(self, path):
-        with urllib.request.urlopen(f"http://{self.address}{path}", timeout=30) as answer:
-            return json.load(answer)
+def get(daemon, path):
+    with urllib.request.urlopen(f"http://127.0.0.1:{daemon.port}{path}", timeout=30) as answer:
+        return json.load(answer)
 
 
 def output_of(*command):
@@ -289,7 +274,7 @@ def check_errors(contract):
 def main():
     program, twin = sys.argv[1:]
     with Daemon(program) as daemon:
-        capabilities, contract = daemon.get("/v1/capabilities"), daemon.get("/openapi.json")
+        capabilities, contract = get(daemon, "/v1/capabilities"), get(daemon, "/openapi.json")
     check_options(capabilities, contract)
     check_formats(capabilities, contract)
     check_endpoints(contract)
