@@ -471,8 +471,10 @@ void write_report(JsonWriter& json, const Report& report, const RequestOptions& 
   write_diagnostics(json, report.diagnostics);
   json.key("volume_ready");
   write_volume_ready(json, report.volume_obstacles);
-  json.member("predicted_faces", report.predicted_faces);
-  if (!is_remesh) write_predictions(json, report.predicted_faces_by_elements_per_circle);
+  if (!is_remesh) {
+    json.member("predicted_faces", report.predicted_faces);
+    write_predictions(json, report.predicted_faces_by_elements_per_circle);
+  }
   json.member("smallest_gap", report.smallest_gap);
   if (is_remesh) {
     json.key("unrefined");

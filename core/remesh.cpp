@@ -26,7 +26,7 @@
 #include "core/output/run_report.h"
 #include "core/output/run_state.h"
 #include "core/patches/coplanar_regions.h"
-#include "core/patches/curved_limits.h"
+#include "core/patches/curved_goals.h"
 #include "core/patches/curved_stage.h"
 #include "core/patches/input_intersections.h"
 #include "core/patches/ladder.h"
@@ -101,21 +101,14 @@ std::uint64_t counted_faces(const Polygons& mesh) {
   return std::max(mesh.corners.size() - 2 * mesh.face_count(), mesh.vertex_count() / 3 + 1);
 }
 
-/// Returns whether the options allow boundaries to be cut anew, so that patches have more vertices than the input.
-bool may_cut_curves(const Options& options) {
-  return may_elements_be_in_force(options) || options.surface_tolerance || options.surface_tolerance_fraction;
-}
-
 /// Returns what is claimed of the curved patches, in their order. There are none if `curved` is null.
-std::vector<CurvedClaim> claims_of(const CurvedPatches* curved, const Options& options, double diagonal) {
+std::vector<CurvedClaim> claims_of(const CurvedPatches* curved, const CurvedGoals& goals) {
   std::vector<CurvedClaim> claims;
   if (curved == nullptr) return claims;
-  std::optional<double> tolerance = options.surface_tolerance;
-  if (options.surface_tolerance_fraction) tolerance = *options.surface_tolerance_fraction * diagonal;
   for (const CurvedPatch& patch : curved->curved) {
     const RecognisedSurface& surface = curved->surfaces.surfaces[patch.surface];
-    claims.push_back({surface.shape, patch.limits.tolerance, tolerance, elements_per_circle_of(surface, options),
-                      options.feature_angle_deg});
+    claims.push_back(
+        {surface.shape, patch.limits.tolerance, goals.tolerance, goals.elements_of(surface), goals.feature_angle_deg});
   }
   return claims;
 }
@@ -174,6 +167,7 @@ class Run : private RunState {
     report.diagnostics = std::move(summary.diagnostics);
     const double diagonal = report.input.bounding_box.diagonal();
     check_options(options, diagonal);
+    curved_goals_ = curved_goals_of(options, diagonal);
     details.reset(options, report.plane_tolerance);
     refiner.emplace(goals_in_proportion(), control, taken, floor);
     regions_ = {};
@@ -207,12 +201,13 @@ class Run : private RunState {
     while (details.is_wanted() && remove_details()) divide();
     // Beyond the 2018 report: find curved surfaces, and join their facets as far as that is asked for.
     watch.enter(Stage::kSurfaces);
-    if (may_cut_curves(options)) control.memory().set_output(options.max_output_faces.value_or(MemoryBound::kNone));
-    curves.run(partition, before, prepared, *ladder_, options,
-               {report.plane_tolerance, report.input.bounding_box.diagonal(),
-                options.refine ? refiner->goals().min_angle_deg : 0, refiner->goals().faces_without_floor},
+    if (curved_goals_.tolerance || curved_goals_.may_have_elements())
+      control.memory().set_output(options.max_output_faces.value_or(MemoryBound::kNone));
+    curves.run(partition, before, prepared, *ladder_, options, curved_goals_,
+               {report.plane_tolerance, options.refine ? refiner->goals().min_angle_deg : 0,
+                refiner->goals().faces_without_floor},
                control);
-    refiner->set_curved(curves.curved() != nullptr, curves.finer_share(options) > kMajority);
+    refiner->set_curved(curves.curved() != nullptr, curves.finer_share(curved_goals_) > kMajority);
     refiner->set_angle_margin(curves.outside() != nullptr ? kAngleMarginOfFit : 0);
     report.surfaces = curves.take_surfaces();
     freeze_marked(stays_frozen_);
@@ -345,7 +340,7 @@ class Run : private RunState {
   bool leave_coarser_facets() {
     std::vector<std::uint64_t> triangles;
     for (const PatchMesh& patch : candidate.triangulated.meshes) triangles.push_back(patch.mesh.triangle_count());
-    return curves.leave_coarser_facets(triangles, partition.patches, options);
+    return curves.leave_coarser_facets(triangles, partition.patches, curved_goals_);
   }
 
   /// Moves vertices so that the volumes of curved surfaces are kept, if that is asked for.
@@ -395,8 +390,7 @@ class Run : private RunState {
     prepared.release_all_but_order();
     watch.enter(Stage::kVerify);
     const InputIntersections known = intersections();
-    const std::vector<CurvedClaim> curved_claims =
-        claims_of(curves.curved(), options, report.input.bounding_box.diagonal());
+    const std::vector<CurvedClaim> curved_claims = claims_of(curves.curved(), curved_goals_);
     CheckedAgainst against{
         read_input(),           surface(),     partition.patches, known,         report.plane_tolerance,
         options.weld_tolerance, asked_goals(), curves.curved(),   curved_claims, refiner->frozen().items(),
@@ -465,7 +459,7 @@ class Run : private RunState {
       // Attempts take long where patches of the input cross, and where floors are looked for. For a default, not much
       // of that work is spent in vain.
       const bool is_patient =
-          !are_fine_facets_coarsened(options) || (intersections().patches.empty() && !refiner->has_found_floor());
+          !curved_goals_.is_automatic || (intersections().patches.empty() && !refiner->has_found_floor());
       curves.step_up(curved, partition.patches, is_patient);
       return AttemptOutcome::kPatchesFailed;
     }
@@ -528,6 +522,7 @@ class Run : private RunState {
   const std::vector<Diagnostic> diagnostics_of_reader_;
   const Storage storage_;  ///< the numbers that the result is meant for
   MendingLimits limits_;
+  CurvedGoals curved_goals_;      ///< known when the prepared surface is
   std::optional<Ladder> ladder_;  ///< belongs to the prepared surface
   Regions regions_;
   FaceMarks has_failed_;    ///< the faces of patches that have failed the check

@@ -82,11 +82,13 @@ const NumberRange* number_range(std::string_view name) {
   return option == kNumberOptions.end() ? nullptr : &option->range;
 }
 
+bool is_curved_resolution_given(const Options& options) {
+  return options.elements_per_circle || options.surface_tolerance || options.surface_tolerance_fraction;
+}
+
 bool are_fine_facets_coarsened(const Options& options) {
-  const bool is_any_given =
-      options.elements_per_circle || options.surface_tolerance || options.surface_tolerance_fraction;
-  return options.coarsens_fine_facets && !is_any_given && options.refine && options.split_boundaries &&
-         !options.keep_boundary_vertices;
+  return options.coarsens_fine_facets && !is_curved_resolution_given(options) && options.refine &&
+         options.split_boundaries && !options.keep_boundary_vertices;
 }
 
 void check_options(const Options& options) {

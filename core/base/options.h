@@ -117,6 +117,8 @@ std::span<const NumberOption> number_options();
 /// Output: null if no option of that name is a number.
 const NumberRange* number_range(std::string_view name);
 
+/// Returns whether a number of elements per circle or a tolerance is given for curved surfaces.
+bool is_curved_resolution_given(const Options& options);
 /// Returns whether elements_per_circle=auto acts: neither a number of elements nor a tolerance is given, and boundaries
 /// may be cut anew.
 bool are_fine_facets_coarsened(const Options& options);

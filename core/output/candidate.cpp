@@ -1,7 +1,6 @@
 #include "core/output/candidate.h"
 
 #include <algorithm>
-#include <functional>
 #include <optional>
 #include <utility>
 
@@ -144,22 +143,32 @@ Verdict check(Candidate& candidate, const CheckedAgainst& against, RunControl& c
     refined = {*against.goals, candidate.unrefined.faces, candidate.unrefined.reasons, against.frozen};
   const std::vector<MovedVertex> moved = find_moved(candidate, against.surface);
   const bool has_new_vertices = !candidate.refinement.new_positions.empty() || against.curved != nullptr;
-  std::function<void()> complete;
-  if (against.goals != nullptr && against.measure_sizes)
-    complete = [&] {
-      against.measure_sizes(candidate);
-      list_unrefined(candidate, *against.goals, control);
-      refined->unrefined = candidate.unrefined.faces;
-      refined->reasons = candidate.unrefined.reasons;
-    };
-  return verify(
-      {against.surface, against.patches.of_face, frames, candidate.positions.items(), candidate.assembled.faces.items(),
-       candidate.assembled.face_patch.items(), candidate.assembled.corner_uv, against.plane_tolerance, has_new_vertices,
-       refined ? &*refined : nullptr, &against.intersections, against.edge_order, against.input, against.weld_tolerance,
-       against.curved != nullptr ? std::span<const std::uint32_t>(against.curved->at.items())
-                                 : std::span<const std::uint32_t>(),
-       against.curved_claims, moved, complete},
-      control);
+  const Claim claim{against.surface,
+                    against.patches.of_face,
+                    frames,
+                    candidate.positions.items(),
+                    candidate.assembled.faces.items(),
+                    candidate.assembled.face_patch.items(),
+                    candidate.assembled.corner_uv,
+                    against.plane_tolerance,
+                    has_new_vertices,
+                    refined ? &*refined : nullptr,
+                    &against.intersections,
+                    against.edge_order,
+                    against.input,
+                    against.weld_tolerance,
+                    against.curved != nullptr ? std::span<const std::uint32_t>(against.curved->at.items())
+                                              : std::span<const std::uint32_t>(),
+                    against.curved_claims,
+                    moved};
+  Verification verification(claim, control);
+  if (refined && against.measure_sizes && !verification.has_failed()) {
+    against.measure_sizes(candidate);
+    list_unrefined(candidate, *against.goals, control);
+    refined->unrefined = candidate.unrefined.faces;
+    refined->reasons = candidate.unrefined.reasons;
+  }
+  return verification.finish();
 }
 
 InputIntersections intersecting_patches(const FoundIntersections& found, const PatchSet& patches) {

@@ -149,9 +149,7 @@ class Explanation {
   /// Returns the goal without which the fewest faces are predicted.
   /// Input: the number of faces that is predicted with all goals.
   Cause find_cause(double predicted) {
-    const bool are_circles_asked = result_.options.elements_per_circle || result_.options.surface_tolerance ||
-                                   result_.options.surface_tolerance_fraction;
-    Cause cause = are_circles_asked ? Cause::kCircles : Cause::kAngles;
+    Cause cause = is_curved_resolution_given(result_.options) ? Cause::kCircles : Cause::kAngles;
     double fewest = kNoGain * predicted;
     const auto try_without = [&](Cause candidate, const Goals& goals) {
       const double faces = predict(goals);

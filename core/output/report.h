@@ -43,7 +43,7 @@ struct Report {
   RecognisedSurfaces surfaces;  ///< those of the input; `of_patch` has one entry per item of `patches`
   std::vector<Diagnostic> diagnostics;
   std::vector<VolumeObstacle> volume_obstacles;  ///< those of the result; for an analysis, those of the input as mended
-  std::uint64_t predicted_faces = 0;
+  std::uint64_t predicted_faces = 0;  ///< for an analysis: the number of faces that a remeshing is expected to make
   /// The number of faces that is predicted for other values of elements_per_circle. It is empty if no surface is
   /// curved, and for a remeshing.
   std::map<int, std::uint64_t> predicted_faces_by_elements_per_circle;

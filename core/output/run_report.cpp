@@ -83,6 +83,8 @@ class RunReporter {
           GapSearch(run_.surface(), run_.adjacency(), run_.curves.facets(run_.partition), run_.report.plane_tolerance,
                     run_.control, run_.curves.curved() != nullptr ? nullptr : &run_.candidate.triangulated)
               .smallest(run_.control, run_.refiner->goals().max_faces);
+    run_.report.predicted_faces =
+        run_.goals() != nullptr ? run_.refiner->predicted_faces() : run_.partition.summaries.triangles;
     summarise();
     if (run_.details.is_any_removed()) run_.report.diagnostics.push_back(run_.details.removal());
     run_.report.timing_ms = run_.watch.finish();
@@ -95,7 +97,6 @@ class RunReporter {
       faces.push_back(static_cast<float>(patch.mesh.triangle_count()));
     // Other options are predicted for the triangles as they were before refinement.
     run_.candidate.refinement.before.exchange_with(run_.candidate.triangulated.meshes);
-    run_.refiner->predict_after(run_.patched(), run_.candidate.triangulated);
     tell_many_faces(RefinedFaces::Are::kCounted, faces);
     run_.candidate.refinement.before.exchange_with(run_.candidate.triangulated.meshes);
     run_.candidate.refinement.before.clear();
@@ -219,8 +220,6 @@ class RunReporter {
   void summarise() {
     run_.report.patches = std::move(run_.partition.summaries.patches);
     if (run_.details.is_any_removed()) count_input_faces();
-    run_.report.predicted_faces =
-        run_.goals() != nullptr ? run_.refiner->predicted_faces() : run_.partition.summaries.triangles;
     run_.report.volume_bound = run_.partition.summaries.volume_bound;
   }
 

@@ -45,10 +45,10 @@ constexpr double kWorthAnAttempt = 0.01;
 
 /// Returns whether a surface has as many facets per turn as edges are asked for. If it has fewer, it is to be made
 /// finer.
-bool are_facets_as_fine(const RecognisedSurface& surface, const Options& options) {
+bool are_facets_as_fine(const RecognisedSurface& surface, const CurvedGoals& goals) {
   // Facets of one circle differ a little in their turns.
   constexpr double kAsFine = 1.02;
-  const std::optional<double> elements = elements_per_circle_of(surface, options);
+  const std::optional<double> elements = goals.elements_of(surface);
   return !elements || *elements <= kAsFine * surface.facets_per_turn;
 }
 
@@ -63,15 +63,6 @@ double largest_turn(const CurvedPatch& patch, const Vec3& at) {
 }
 
 }  // namespace
-
-bool may_coarser_facets_stay(const Options& options) {
-  const bool are_sizes_given = options.max_edge_length || options.max_edge_fraction || options.max_area ||
-                               options.proximity > 0 || options.gradation;
-  // Where vertices must stay, surfaces stay inscribed whatever is asked for.
-  const bool are_volumes_kept =
-      options.circle_fit == CircleFit::kVolume && options.split_boundaries && !options.keep_boundary_vertices;
-  return !are_sizes_given && !are_volumes_kept;
-}
 
 void CoarserFacets::count_facets(const Surface& surface, const Adjacency& adjacency, const Partition& facets,
                                  const CurvedPatches& joined, double min_angle_deg, RunControl& control) {
@@ -130,21 +121,21 @@ void CoarserFacets::count_boundaries(const Adjacency& adjacency, const Partition
   }
 }
 
-std::vector<SurfaceId> CoarserFacets::find_hopeless(const CurvedPatches& joined, const Options& options,
+std::vector<SurfaceId> CoarserFacets::find_hopeless(const CurvedPatches& joined, const CurvedGoals& goals,
                                                     std::uint64_t in_proportion) const {
   std::vector<SurfaceId> found;
   // Without refinement, edges run along rulings, however long these are.
-  if (!options.refine) return found;
+  if (!goals.is_refined) return found;
   IdVector<SurfaceId, double> of_facets(joined.surfaces.surfaces.size()), of_joined(joined.surfaces.surfaces.size());
   for (PatchId p(0); p.value < costs_.size(); ++p.value) {
     const CurvedPatch* patch = joined.of(p);
     if (patch == nullptr) continue;
     const RecognisedSurface& surface = joined.surfaces.surfaces[patch->surface];
-    if (!are_facets_as_fine(surface, options)) continue;
+    if (!are_facets_as_fine(surface, goals)) continue;
     of_facets[patch->surface] += costs_[p].facets;
     of_joined[patch->surface] += costs_[p].joined;
   }
-  const bool are_compared = may_coarser_facets_stay(options);
+  const bool are_compared = goals.may_coarser_facets_stay;
   std::vector<SurfaceId> left;
   for (SurfaceId s(0); s.value < of_joined.size(); ++s.value)
     (are_compared && of_joined[s] > kCertainlyFiner * of_facets[s] ? found : left).push_back(s);
@@ -156,9 +147,10 @@ std::vector<SurfaceId> CoarserFacets::find_hopeless(const CurvedPatches& joined,
 }
 
 std::vector<PatchId> CoarserFacets::find_coarser(const CurvedPatches& curved,
-                                                 const std::vector<std::uint64_t>& triangles, const Options& options) {
+                                                 const std::vector<std::uint64_t>& triangles,
+                                                 const CurvedGoals& goals) {
   std::vector<PatchId> found;
-  if (!may_coarser_facets_stay(options)) return found;
+  if (!goals.may_coarser_facets_stay) return found;
   struct Total {
     double facets = 0, joined = 0, boundary = 0;
   };
@@ -176,15 +168,15 @@ std::vector<PatchId> CoarserFacets::find_coarser(const CurvedPatches& curved,
   for (PatchId p(0); p.value < costs_.size(); ++p.value) {
     const CurvedPatch* patch = curved.of(p);
     if (patch == nullptr || allowed_[patch->surface]) continue;
-    if (!are_facets_as_fine(curved.surfaces.surfaces[patch->surface], options)) continue;
+    if (!are_facets_as_fine(curved.surfaces.surfaces[patch->surface], goals)) continue;
     const Total& total = totals[patch->surface];
     if (total.facets <= total.joined) found.push_back(p);
   }
   const bool is_first = std::none_of(allowed_.begin(), allowed_.end(), [](const auto& n) { return n.has_value(); });
-  if (options.refine && !is_first) {
+  if (goals.is_refined && !is_first) {
     double saved = 0;
     for (SurfaceId s(0); s.value < totals.size(); ++s.value)
-      if (!allowed_[s] && are_facets_as_fine(curved.surfaces.surfaces[s], options))
+      if (!allowed_[s] && are_facets_as_fine(curved.surfaces.surfaces[s], goals))
         saved += std::max(0.0, totals[s].joined - totals[s].facets);
     const double all = std::accumulate(triangles.begin(), triangles.end(), 0.0,
                                        [](double sum, std::uint64_t n) { return sum + static_cast<double>(n); });

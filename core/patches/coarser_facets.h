@@ -7,19 +7,15 @@
 #include <vector>
 
 #include "core/base/ids.h"
-#include "core/base/options.h"
 #include "core/base/run_control.h"
 #include "core/mesh/adjacency.h"
 #include "core/mesh/surface.h"
 #include "core/patches/curve_cuts.h"
+#include "core/patches/curved_goals.h"
 #include "core/patches/curved_patches.h"
 #include "core/patches/partition.h"
 
 namespace remesh {
-
-/// Returns whether facets may stay because they are coarser. They may not where other options than those of curved
-/// surfaces decide how many faces there are, or where their volume would be wrong.
-bool may_coarser_facets_stay(const Options& options);
 
 /// Compares the cost of curved patches with that of their facets. A vertex on a boundary costs a face on its other
 /// side, too, so boundaries count with the faces.
@@ -38,7 +34,7 @@ class CoarserFacets {
   /// coarser. To find that out by refining them could take far more work than the result is worth.
   /// Input: the joined patches with their limits, whose facets have been counted; and the number of faces that is in
   ///        proportion to the input (Goals::faces_without_floor).
-  std::vector<SurfaceId> find_hopeless(const CurvedPatches& joined, const Options& options,
+  std::vector<SurfaceId> find_hopeless(const CurvedPatches& joined, const CurvedGoals& goals,
                                        std::uint64_t in_proportion) const;
   /// Counts the boundary vertices of the joined patches, before their boundaries are cut and after that.
   /// Cost:   O(n log n).
@@ -50,7 +46,7 @@ class CoarserFacets {
   /// Output: their curved patches. No surface is found twice. After the first time, none is found if hardly any faces
   ///         would be saved, since all is refined again for that.
   std::vector<PatchId> find_coarser(const CurvedPatches& curved, const std::vector<std::uint64_t>& triangles,
-                                    const Options& options);
+                                    const CurvedGoals& goals);
   /// Finds those surfaces that were found before, but whose facets have more triangles after refinement than the
   /// joined patches had.
   /// Input:  the surface of each patch, and the number of its triangles; `is_left` tells whether it is a facet that

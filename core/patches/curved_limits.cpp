@@ -69,37 +69,19 @@ void limit_on_tube(const AnalyticSurface& torus, double own, CurvedLimits& limit
       std::min(limits.boundary_tolerance, kAlong * limits.tolerance / ((1 + share) * (1 + share)));
 }
 
-/// A surface with more facets per turn is one that somebody had divided finely to be near to it. Others may be meant to
-/// have just these facets. The half leaves room for rounding.
-constexpr double kMaxFacetsMeant = 32.5;
-/// Such a surface is remeshed with this number of edges per turn. Their chord height is 0.86 % of the radius.
-constexpr double kEdgesOfFineSurfaces = 24;
-
 }  // namespace
 
-bool may_elements_be_in_force(const Options& options) {
-  return options.elements_per_circle || are_fine_facets_coarsened(options);
-}
-
-std::optional<double> elements_per_circle_of(const RecognisedSurface& surface, const Options& options) {
-  if (!are_fine_facets_coarsened(options)) return options.elements_per_circle;
-  return surface.facets_per_turn > kMaxFacetsMeant ? std::optional(kEdgesOfFineSurfaces) : std::nullopt;
-}
-
 std::vector<CurvedLimits> curved_limits(const Surface& surface, const PatchSet& facets,
-                                        const RecognisedSurfaces& recognised, const Options& options,
-                                        double plane_tolerance, double diagonal, RunControl& control) {
+                                        const RecognisedSurfaces& recognised, const CurvedGoals& goals,
+                                        double plane_tolerance, RunControl& control) {
   std::vector<CurvedLimits> limits(recognised.surfaces.size());
-  std::optional<double> asked = options.surface_tolerance;
-  if (options.surface_tolerance_fraction) asked = *options.surface_tolerance_fraction * diagonal;
-  // At the resolution of its own facets, a clean cylinder needs no fewer triangles as a whole than facet by facet. So
-  // facets stay unless a tolerance or a number of elements says that they may get coarser.
-  if (asked ? *asked == 0 : !may_elements_be_in_force(options)) return limits;
+  if (!goals.is_any()) return limits;
+  const std::optional<double> asked = goals.tolerance;
   const std::vector<double> radii = largest_radii(surface, facets, recognised, control);
   for (std::size_t i = 0; i < limits.size(); ++i) {
     const RecognisedSurface& s = recognised.surfaces[SurfaceId(i)];
     if (!SurfaceMap::can_map(s.shape)) continue;
-    const std::optional<double> elements = elements_per_circle_of(s, options);
+    const std::optional<double> elements = goals.elements_of(s);
     if (!asked && !elements) continue;
     // Facets that are hardly off their surface are known to the plane tolerance only.
     const double own = std::max(s.input_chord_height, plane_tolerance);

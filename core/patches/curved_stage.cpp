@@ -52,11 +52,11 @@ void squeeze_maps(const Surface& surface, const PatchSet& patches, CurvedPatches
 
 }  // namespace
 
-double CurvedStage::finer_share(const Options& options) const {
-  if (!options.elements_per_circle) return 0;
+double CurvedStage::finer_share(const CurvedGoals& goals) const {
+  if (!goals.elements_per_circle) return 0;
   // Facets of one circle differ a little in their turns.
   constexpr double kAsFine = 1.02;
-  const double turn_deg = 360 / *options.elements_per_circle;
+  const double turn_deg = 360 / *goals.elements_per_circle;
   double finer = 0, all = 0;
   for (const RecognisedSurface& surface : surfaces_.surfaces) {
     if (!(surface.allowed > 0)) continue;
@@ -78,41 +78,40 @@ PatchSet CurvedStage::take_facets(Partition& partition) {
 }
 
 void CurvedStage::run(Partition& partition, const PatchSet& facets_before, Prepared& prepared, Ladder& ladder,
-                      const Options& options, const Measures& measures, RunControl& control) {
+                      const Options& options, const CurvedGoals& goals, const Measures& measures, RunControl& control) {
   if (!recognised_.of_patch.empty())
     recognised_.follow(facets_before, partition.patches);
   else
     recognise(partition, prepared, options, measures.plane_tolerance, control);
   const Surface& surface = prepared.surface;
-  std::vector<CurvedLimits> limits = curved_limits(surface, partition.patches, recognised_, options,
-                                                   measures.plane_tolerance, measures.diagonal, control);
-  fit_limits_of_tori({surface, partition.patches, recognised_, measures.plane_tolerance}, options, limits, control);
+  std::vector<CurvedLimits> limits =
+      curved_limits(surface, partition.patches, recognised_, goals, measures.plane_tolerance, control);
+  fit_limits_of_tori({surface, partition.patches, recognised_, measures.plane_tolerance}, goals, limits, control);
   cuts_ = {};
   with_cuts_.reset();
   is_outside_ = false;
   const auto join = [&] {
     curved_ = join_curved_facets(surface, prepared.adjacency(control), partition.patches, recognised_,
-                                 options.feature_angle_deg, limits, rungs_, control);
+                                 goals.feature_angle_deg, limits, rungs_, control);
     if (curved_.has_any())
       coarser_.count_facets(surface, prepared.adjacency(control), partition, curved_, measures.min_angle_deg, control);
   };
   join();
   if (curved_.has_any()) {
-    const std::vector<SurfaceId> hopeless = coarser_.find_hopeless(curved_, options, measures.in_proportion);
+    const std::vector<SurfaceId> hopeless = coarser_.find_hopeless(curved_, goals, measures.in_proportion);
     for (const SurfaceId s : hopeless) limits[s.value] = {};
     if (!hopeless.empty()) join();
   }
   if (curved_.has_any()) {
     facets_ = take_joined_patches(partition, prepared, curved_, measures.plane_tolerance, ladder, control);
     coarser_.count_boundaries(prepared.adjacency(control), partition, curved_, nullptr, control);
-    cut_boundaries(partition, prepared, ladder, options, measures.min_angle_deg, control);
+    cut_boundaries(partition, prepared, ladder, goals, measures.min_angle_deg, control);
     coarser_.count_boundaries(prepared.adjacency(control), partition, curved_, &cuts_, control);
-    // Vertices that must stay would be left behind.
-    if (options.circle_fit == CircleFit::kVolume && options.split_boundaries && !options.keep_boundary_vertices)
+    if (goals.keeps_volume)
       is_outside_ = outside_.move_outside(
           {surface, prepared.adjacency(control), partition.patches, partition.loops, cuts_, ladder.forced()}, curved_,
           *with_cuts_, control);
-    if (!options.refine) squeeze_maps(surface, partition.patches, curved_, control);
+    if (!goals.is_refined) squeeze_maps(surface, partition.patches, curved_, control);
   }
   tell_failures(partition);
   surfaces_ = (curved_.has_any() ? curved_.surfaces : recognised_).copy(control);
@@ -125,7 +124,7 @@ void CurvedStage::run(Partition& partition, const PatchSet& facets_before, Prepa
   for (const CurvedPatch& patch : curved_.curved) {
     RecognisedSurface& s = surfaces_.surfaces[patch.surface];
     s.is_remeshed = true;
-    s.elements_per_circle = elements_per_circle_of(s, options);
+    s.elements_per_circle = goals.elements_of(s);
   }
 }
 
@@ -161,7 +160,7 @@ void CurvedStage::recognise(const Partition& partition, Prepared& prepared, cons
 }
 
 /// Cuts the boundaries of curved patches anew. The new vertices follow those of the surface.
-void CurvedStage::cut_boundaries(Partition& partition, Prepared& prepared, Ladder& ladder, const Options& options,
+void CurvedStage::cut_boundaries(Partition& partition, Prepared& prepared, Ladder& ladder, const CurvedGoals& goals,
                                  double min_angle_deg, RunControl& control) {
   IdVector<PatchId, PatchSurface> surfaces(partition.patches.count());
   for (std::size_t i = 0; i < surfaces.size(); ++i) {
@@ -178,9 +177,9 @@ void CurvedStage::cut_boundaries(Partition& partition, Prepared& prepared, Ladde
       surfaces[p].fit_tolerance = recognised_.surfaces[patch->surface].tolerance;
     }
     // If the number of elements decides, chords are as deep as it says, whatever the way along the surface is.
-    if (!may_elements_be_in_force(options)) surfaces[p].along = surfaces[p].sideways;
+    if (!goals.may_have_elements()) surfaces[p].along = surfaces[p].sideways;
   }
-  if (!options.split_boundaries) {
+  if (!goals.may_cut_boundaries) {
     // The boundary stays as it is, so curved patches are remeshed between its vertices.
     cuts_.essential = partition.essential;
     return;
@@ -192,7 +191,7 @@ void CurvedStage::cut_boundaries(Partition& partition, Prepared& prepared, Ladde
                       partition.essential, ladder.forced(), prepared.pinched(control)},
                      surfaces,
                      {kRecognitionTolerance * prepared.rounding_tolerance,
-                      options.feature_angle_deg * std::numbers::pi / 180, max_length_per_width},
+                      goals.feature_angle_deg * std::numbers::pi / 180, max_length_per_width},
                      control);
   partition.essential = cuts_.essential;
   leave_room_for_boundaries();
@@ -276,7 +275,7 @@ void CurvedStage::step_up(const std::vector<PatchId>& at_fault, const PatchSet& 
 }
 
 bool CurvedStage::leave_coarser_facets(const std::vector<std::uint64_t>& triangles, const PatchSet& patches,
-                                       const Options& options) {
+                                       const CurvedGoals& goals) {
   const IdVector<PatchId, SurfaceId>& of_patch = curved_.has_any() ? curved_.surfaces.of_patch : recognised_.of_patch;
   const auto set_rung = [&](PatchId p, CurvedRung rung) {
     for (const FaceId f : patches.faces_of(p)) rungs_[f] = rung;
@@ -294,7 +293,7 @@ bool CurvedStage::leave_coarser_facets(const std::vector<std::uint64_t>& triangl
       }
   }
   if (!curved_.has_any() || leavings_ == kMaxLeavings) return is_any;
-  const std::vector<PatchId> coarser = coarser_.find_coarser(curved_, triangles, options);
+  const std::vector<PatchId> coarser = coarser_.find_coarser(curved_, triangles, goals);
   if (coarser.empty()) return is_any;
   ++leavings_;
   rungs_.resize(patches.of_face.size(), CurvedRung::kJoined);

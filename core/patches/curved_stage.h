@@ -15,6 +15,7 @@
 #include "core/mesh/surface.h"
 #include "core/patches/coarser_facets.h"
 #include "core/patches/curve_cuts.h"
+#include "core/patches/curved_goals.h"
 #include "core/patches/curved_patches.h"
 #include "core/patches/ladder.h"
 #include "core/patches/partition.h"
@@ -31,7 +32,6 @@ class CurvedStage {
   /// The measures of a run. Lengths are in model units.
   struct Measures {
     double plane_tolerance = 0;
-    double diagonal = 0;       ///< of the input's bounding box
     double min_angle_deg = 0;  ///< the bound on angles; 0 without refinement
     /// No more faces than these are in proportion to the input (Goals::faces_without_floor).
     std::uint64_t in_proportion = std::numeric_limits<std::uint64_t>::max();
@@ -53,7 +53,7 @@ class CurvedStage {
   /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
   /// Cost:    O(n log n).
   void run(Partition& partition, const PatchSet& facets_before, Prepared& prepared, Ladder& ladder,
-           const Options& options, const Measures& measures, RunControl& control);
+           const Options& options, const CurvedGoals& goals, const Measures& measures, RunControl& control);
 
   /// Returns the curved patches among the failed ones, and those beside a failed planar patch, which may be at fault.
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
@@ -71,7 +71,7 @@ class CurvedStage {
   /// Input:   the number of triangles that each patch has, after refinement.
   /// Output:  whether anything has changed.
   bool leave_coarser_facets(const std::vector<std::uint64_t>& triangles, const PatchSet& patches,
-                            const Options& options);
+                            const CurvedGoals& goals);
 
   /// Returns the curved patches of some surfaces.
   std::vector<PatchId> patches_of(const std::vector<SurfaceId>& surfaces) const;
@@ -91,7 +91,7 @@ class CurvedStage {
   const VolumeOffsets* outside() const { return is_outside_ ? &outside_ : nullptr; }
   /// Returns the share of the area of the curved patches that is asked to have more elements per circle than its facets
   /// have.
-  double finer_share(const Options& options) const;
+  double finer_share(const CurvedGoals& goals) const;
   /// Returns the surfaces of the facets.
   const RecognisedSurfaces& recognised() const { return recognised_; }
   /// Takes out the surfaces of the patches that the last run found, with the tolerances in force.
@@ -102,7 +102,7 @@ class CurvedStage {
                  RunControl& control);
   void leave_room_for_boundaries();
   void tell_failures(Partition& partition) const;
-  void cut_boundaries(Partition& partition, Prepared& prepared, Ladder& ladder, const Options& options,
+  void cut_boundaries(Partition& partition, Prepared& prepared, Ladder& ladder, const CurvedGoals& goals,
                       double min_angle_deg, RunControl& control);
 
   RecognisedSurfaces recognised_;       ///< those of the facets

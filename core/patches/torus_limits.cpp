@@ -43,7 +43,7 @@ std::vector<std::uint8_t> find_outside(const TorusFacets& input, RunControl& con
 
 }  // namespace
 
-void fit_limits_of_tori(const TorusFacets& input, const Options& options, std::vector<CurvedLimits>& limits,
+void fit_limits_of_tori(const TorusFacets& input, const CurvedGoals& goals, std::vector<CurvedLimits>& limits,
                         RunControl& control) {
   const auto is_torus = [&](std::size_t i) {
     return limits[i].tolerance > 0 && input.recognised.surfaces[SurfaceId(i)].shape.kind == SurfaceKind::kTorus;
@@ -58,12 +58,12 @@ void fit_limits_of_tori(const TorusFacets& input, const Options& options, std::v
     const double own = input.recognised.surfaces[SurfaceId(i)].input_chord_height;
     if (is_outside[i] == 0) {
       of_surface.max_height = std::max(of_surface.max_height, of_surface.boundary_tolerance);
-      if (!options.refine && of_surface.tightened().max_height < own) of_surface = {};
-    } else if (!may_elements_be_in_force(options)) {
+      if (!goals.is_refined && of_surface.tightened().max_height < own) of_surface = {};
+    } else if (!goals.may_have_elements()) {
       const double depth = kDepthShare * of_surface.tolerance - own;
       if (depth >= own) {
         of_surface.max_height = std::min(of_surface.max_height, depth);
-      } else if (!options.refine) {
+      } else if (!goals.is_refined) {
         of_surface = {};
       }
       of_surface.boundary_tolerance = std::min(of_surface.boundary_tolerance, of_surface.max_height);

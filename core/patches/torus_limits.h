@@ -3,10 +3,10 @@
 
 #include <vector>
 
-#include "core/base/options.h"
 #include "core/base/run_control.h"
 #include "core/geometry/patch_set.h"
 #include "core/mesh/surface.h"
+#include "core/patches/curved_goals.h"
 #include "core/patches/curved_patches.h"
 #include "core/patches/recognised_surfaces.h"
 
@@ -23,7 +23,7 @@ struct TorusFacets {
 /// Changes the limits of tori to what their facets leave of the tolerance. On the outer half of the tube, facets and
 /// result are both inside of it, so their distances from the surface do not add up. On the inner half, edges around the
 /// axis are outside of the tube, and others inside. There, both have to be within the tolerance together.
-/// Input:  `limits` has one entry per surface, made from the same options.
+/// Input:  `limits` has one entry per surface, made from the same goals.
 /// Output: tori whose facets are hardly outside of the tube may be as deep as their boundaries. Other tori stay as they
 ///         are if `elements_per_circle` is given. Otherwise they leave room for the way of boundaries along the
 ///         surface, and boundaries are no farther from the tube than the rest. If nothing is refined and the result,
@@ -31,7 +31,7 @@ struct TorusFacets {
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:   O(n).
 /// Source: rules.md, Surface tolerance
-void fit_limits_of_tori(const TorusFacets& input, const Options& options, std::vector<CurvedLimits>& limits,
+void fit_limits_of_tori(const TorusFacets& input, const CurvedGoals& goals, std::vector<CurvedLimits>& limits,
                         RunControl& control);
 
 }  // namespace remesh

@@ -74,11 +74,16 @@ class CirclePrediction {
  public:
   CirclePrediction(const RecognisedFacets& in, const PresentPatches& present, const Options& options,
                    RunControl& control)
-      : in_(in), present_(present), options_(options), goals_(goals_of(options, in.diagonal)), check_(control) {
+      : in_(in),
+        present_(present),
+        options_(options),
+        goals_(goals_of(options, in.diagonal)),
+        may_coarser_facets_stay_(curved_goals_of(options, in.diagonal).may_coarser_facets_stay),
+        check_(control) {
     Options with_circles = options;
     with_circles.elements_per_circle = kElements.front();
-    const std::vector<CurvedLimits> limits =
-        curved_limits(in.surface, in.facets, in.surfaces, with_circles, in.plane_tolerance, in.diagonal, control);
+    const std::vector<CurvedLimits> limits = curved_limits(
+        in.surface, in.facets, in.surfaces, curved_goals_of(with_circles, in.diagonal), in.plane_tolerance, control);
     joined_ = join_curved_facets(in.surface, in.adjacency, in.facets, in.surfaces, options.feature_angle_deg, limits,
                                  {}, control);
   }
@@ -101,7 +106,7 @@ class CirclePrediction {
   /// Returns how many faces there are at most: facets that are as fine as is asked for stay if they lead to fewer.
   double most_faces(int elements) const {
     constexpr double kMany = 0x1p62;
-    if (!may_coarser_facets_stay(options_) || present_.patches.count() != in_.facets.count()) return kMany;
+    if (!may_coarser_facets_stay_ || present_.patches.count() != in_.facets.count()) return kMany;
     // Other options may need no floor, and then facets have more faces than these.
     if (present_.min_edge_length > goals_.min_edge_length) return kMany;
     for (const CurvedPatch& patch : joined_.curved)
@@ -277,6 +282,7 @@ class CirclePrediction {
   const PresentPatches& present_;
   const Options& options_;
   const Goals goals_;
+  const bool may_coarser_facets_stay_;
   StopCheck check_;
   CurvedPatches joined_;
   IdVector<PatchId, PatchMeasure> measures_;

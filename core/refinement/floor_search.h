@@ -53,7 +53,7 @@ class FloorSearch {
  private:
   /// A floor is raised by the first of these factors, or by the second if more than kManyFaces faces are in proportion,
   /// so that each attempt takes seconds. It is not raised beyond kHighest times the lowest.
-  static constexpr double kStep = 2, kLargeStep = 4, kManyFaces = 0x1p17, kHighest = 0x1p20;
+  static constexpr double kStep = 2, kLargeStep = 4, kManyFaces = 0x1p17, kHighest = 0x1p16;
   /// After this number of means, a floor that is lower by a twentieth is too low.
   static constexpr int kMaxMeans = 4;
 

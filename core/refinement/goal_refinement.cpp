@@ -73,21 +73,6 @@ void GoalRefinement::predict_before(const PatchedSurface& on, const Triangulated
   predicted_ = std::move(prediction);
 }
 
-void GoalRefinement::predict_after(const PatchedSurface& on, const TriangulatedPatches& triangulated) {
-  if (!has_goals()) return;
-  const auto gaps = sizes_.without_floor ? nullptr : gap_search(on, triangulated);
-  predicted_ = predict_closely(triangulated, goals_, size_field(on, triangulated, gaps.get()), control_);
-  // Patches that had to stay as they were have the triangles that they had.
-  for (std::size_t p = 0; p < std::min(frozen_.size(), predicted_.of_patch.size()); ++p) {
-    if (frozen_[PatchId(p)] == 0) continue;
-    const auto triangles = static_cast<float>(triangulated.meshes[PatchId(p)].mesh.triangle_count());
-    predicted_.expected += static_cast<double>(triangles) - static_cast<double>(predicted_.of_patch[p]);
-    predicted_.of_patch[p] = triangles;
-  }
-  predicted_.expected = std::max(predicted_.expected, 0.0);
-  limit_to_proportion(predicted_);
-}
-
 Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder,
                                   std::span<const std::pair<PatchId, PatchId>> crossing,
                                   TriangulatedPatches& triangulated) {

@@ -72,7 +72,7 @@ class GoalRefinement {
   }
   /// Makes refinement aim at larger angles than are asked for, by some degrees. Vertices are to be moved after it.
   void set_angle_margin(double degrees) { angle_margin_ = degrees; }
-  /// Returns the number of faces that was predicted to be told to users.
+  /// Returns the number of faces that predict_before predicted.
   std::uint64_t predicted_faces() const { return static_cast<std::uint64_t>(std::min(predicted_.expected, 0x1p62)); }
   /// Returns whether edges must not be shorter than a floor that was found, and that another attempt may raise.
   bool has_found_floor() const { return goals_.min_edge_length > asked_floor_ && may_change_floor(); }
@@ -86,10 +86,6 @@ class GoalRefinement {
   /// Predicts closely how many faces refinement will make of these triangles. If they are out of proportion, it is
   /// predicted for the lowest floor with which they are not.
   void predict_before(const PatchedSurface& on, const TriangulatedPatches& triangulated);
-  /// Predicts closely how many faces refinement was to make of these triangles, with the floor that it has found. That
-  /// is known once, after all attempts.
-  /// Input: the triangles as they were before refinement.
-  void predict_after(const PatchedSurface& on, const TriangulatedPatches& triangulated);
   /// Returns how the faces that predict_before predicted are shared out among the patches. Their sum is that number.
   /// Empty without goals.
   const std::vector<float>& predicted_of_patch() const { return predicted_.of_patch; }

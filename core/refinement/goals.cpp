@@ -44,13 +44,11 @@ void keep_in_proportion(Goals& goals, const Options& options, double diagonal, s
   goals.min_edge_length = floor_of_details(options, goals);
   if (std::isfinite(goals.max_edge_length) || std::isfinite(goals.max_area)) return;
   const bool are_details_removed = options.defeature_size.value_or(0) > 0;
-  const bool are_circles_asked =
-      options.elements_per_circle || options.surface_tolerance || options.surface_tolerance_fraction;
   const std::uint64_t per_triangle =
       (goals.proximity > 0 ? kPerTriangleWithGaps : kPerTriangle) / (are_details_removed ? kDetails : 1);
-  const std::uint64_t always = !(goals.proximity > 0) ? kAlways
-                               : are_circles_asked    ? kAlwaysWithGapsAndCircles
-                                                      : kAlwaysWithGaps;
+  const std::uint64_t always = !(goals.proximity > 0)                ? kAlways
+                               : is_curved_resolution_given(options) ? kAlwaysWithGapsAndCircles
+                                                                     : kAlwaysWithGaps;
   goals.faces_without_floor = per_triangle * triangles + always;
   goals.lowest_floor = std::max(kLowestFloor * diagonal, goals.min_edge_length);
 }

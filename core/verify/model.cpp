@@ -72,17 +72,6 @@ Matches match_vertices(const Claim& claim, RunControl& control) {
 }
 
 /// Checks that each listed face has one reason, that the faces ascend, and that the goals are numbers.
-bool is_well_formed(const RefinementClaim& refinement, std::size_t face_count, std::size_t patch_count) {
-  const auto& [goals, unrefined, reasons, frozen] = refinement;
-  const auto is_bound = [](double bound) { return bound >= 0; };
-  return unrefined.size() == reasons.size() &&
-         std::adjacent_find(unrefined.begin(), unrefined.end(), std::greater_equal<>()) == unrefined.end() &&
-         (unrefined.empty() || unrefined.back().value < face_count) && is_bound(goals.min_angle_deg) &&
-         is_bound(goals.max_edge_length) && is_bound(goals.max_area) && is_bound(goals.min_edge_length) &&
-         is_bound(goals.proximity) && is_bound(goals.min_gap) && is_bound(goals.gradation) &&
-         (frozen.empty() || frozen.size() == patch_count);
-}
-
 /// Numbers the output's faces by the model's vertices, and marks the vertices that they use.
 void renumber_output(const Claim& claim, const std::vector<VertexId>& match, Model& model, FoundFaults& faults,
                      RunControl& control) {
@@ -145,6 +134,17 @@ Grouping by_patch(const Faces& faces, std::size_t patch_count, RunControl& contr
 }
 
 }  // namespace
+
+bool is_well_formed(const RefinementClaim& refinement, std::size_t face_count, std::size_t patch_count) {
+  const auto& [goals, unrefined, reasons, frozen] = refinement;
+  const auto is_bound = [](double bound) { return bound >= 0; };
+  return unrefined.size() == reasons.size() &&
+         std::adjacent_find(unrefined.begin(), unrefined.end(), std::greater_equal<>()) == unrefined.end() &&
+         (unrefined.empty() || unrefined.back().value < face_count) && is_bound(goals.min_angle_deg) &&
+         is_bound(goals.max_edge_length) && is_bound(goals.max_area) && is_bound(goals.min_edge_length) &&
+         is_bound(goals.proximity) && is_bound(goals.min_gap) && is_bound(goals.gradation) &&
+         (frozen.empty() || frozen.size() == patch_count);
+}
 
 bool is_well_formed(const Claim& claim, RunControl& control) {
   const Surface& surface = claim.surface;

@@ -122,6 +122,8 @@ struct Model {
 
 /// True if the claim's arrays fit together, every number is in range and every surface coordinate is finite.
 bool is_well_formed(const Claim& claim, RunControl& control);
+/// True if the lists of a claim about refinement fit together and are in range. The above includes this.
+bool is_well_formed(const RefinementClaim& refinement, std::size_t face_count, std::size_t patch_count);
 
 /// Builds the model.
 /// Input:  a well-formed claim. Reports kMovedVertex.

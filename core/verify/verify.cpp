@@ -169,70 +169,103 @@ void check_intersections(const Claim& claim, const std::vector<std::uint8_t>& is
 
 }  // namespace
 
-Verdict verify(const Claim& claim, RunControl& control) {
-  Verdict verdict;
-  FoundFaults faults(claim.frames.size(), claim.refinement != nullptr);
-  if (!is_well_formed(claim, control)) {
-    faults.add(PatchId(), Fault::kMalformed);
-    faults.write_to(verdict);
-    return verdict;
+class Verification::Tests {
+ public:
+  Tests(const Claim& claim, RunControl& control)
+      : claim_(claim), control_(control), faults_(claim.frames.size(), claim.refinement != nullptr) {
+    is_well_formed_ = is_well_formed(claim, control);
+    if (is_well_formed_)
+      test_surface();
+    else
+      faults_.add(PatchId(), Fault::kMalformed);
   }
 
-  // Output vertices get the surface's vertex numbers by exact coordinates.
-  const Model model = make_model(claim, faults, control);
-  control.progress(0.2);
+  bool has_failed() const { return faults_.is_any(); }
 
-  // This checks the faces that were made of the input's polygons.
-  check_polygons(claim, model, faults, control);
+  Verdict finish() {
+    // Sizes that vary take as long to check as all the rest. A result that has failed already is not held against them.
+    const Goals* const goals = claim_.refinement != nullptr ? &claim_.refinement->goals : nullptr;
+    const bool do_sizes_vary = goals != nullptr && (goals->proximity > 0 || goals->gradation > 0);
+    const bool are_goals_checked = is_well_formed_ && goals != nullptr && !(do_sizes_vary && has_failed());
+    if (are_goals_checked) test_goals(do_sizes_vary);
+    faults_.write_to(verdict_);
+    if (is_well_formed_ && goals != nullptr && !are_goals_checked) verdict_.quality = false;
+    if (is_well_formed_) control_.progress(1);
+    return std::move(verdict_);
+  }
 
-  // This finds the faces that use each edge, before and after.
-  std::optional<EdgeTable> edges_before, edges_after;
-  std::optional<BoundaryGraph> seams_before, seams_after;
-  const auto look_at = [&](const Faces& faces, std::span<const std::uint32_t> order, std::optional<EdgeTable>& edges,
-                           std::optional<BoundaryGraph>& seams) {
-    edges.emplace(model.points.size(), faces, order, control);
-    seams.emplace(model.points.size(), edges->take_bounding(), control);
-  };
-  // The input is mostly the larger one. It is read on this thread, whose memory comes from where all the rest was.
-  do_all([&] { look_at(model.output, {}, edges_after, seams_after); },
-         [&] { look_at(model.input, claim.surface_edge_order, edges_before, seams_before); });
-  const EdgeTable &input_edges = *edges_before, &output_edges = *edges_after;
-  const Seams seams{*std::move(seams_before), *std::move(seams_after)};
-  check_caps(claim, model, input_edges, faults, control);
-  control.progress(0.6);
+ private:
+  void test_surface() {
+    // Output vertices get the surface's vertex numbers by exact coordinates.
+    model_.emplace(make_model(claim_, faults_, control_));
+    const Model& model = *model_;
+    control_.progress(0.2);
 
-  // This checks that loops are preserved and edges conform.
-  const Boundary boundary = check_boundary(model, seams, faults, control);
-  control.progress(0.8);
+    // This checks the faces that were made of the input's polygons.
+    check_polygons(claim_, model, faults_, control_);
 
-  // This checks that each patch is the same piece of surface and that its triangles are sound.
-  std::vector<std::uint8_t> is_positive;
-  const ShapeSums shapes =
-      check_shapes(model, input_edges, seams, boundary, is_positive, verdict.patch_bounds, faults, control);
-  verdict.deviation = shapes.deviation / model.scale;
-  for (double& bound : verdict.patch_bounds) bound /= model.scale;
-  verdict.distance_bound = {verdict.deviation, verdict.deviation};
-  // The minimum keeps the bound finite for a model near the largest double, as its volume is.
-  verdict.volume_bound = std::min(std::ldexp(shapes.volume_bound, -3 * std::ilogb(model.scale)), DBL_MAX);
-  control.progress(0.9);
+    // This finds the faces that use each edge, before and after.
+    std::optional<EdgeTable> edges_before;
+    std::optional<BoundaryGraph> seams_before, seams_after;
+    const auto look_at = [&](const Faces& faces, std::span<const std::uint32_t> order, std::optional<EdgeTable>& edges,
+                             std::optional<BoundaryGraph>& seams) {
+      edges.emplace(model.points.size(), faces, order, control_);
+      seams.emplace(model.points.size(), edges->take_bounding(), control_);
+    };
+    // The input is mostly the larger one. It is read on this thread, whose memory comes from where all the rest was.
+    do_all([&] { look_at(model.output, {}, output_edges_, seams_after); },
+           [&] { look_at(model.input, claim_.surface_edge_order, edges_before, seams_before); });
+    seams_.emplace(*std::move(seams_before), *std::move(seams_after));
+    check_caps(claim_, model, *edges_before, faults_, control_);
+    control_.progress(0.6);
 
-  DelaunayCheck(model, output_edges, is_positive).run(faults, control);
-  check_intersections(claim, is_positive, faults, verdict, control);
-  check_whole(model, input_edges.counts(), boundary.input_vertices, output_edges.counts(), shapes, faults, control);
-  // Sizes that vary take as long to check as all the rest. A result that has failed already is not held against them.
-  const Goals* const goals = claim.refinement != nullptr ? &claim.refinement->goals : nullptr;
-  const bool do_sizes_vary = goals != nullptr && (goals->proximity > 0 || goals->gradation > 0);
-  const bool are_goals_checked = goals != nullptr && !(do_sizes_vary && faults.is_any());
-  if (are_goals_checked) {
+    // This checks that loops are preserved and edges conform.
+    const Boundary boundary = check_boundary(model, *seams_, faults_, control_);
+    control_.progress(0.8);
+
+    // This checks that each patch is the same piece of surface and that its triangles are sound.
+    std::vector<std::uint8_t> is_positive;
+    const ShapeSums shapes =
+        check_shapes(model, *edges_before, *seams_, boundary, is_positive, verdict_.patch_bounds, faults_, control_);
+    verdict_.deviation = shapes.deviation / model.scale;
+    for (double& bound : verdict_.patch_bounds) bound /= model.scale;
+    verdict_.distance_bound = {verdict_.deviation, verdict_.deviation};
+    // The minimum keeps the bound finite for a model near the largest double, as its volume is.
+    verdict_.volume_bound = std::min(std::ldexp(shapes.volume_bound, -3 * std::ilogb(model.scale)), DBL_MAX);
+    control_.progress(0.9);
+
+    DelaunayCheck(model, *output_edges_, is_positive).run(faults_, control_);
+    check_intersections(claim_, is_positive, faults_, verdict_, control_);
+    check_whole(model, edges_before->counts(), boundary.input_vertices, output_edges_->counts(), shapes, faults_,
+                control_);
+  }
+
+  void test_goals(bool do_sizes_vary) {
+    const RefinementClaim& refinement = *claim_.refinement;
+    if (!is_well_formed(refinement, claim_.faces.size(), claim_.frames.size())) {
+      faults_.add(PatchId(), Fault::kMalformed);
+      return;
+    }
     std::optional<VaryingSizes> sizes;
-    if (do_sizes_vary && claim.complete_refinement) claim.complete_refinement();
-    if (do_sizes_vary) sizes.emplace(claim, model, seams.input, seams.output, control);
-    check_goals(*claim.refinement, model, output_edges, seams.output, sizes ? &*sizes : nullptr, faults, control);
+    if (do_sizes_vary) sizes.emplace(claim_, *model_, seams_->input, seams_->output, control_);
+    check_goals(refinement, *model_, *output_edges_, seams_->output, sizes ? &*sizes : nullptr, faults_, control_);
   }
-  faults.write_to(verdict);
-  if (goals != nullptr && !are_goals_checked) verdict.quality = false;
-  control.progress(1);
-  return verdict;
-}
+
+  const Claim& claim_;
+  RunControl& control_;
+  FoundFaults faults_;
+  Verdict verdict_;
+  bool is_well_formed_ = false;
+  std::optional<Model> model_;
+  std::optional<EdgeTable> output_edges_;
+  std::optional<Seams> seams_;
+};
+
+Verification::Verification(const Claim& claim, RunControl& control) : tests_(std::make_unique<Tests>(claim, control)) {}
+Verification::~Verification() = default;
+bool Verification::has_failed() const { return tests_->has_failed(); }
+Verdict Verification::finish() { return tests_->finish(); }
+
+Verdict verify(const Claim& claim, RunControl& control) { return Verification(claim, control).finish(); }
 
 }  // namespace remesh

@@ -7,7 +7,7 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <utility>
@@ -93,9 +93,6 @@ struct Claim {
   std::span<const CurvedClaim> curved = {};
   /// The vertices on boundaries of curved patches that are elsewhere in the output, ascending in both numbers.
   std::span<const MovedVertex> moved = {};
-  /// If this is set, it is called after all other tests have passed, and before sizes that vary are tested. Until then,
-  /// `refinement` need not list faces that only miss such sizes.
-  std::function<void()> complete_refinement = {};
 };
 
 /// Tests the promises 1 to 3 of README.md.
@@ -150,5 +147,26 @@ struct Claim {
 /// Holds:   the verdict does not depend on the number of threads.
 /// Cost:    O(n log n).
 Verdict verify(const Claim& claim, RunControl& control);
+
+/// The check in two steps. Finding the faces that miss sizes that vary takes as long as all the rest, so the pipeline
+/// does that only for a result that has passed the first step.
+class Verification {
+ public:
+  /// Tests all but the goals of refinement. Until finish(), `claim.refinement` need not list faces that miss them.
+  /// Input: the claim must outlive this object.
+  Verification(const Claim& claim, RunControl& control);
+  ~Verification();
+  Verification(const Verification&) = delete;
+  Verification& operator=(const Verification&) = delete;
+
+  /// Returns whether a test has failed so far.
+  bool has_failed() const;
+  /// Tests the goals, and returns the verdict. To be called once.
+  Verdict finish();
+
+ private:
+  class Tests;
+  std::unique_ptr<Tests> tests_;
+};
 
 }  // namespace remesh

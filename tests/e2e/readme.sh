@@ -25,6 +25,9 @@ mkdir -p "$work/tests"
 cp -r "$root/tests/data" "$work/tests/data"
 cd "$work"
 echo the-key-of-the-readme >keys
+"$remesh" tests/data/bracket.obj -o part.stl 2>/dev/null || fail "part.stl, which the documents send, could not be made"
+# An answer that is an error fails, too.
+curl() { command curl --fail-with-body "$@"; }
 for command in "${commands[@]}"; do
   [[ $command == *localhost:8080* ]] || fail "this curl of a document asks somebody else: $command"
   eval "${command//localhost:8080/$address}" || fail "$command" # in this shell: one takes up what another sets
@@ -55,15 +58,16 @@ done
 stop_daemon
 
 # The same for the command line: a mesh, a folder.
-commands_of '^build/release/remesh '
-[ "${#commands[@]}" -ge 2 ] || fail "the documents have no command lines"
-rm -f out.obj
+commands_of '^(build/release/)?remesh '
+[ "${#commands[@]}" -ge 3 ] || fail "the documents have no command lines"
+rm -f out.obj part.obj
 mkdir parts
 cp tests/data/bracket.obj parts
 for command in "${commands[@]}"; do
   eval "\"\$remesh\" ${command#* }" || fail "$command"
 done
 [ "$(count_faces out.obj)" -gt "$coarse_faces" ] || fail "the command line made no out.obj"
+[ "$(count_faces part.obj)" -gt "$coarse_faces" ] || fail "the command line made no part.obj"
 grep -q '"min_angle_deg":30' report.json || fail "the report has other options: $(head -c 300 report.json)"
 grep -q '^bracket.obj,ok,' parts.csv || fail "the batch says: $(cat parts.csv)"
 [ -s remeshed/bracket.stl ] || fail "the batch made no remeshed/bracket.stl"

@@ -147,6 +147,11 @@ Result refined(const PolygonMesh& mesh, const Options& options, int workers) {
   return remesh_surface(mesh, options, RunSettings{workers, false}, control);
 }
 
+double predicted_faces(const PolygonMesh& mesh, const Options& options, int workers) {
+  RunControl control;
+  return static_cast<double>(analyze_surface(mesh, options, RunSettings{workers, false}, control).predicted_faces);
+}
+
 /// Curved surfaces keep their facets, so that what refinement makes of facets is tested, and not of joined patches.
 Options with_angle(double degrees) {
   Options options;

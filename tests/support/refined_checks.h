@@ -13,6 +13,8 @@
 namespace remesh {
 
 Result refined(const PolygonMesh& mesh, const Options& options = {}, int workers = 2);
+/// Returns how many faces an analysis expects of a remeshing with these options.
+double predicted_faces(const PolygonMesh& mesh, const Options& options, int workers = 2);
 Options with_angle(double degrees);
 Options with_length(double length);
 

@@ -3,6 +3,7 @@
 Options, formats, endpoints, settings, and the codes in a report stand in tables that people read, in the contract, and in the
 code. An entry that stands in one place and not in the others is reported, so that nobody forgets one when something is added.
 Defaults and ranges must be equal, no table may have an entry twice, and a flag or variable that a document mentions must exist.
+What the documents say of results, such as a number of faces, is compared with a run.
 
 Exit code: 0 - they agree; 1 - the differences are listed.
 """
@@ -13,6 +14,9 @@ import pathlib
 import re
 import subprocess
 import sys
+import tempfile
+import urllib.error
+import urllib.parse
 import urllib.request
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -24,10 +28,18 @@ MACHINE = {"--workers", "--max-running", "--queue-size", "--memory-budget"}
 # These flags of the daemon are no settings, since they end it.
 ENDING = {"--help", "--version", "--print-config", "--check-config"}
 # These are flags of other programs: curl, tsc, docker.
-FOREIGN = {"--data-binary", "--noEmit", "--rm", "--scale"}
+FOREIGN = {"--data-binary", "--fail-with-body", "--noEmit", "--rm", "--scale"}
 # These variables are read by `docker/` or by tests, or are options of CMake.
 OTHER_VARIABLES = {"REMESHD_API_KEY", "REMESHD_CORPUS", "REMESHD_DOMAIN", "REMESHD_REQUIRE_CORPUS", "REMESHD_TESTS",
                    "REMESHD_UNITY", "REMESHD_UPSTREAM", "REMESHD_WEB", "REMESHD_WERROR"}
+# Numbers of faces in documents. A pattern tells where they stand; its group is the number, and its spaces stand for any
+# white space. The run that must have as many faces is a mesh and options of `remesh`, or without options the mesh itself.
+BRACKET = "tests/data/bracket.obj"
+FACES = (
+    ("README.md", r"before and after: ([\d,]+) irregular triangles", (BRACKET,)),
+    ("README.md", r"triangles, and ([\d,]+) with 16 edges per full turn", (BRACKET, "--elements-per-circle=16")),
+    ("core/README.md", r"one bracket, ([\d,]+) triangles", (BRACKET,)),
+)
 failures = []
 
 
@@ -81,6 +93,15 @@ def code_spans(cell):
 def get(daemon, path):
     with urllib.request.urlopen(f"http://127.0.0.1:{daemon.port}{path}", timeout=30) as answer:
         return json.load(answer)
+
+
+def refusal_of(daemon, path, body):
+    """What the daemon has against a request, or "" if it answers with a result."""
+    try:
+        with urllib.request.urlopen(f"http://127.0.0.1:{daemon.port}{path}", data=body, timeout=30):
+            return ""
+    except urllib.error.HTTPError as error:
+        return json.load(error)["detail"]
 
 
 def output_of(*command):
@@ -271,10 +292,62 @@ def check_errors(contract):
             failures.append(f"api/openapi.yaml, Problem: {status} {code} is missing")
 
 
+def check_wishes(daemon, capabilities):
+    """The daemon takes the options of the README's first table, and knows the codes of the second one."""
+    lines = section("README.md", "# remeshd")
+    wishes, refusals = tables(lines)
+    names = {option["name"] for option in capabilities["options"]}
+    mesh = (ROOT / "tests/data/octahedron.ply").read_bytes()
+    for query in [span for row in wishes for span in code_spans(row[1]) if "=" in span]:
+        for name, value in urllib.parse.parse_qsl(query, strict_parsing=True, keep_blank_values=True):
+            if name not in names:
+                failures.append(f"README.md, {query}: there is no option {name}")
+        refusal = refusal_of(daemon, f"/v1/remesh?{query}", mesh)
+        if refusal:
+            failures.append(f"README.md, {query}: {refusal}")
+    literals = set(re.findall(r"\"([a-z_]+)\"", "\n".join(sources(folder) for folder in ("core", "api", "server"))))
+    for code in [span for row in refusals for span in code_spans(" ".join(row))]:
+        if re.fullmatch(r"[a-z]+(_[a-z]+)+", code) and code not in literals | names:
+            failures.append(f"README.md: there is no {code}")
+
+
+def count_faces(twin, mesh, *options):
+    if not options:
+        return sum(line.startswith("f ") for line in (ROOT / mesh).read_text(encoding="utf-8").splitlines())
+    with tempfile.TemporaryDirectory() as folder:
+        result = pathlib.Path(folder) / "result.obj"
+        output_of(twin, str(ROOT / mesh), "-o", str(result), *options)
+        return sum(line.startswith("f ") for line in result.read_text(encoding="utf-8").splitlines())
+
+
+def check_results(twin):
+    """The numbers that the documents tell of results are those of a run."""
+    known = {}
+    for document, pattern, run in FACES:
+        text = (ROOT / document).read_text(encoding="utf-8")
+        told = re.findall(pattern.replace(" ", r"\s+"), text)
+        if run not in known:
+            known[run] = count_faces(twin, *run)
+        if not told:
+            failures.append(f"{document}: nothing reads like {pattern}")
+        for faces in told:
+            if int(faces.replace(",", "")) != known[run]:
+                failures.append(f"{document}: {' '.join(run)} has {known[run]:,} faces, not {faces}")
+
+    text = (ROOT / "api/README.md").read_text(encoding="utf-8")
+    blocks = re.findall(r"^```\w*\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
+    told = [block for block in blocks if block.startswith(BRACKET)]
+    found = subprocess.run([twin, "--analyze", BRACKET], check=True, capture_output=True, text=True, cwd=ROOT).stdout
+    if told != [found]:
+        failures.append(f"api/README.md: remesh --analyze {BRACKET} prints\n{found}")
+
+
 def main():
     program, twin = sys.argv[1:]
     with Daemon(program) as daemon:
         capabilities, contract = get(daemon, "/v1/capabilities"), get(daemon, "/openapi.json")
+        check_wishes(daemon, capabilities)
+    check_results(twin)
     check_options(capabilities, contract)
     check_formats(capabilities, contract)
     check_endpoints(contract)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Is the number of faces that a report predicts near the number that the result has? Remeshes all meshes below the
+"""Is the number of faces that an analysis predicts near the number that the result has? Remeshes all meshes below the
 given folders with several bounds on angles and sizes, and writes two Markdown tables to standard output: how many
 predictions are right within a factor of 1.5 and of 3, for each setting, and those that are furthest from the result.
 What it is doing goes to standard error.
@@ -92,10 +92,7 @@ def compare(path, row, asked):
             row.failure = "limited by the number of faces"
             return
         row.before, row.after = remeshed["input"]["faces"], remeshed["output"]["faces"]
-        row.predicted = remeshed["predicted_faces"]
         row.floor = isinstance(remeshed["options"]["min_edge_length"], float)
-        if not asked.times:
-            return
         analyzed, row.failure = report_of(
             [asked.remesh, str(path.resolve()), "--analyze", *options], folder, asked.time_limit
         )
@@ -143,7 +140,6 @@ def parse_arguments(arguments):
     parser.add_argument("--budget", type=int, default=3000000, metavar="FACES", help="of each result (%(default)s)")
     parser.add_argument("--max-bytes", type=int, metavar="N", help="leave out files that are larger")
     parser.add_argument("--workers", type=int, default=1, metavar="N", help="threads (%(default)s)")
-    parser.add_argument("--times", action="store_true", help="also analyze each mesh, for the time of predictions")
     parser.add_argument("--worst", type=int, default=30, metavar="N", help="rows of the second table (%(default)s)")
     parser.add_argument("--strict", action="store_true", help="tell by the exit code whether predictions are right")
     asked = tool.parse(parser, arguments, [], [CORPUS])

@@ -60,7 +60,7 @@ CurvedLimits limits_of(const std::function<bool(const Vec3&)>& is_within, const 
   }
   std::vector<CurvedLimits> limits{c.limits};
   RunControl control;
-  fit_limits_of_tori({surface, facets, recognised, 1e-9}, c.options, limits, control);
+  fit_limits_of_tori({surface, facets, recognised, 1e-9}, curved_goals_of(c.options, 1), limits, control);
   return limits[0];
 }
 

@@ -64,9 +64,8 @@ std::vector<Member> members() {
 
 /// Expects that what the report predicts is right within the factor of the member.
 void expect_right(const Member& member, const Options& options) {
-  const Result result = refined(member.mesh, options);
-  const auto predicted = static_cast<double>(result.report.predicted_faces);
-  const auto made = static_cast<double>(result.mesh.faces.size());
+  const double predicted = predicted_faces(member.mesh, options);
+  const auto made = static_cast<double>(refined(member.mesh, options).mesh.faces.size());
   EXPECT_LE(std::fabs(std::log(predicted / made)), std::log(member.factor))
       << member.name << " at " << options.min_angle_deg.value_or(25) << " degrees: " << predicted << " instead of "
       << made;
@@ -104,7 +103,7 @@ STAGE(close_prediction, test::kWorkers) {
     if (member.name == "fan") continue;  // it takes long
     Options options = with_angle(25);
     options.proximity = 0.5;
-    trial.same(refined(member.mesh, options, trial.workers).report.predicted_faces);
+    trial.same(predicted_faces(member.mesh, options, trial.workers));
   }
 }
 
