@@ -4,12 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
+#include <sstream>
 #include <string>
 
 #include "api/job.h"
@@ -19,15 +20,14 @@
 #include "core/output/output_form.h"
 #include "tests/support/cgal_space.h"
 #include "tests/support/errors.h"
-#include "tests/support/plain_readers.h"
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"
 #include "tests/support/shared_meshes.h"
+#include "tests/support/written_mesh.h"
 
 namespace remesh::api {
 namespace {
 
-using test::PlainMesh;
 using testing::HasSubstr;
 using testing::Not;
 using Corners = std::array<Vec3, 3>;
@@ -56,16 +56,26 @@ RemeshAnswer written(std::string_view mesh, const Fields& options, Format format
   return run_remesh_job(job_of(mesh, with(options, "format", std::string(format_name(format)))), {}, control);
 }
 
-PlainMesh read(Format format, const std::string& file) {
-  if (format != Format::kJson) return test::read_plainly(format, file);
-  PlainMesh mesh;
-  const auto json = nlohmann::json::parse(file)["mesh"];
-  const auto point = [&](const nlohmann::json& v) {
-    const auto& p = json["vertices"][v.get<std::size_t>()];
-    return Vec3{p[0].get<double>(), p[1].get<double>(), p[2].get<double>()};
-  };
-  for (const auto& face : json["faces"]) mesh.triangles.push_back({point(face[0]), point(face[1]), point(face[2])});
-  return mesh;
+/// A mesh that was read back. It has the corners of each triangle, in the order of the file.
+struct ReadMesh {
+  std::vector<Corners> triangles;
+  std::vector<std::string> solid_of;  ///< the name of each triangle's solid, for text STL
+};
+
+ReadMesh read(Format format, const std::string& file) {
+  const test::WrittenMesh mesh = test::read_written(format, file);
+  ReadMesh back{{}, mesh.solid_of};
+  for (const auto& [a, b, c] : mesh.faces)
+    back.triangles.push_back({mesh.positions[a], mesh.positions[b], mesh.positions[c]});
+  if (format != Format::kStlAscii) return back;
+  std::istringstream words(file);
+  for (std::string word, x, y, z; words >> word;)
+    if (word == "normal" && words >> x >> y >> z) {
+      EXPECT_NEAR(
+          norm(Vec3{std::strtod(x.c_str(), nullptr), std::strtod(y.c_str(), nullptr), std::strtod(z.c_str(), nullptr)}),
+          1, 1e-6);
+    }
+  return back;
 }
 
 Corners corners_of(const TriangleMesh& mesh, std::uint32_t f) {
@@ -149,7 +159,7 @@ std::vector<Corners> soup_of(const TriangleMesh& mesh) {
 
 /// Compares what was written with the result in doubles, triangle by triangle.
 void expect_as_promised(const Result& exact, const RemeshAnswer& answer) {
-  const PlainMesh back = read(answer.format, answer.body);
+  const ReadMesh back = read(answer.format, answer.body);
   ASSERT_EQ(back.triangles.size(), exact.mesh.faces.size());
   const Vec3 origin = answer.report.output_origin.value_or(Vec3{});
   double farthest = 0;
@@ -356,7 +366,7 @@ TEST(written_formats, an_upload_as_stl_comes_back_as_stl_or_as_text_however_far_
         EXPECT_EQ(answer.body.starts_with("solid"), is_text);
         ++(is_text ? text : binary);
         const Format format = is_text ? Format::kStlAscii : Format::kStl;
-        EXPECT_FALSE(Joined(test::read_plainly(format, answer.body).triangles).is_any_flat());
+        EXPECT_FALSE(Joined(read(format, answer.body).triangles).is_any_flat());
       } catch (const Error& error) {
         // Coordinates may have collapsed in the upload already.
         EXPECT_TRUE(error.code == Code::kInvalidMesh || error.code == Code::kEmptyMesh) << error.what();
@@ -469,7 +479,7 @@ TEST_F(shared_meshes, ordinary_parts_come_out_as_binary_stl) {
       const RemeshAnswer answer = written(mesh, options, Format::kStl);
       EXPECT_FALSE(answer.report.output_origin) << name;
       EXPECT_EQ(answer.report.output.intersecting_pairs, 0u) << name;
-      const PlainMesh back = test::read_plainly(Format::kStl, answer.body);
+      const ReadMesh back = read(Format::kStl, answer.body);
       EXPECT_EQ(back.triangles.size(), answer.report.output.faces) << name;
       EXPECT_EQ(Joined(back.triangles).points.size(), answer.report.output.vertices) << name;
     }
@@ -482,7 +492,7 @@ TEST(written_formats, text_stl_has_a_solid_for_each_group_and_is_read_by_our_rea
       "g outlet\nf 2 3 4 5\ng inlet 1\nf 6 5 7\n";
   const RemeshAnswer answer = written(mesh, {{"refine", "false"}}, Format::kStlAscii);
   EXPECT_THAT(answer.body, testing::StartsWith("solid inlet 1\n"));
-  const PlainMesh back = test::read_plainly(Format::kStlAscii, answer.body);
+  const ReadMesh back = read(Format::kStlAscii, answer.body);
   EXPECT_TRUE(std::is_sorted(back.solid_of.begin(), back.solid_of.end()));
   EXPECT_EQ(std::count(back.solid_of.begin(), back.solid_of.end(), "outlet"), 2);
   // The digits are those of the doubles.

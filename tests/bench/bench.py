@@ -17,25 +17,20 @@ import time
 
 from cad import measure_cad
 from coarse import measure_coarse
-from file_to_file import measure_io, measure_way
-from in_the_plane import measure_points, measure_polygons, measure_refinement
+from in_the_plane import measure_polygons, measure_refinement
 from programs import Bench
-from scaling import measure_cores, measure_growth
+from scaling import measure_growth
 from surface import measure_surface
 from table import Table
 from through_http import measure_http
 
 PARTS = {
-    "points": measure_points,
     "polygons": measure_polygons,
     "refinement": measure_refinement,
     "surface": measure_surface,
     "coarse": measure_coarse,
-    "io": measure_io,
-    "way": measure_way,
     "cad": measure_cad,
     "http": measure_http,
-    "cores": measure_cores,
     "growth": measure_growth,
 }
 

@@ -117,10 +117,6 @@ const LargeShape kLargeShapes[] = {
        return shapes::box({1, 2, 3}, root(faces / 12));
      }},
     {"bracket", [](double faces) { return turned_bracket(root(faces / 28)); }},
-    // one patch
-    {"sheet", [](double faces) { return shapes::sheet(1, 1, root(faces / 2), root(faces / 2)); }},
-    // a patch for every two triangles
-    {"facets", [](double faces) { return facets(root(faces / 2), root(faces / 2), 1); }},
     {"plate",
      [](double faces) {
        constexpr int kCorners = 24;

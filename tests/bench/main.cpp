@@ -1,11 +1,10 @@
-/// Prints how the time of triangulating and of remeshing grows with the size of the input, beside CGAL's, and what
+/// Prints how the time of triangulating polygons grows with the size of the input, beside CGAL's, and what
 /// refinement makes of regions of one size, beside CGAL's, too. The part `hostile` shows the growth on surfaces that
 /// are made to keep a core busy, each size once; it runs only if it is asked for.
 /// Usage: remesh_bench [--only PART] [--json FILE] [max_size [workers]]; sizes are the decades from 10,000 to max_size
 /// (1,000,000). Every time is the median of three runs, in milliseconds; the factor behind it is the growth over one
 /// decade. The file gets the same figures as a list of flat objects (rows.h).
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
-#include <CGAL/Delaunay_triangulation_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <malloc.h>
 #include <tbb/task_arena.h>
@@ -23,10 +22,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/geometry/delaunay_divide_conquer.h"
-#include "core/remesh.h"
-#include "core/triangulation/delaunay_flips.h"
-#include "core/triangulation/lexicographic_triangulation.h"
 #include "core/triangulation/patch_triangulation.h"
 #include "tests/bench/hostile.h"
 #include "tests/bench/inputs.h"
@@ -34,13 +29,11 @@
 #include "tests/bench/rows.h"
 #include "tests/bench/timing.h"
 #include "tests/support/polygons.h"
-#include "tests/support/shapes.h"
 
 namespace remesh::bench {
 namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-constexpr int kSweepLimit = 100000;  // on grids it takes minutes above
 
 /// A table with one line per thing that is measured and one column per size. All times are also added to the rows.
 class Table {
@@ -92,49 +85,6 @@ class Table {
   std::vector<Line> lines_;
 };
 
-void measure_points(const std::string& title, const std::vector<int>& sizes, std::vector<Vec2> (*make)(int),
-                    Rows& rows) {
-  RunControl control;
-  Table table("points", title, sizes, rows);
-  for (const int size : sizes) {
-    const std::vector<Vec2> points = make(size);
-    std::vector<Kernel::Point_2> cgal_points;
-    for (const Vec2 p : points) cgal_points.emplace_back(p.x, p.y);
-    // CGAL orders its points itself, and the order in which it gets them must not help: both begin with them shuffled.
-    Random random(1);
-    std::vector<Vec2> shuffled = points;
-    for (std::size_t i = points.size() - 1; i > 0; --i) {
-      const std::size_t j = random.bits() % (i + 1);
-      std::swap(shuffled[i], shuffled[j]);
-      std::swap(cgal_points[i], cgal_points[j]);
-    }
-    std::vector<NamedWork> works{
-        {"sorting",
-         [&] {
-           std::vector<Vec2> copy = shuffled;
-           std::sort(copy.begin(), copy.end());
-         }},
-        {"triangulate_points", [&] { triangulate_points(points, control); }},
-        {"the same, with sorting",
-         [&] {
-           std::vector<Vec2> copy = shuffled;
-           std::sort(copy.begin(), copy.end());
-           triangulate_points(copy, control);
-         }},
-        {"divide and conquer", [&] { delaunay_divide_conquer(points, control); }},
-        {"CGAL, its sorting included",
-         [&] { const CGAL::Delaunay_triangulation_2<Kernel> mesh(cgal_points.begin(), cgal_points.end()); }},
-    };
-    if (size <= kSweepLimit)
-      works.push_back({"sweep and flips", [&] {
-                         Triangulation2d mesh = lexicographic_triangulation(points, control);
-                         delaunay_flips(points, mesh, control);
-                       }});
-    table.measure(works);
-  }
-  table.print();
-}
-
 void measure_polygons(const std::string& title, const std::vector<int>& sizes, polygons::Polygon (*make)(int),
                       Rows& rows) {
   using Structure = CGAL::Triangulation_data_structure_2<CGAL::Triangulation_vertex_base_2<Kernel>,
@@ -159,39 +109,6 @@ void measure_polygons(const std::string& title, const std::vector<int>& sizes, p
   table.print();
 }
 
-void measure_surfaces(const std::string& title, const std::vector<int>& sizes, int workers, PolygonMesh (*make)(int),
-                      Rows& rows) {
-  const RunSettings settings{.workers = workers};
-  Options options;
-  options.refine = false;
-  Table table("surfaces", title, sizes, rows);
-  for (const int size : sizes) {
-    const PolygonMesh mesh = make(size);
-    std::vector<double> totals;
-    std::vector<std::pair<Stage, std::vector<double>>> stages;
-    for (int run = 0; run < kRuns; ++run) {
-      RunControl control;
-      Report report;
-      totals.push_back(milliseconds([&] { report = remesh_surface(mesh, options, settings, control).report; }));
-      for (const StageTime& time : report.timing_ms) {
-        auto stage = std::find_if(stages.begin(), stages.end(), [&](const auto& s) { return s.first == time.stage; });
-        if (stage == stages.end()) stage = stages.insert(stages.end(), {time.stage, {}});
-        stage->second.push_back(time.ms);
-      }
-    }
-    for (auto& [stage, times] : stages) table.add(std::string(stage_name(stage)), median(std::move(times)));
-    table.add("total", median(std::move(totals)));
-  }
-  table.print();
-}
-
-std::vector<Vec2> scattered(int size) { return polygons::scattered(1, size); }
-std::vector<Vec2> square_grid(int size) {
-  const int side = static_cast<int>(std::sqrt(size));
-  return polygons::grid(side, side);
-}
-std::vector<Vec2> circle(int size) { return polygons::nearly_cocircular(size); }
-
 polygons::Polygon sieve(int size) { return polygons::sieve(static_cast<int>(std::sqrt(size / 4))); }
 polygons::Polygon comb(int size) { return polygons::comb(size / 4, 100); }
 /// Makes a star with about one hole per hundred corners.
@@ -202,16 +119,6 @@ polygons::Polygon round_star(int size) {
   return smooth_star(size, static_cast<int>(std::lround(std::sqrt(size / 100))));
 }
 
-PolygonMesh box(int size) { return shapes::box({1, 2, 3}, static_cast<int>(std::sqrt(size / 12))); }
-PolygonMesh turned_box(int size) { return shapes::rotated(box(size), {1, 2, 3}, 30); }
-/// Makes a sphere, of which every face is a patch of its own. The number of faces is 8 times a power of four, so it
-/// does not grow tenfold in a decade: 8192, 131072 and 524288 stand for the first three sizes.
-PolygonMesh sphere(int size) {
-  int levels = 0;
-  for (int faces = 8; faces * 2 < size; faces *= 4) ++levels;
-  return shapes::sphere(levels);
-}
-
 struct Part {
   std::string_view name;
   std::function<void(const std::vector<int>& sizes, int workers, Rows& rows)> run;
@@ -219,14 +126,6 @@ struct Part {
 
 const std::vector<Part>& parts() {
   static const std::vector<Part> all{
-      {"points",
-       [](const std::vector<int>& sizes, int workers, Rows& rows) {
-         tbb::task_arena(workers).execute([&] {
-           measure_points("scattered points", sizes, scattered, rows);
-           measure_points("square grid of points", sizes, square_grid, rows);
-           measure_points("points on a circle", sizes, circle, rows);
-         });
-       }},
       {"polygons",
        [](const std::vector<int>& sizes, int workers, Rows& rows) {
          tbb::task_arena(workers).execute([&] {
@@ -235,12 +134,6 @@ const std::vector<Part>& parts() {
            measure_polygons("corners of a spiky star", sizes, star, rows);
            measure_polygons("corners of a star", sizes, round_star, rows);
          });
-       }},
-      {"surfaces",
-       [](const std::vector<int>& sizes, int workers, Rows& rows) {
-         measure_surfaces("faces of a box", sizes, workers, box, rows);
-         measure_surfaces("faces of a turned box", sizes, workers, turned_box, rows);
-         measure_surfaces("faces of a sphere", sizes, workers, sphere, rows);
        }},
       {"refinement", [](const std::vector<int>&, int, Rows& rows) { measure_refinement(rows); }},
       {"hostile",

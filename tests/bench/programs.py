@@ -18,11 +18,6 @@ class Run:
     output: str
     report: dict = None
 
-    def milliseconds_between_files(self):
-        """Of remesh: all but reading and writing."""
-        times = self.report["timing_ms"]
-        return times["total"] - times.get("read", 0) - times.get("write", 0)
-
 
 @dataclasses.dataclass(frozen=True)
 class Bench:

@@ -1,29 +1,12 @@
-"""Parts `cores` and `growth`: two workers beside one, and ten times the work beside the work."""
+"""Part `growth`: ten times the work beside the work."""
 
 import math
 
 import plot
-from programs import face_count, median, peak_bytes, seconds
+from programs import face_count, peak_bytes, seconds
 
 PLATE = ("plate", 100)  # few corners, so that the longest edge alone says how many faces
 PLATE_AREA = 12
-
-
-def measure_cores(bench, table):
-    patches, unrefined = max(bench.faces // 5, 100), ("--refine", "false")
-    compare_workers(bench, table, f"{patches // 2:,} patches of two triangles", ("facets", patches), unrefined, 1.7)
-    compare_workers(bench, table, f"{patches // 2:,} patches of two triangles, refined", ("facets", patches), (), 1.7)
-    compare_workers(bench, table, f"one patch of {bench.faces:,} triangles", ("sheet", bench.faces), unrefined, 1.4)
-    compare_workers(bench, table, f"one patch refined to about {bench.faces:,} triangles", PLATE,
-                    ("--max-edge-length", str(length_for(bench, bench.faces))), 1.4)
-
-
-def compare_workers(bench, table, case, shape, options, times_as_fast):
-    path = bench.input(*shape)
-    results = bench.by_turns({n: lambda n=n: bench.remesh(path, *options, workers=n) for n in [1, 2]})
-    one, two = (median(lambda run: run.report["timing_ms"]["total"], results[n]) for n in [1, 2])
-    table.add(case, "one worker", one, "ms")
-    table.add(case, "two workers", two, "ms", "one worker", one, round(1 / times_as_fast, 3))
 
 
 def length_for(bench, faces):

@@ -1,48 +1,24 @@
 """Part `http`: the daemon beside the command line, and beside the work alone."""
 
-import concurrent.futures
 import functools
 import http.client
+import pathlib
 import re
 import shutil
 import statistics
-import subprocess
 import sys
 import time
 
 from programs import WORKERS, seconds
 
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+from remeshd import Daemon  # noqa: E402
+
 SHORT = 3  # times as many runs of what is short as of other works
 
 
-class Daemon:
-    """A daemon on a free port, for as long as the block."""
-
-    def __init__(self, program, workers):
-        self.process = subprocess.Popen(
-            [program, "--bind", "127.0.0.1:0", "--store", "none", "--workers", str(workers)],
-            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
-        for line in self.process.stdout:
-            found = re.search(r"127\.0\.0\.1:(\d+)", line)
-            if found:
-                self.port = int(found[1])
-                break
-        else:
-            sys.exit("remeshd does not start")
-        # The log must not fill its pipe.
-        self.drain = concurrent.futures.ThreadPoolExecutor(1)
-        self.drain.submit(self.process.stdout.read)
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.process.terminate()
-        self.process.wait()
-        self.drain.shutdown()
-
-    def connect(self):
-        return http.client.HTTPConnection("127.0.0.1", self.port, timeout=300)
+def connect(daemon):
+    return http.client.HTTPConnection("127.0.0.1", daemon.port, timeout=300)
 
 
 def post(connection, body):
@@ -59,7 +35,7 @@ def post(connection, body):
 
 
 def measure_http(bench, table):
-    with Daemon(bench.program("remeshd"), WORKERS) as daemon:
+    with Daemon(bench.program("remeshd"), "--workers", str(WORKERS)) as daemon:
         measure_large(bench, table, daemon)
         measure_small(bench, table, daemon)
 
@@ -69,7 +45,7 @@ def measure_large(bench, table, daemon):
     body = path.read_bytes()
 
     def through_http():
-        connection = daemon.connect()
+        connection = connect(daemon)
         took, _ = post(connection, body)
         connection.close()
         return took / 1000
@@ -85,7 +61,7 @@ def measure_small(bench, table, daemon):
     case = "1,000 faces through HTTP"
     path = bench.input("box", 1000)
     body = path.read_bytes()
-    connection = daemon.connect()
+    connection = connect(daemon)
     took = [post(connection, body) for _ in range(200)]
     connection.close()
     table.add(case, "the work", statistics.median(work for _, work in took), "ms")

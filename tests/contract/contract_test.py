@@ -9,14 +9,12 @@ import contextlib
 import functools
 import json
 import math
-import os
+import pathlib
 import re
 import signal
 import socket
-import subprocess
 import sys
 import tempfile
-import threading
 import time
 
 try:
@@ -24,6 +22,9 @@ try:
 except ImportError:
     print("SKIPPED: python3-jsonschema is not installed")
     sys.exit(77)
+
+sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "support"))
+import remeshd  # noqa: E402
 
 KEY = "contract-test-key-0123456789"
 SQUARE = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n"
@@ -67,26 +68,7 @@ def ask(port, method, target, body=None, fields=None):
         return receive(connection)
 
 
-class Daemon:
-    """remeshd on a free port, for the length of a `with`."""
-
-    def __init__(self, program, *flags, key=None):
-        environment = {name: value for name, value in os.environ.items() if not name.startswith("REMESHD_")}
-        environment["REMESHD_STORE"] = "none"  # unless a flag says another
-        if key:
-            environment["REMESHD_API_KEY"] = key
-        self.process = subprocess.Popen(
-            [program, "--bind", "127.0.0.1:0", "--log-format", "json", *flags], stderr=subprocess.PIPE, env=environment)
-        self.port = int(json.loads(self.process.stderr.readline())["address"].rsplit(":", 1)[1])
-        threading.Thread(target=self.process.stderr.read, daemon=True).start()
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.process.kill()
-        self.process.wait()
-
+class Daemon(remeshd.Daemon):
     def start_endless(self, request_id, body=SQUARE):
         """A connection whose request computes."""
         connection = connect(self.port)

@@ -1,7 +1,6 @@
 /// Tests that the families of hostile surfaces are remeshed, verified, and told of, with the same bytes for any number
 /// of workers.
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -9,6 +8,7 @@
 
 #include "core/remesh.h"
 #include "tests/support/hostile_families.h"
+#include "tests/support/invariance.h"
 #include "tests/support/remeshed.h"
 #include "tests/support/sanitizer.h"
 
@@ -21,22 +21,12 @@ const Diagnostic* told(const Report& report, DiagnosticCode code) {
   return found == report.diagnostics.end() ? nullptr : &*found;
 }
 
-TEST(hostile_families, results_are_verified_and_the_same_for_any_number_of_workers) {
-  const tbb::global_control eight(tbb::global_control::max_allowed_parallelism, 8);
+STAGE(hostile_families, test::kWorkers) {
   for (const hostile::Family& family : hostile::families()) {
-    const PolygonMesh mesh = family.make(unless_sanitized(500, 100));
-    const Result one = remeshed(mesh, Options{}, {1});
-    EXPECT_TRUE(one.report.verified.all_true()) << family.name;
-    for (const int workers : {2, 8}) {
-      const Result other = remeshed(mesh, Options{}, {workers});
-      EXPECT_EQ(other.mesh.positions.items(), one.mesh.positions.items()) << family.name;
-      EXPECT_EQ(other.mesh.faces.items(), one.mesh.faces.items()) << family.name;
-      ASSERT_EQ(other.report.diagnostics.size(), one.report.diagnostics.size()) << family.name;
-      for (std::size_t i = 0; i < one.report.diagnostics.size(); ++i) {
-        EXPECT_EQ(other.report.diagnostics[i].message, one.report.diagnostics[i].message) << family.name;
-        EXPECT_EQ(other.report.diagnostics[i].elements, one.report.diagnostics[i].elements) << family.name;
-      }
-    }
+    const Result result = remeshed(family.make(unless_sanitized(500, 100)), Options{}, {trial.workers});
+    EXPECT_TRUE(result.report.verified.all_true()) << family.name;
+    trial.mesh(result.mesh);
+    for (const Diagnostic& d : result.report.diagnostics) trial.in_order(d.message, d.elements);
   }
 }
 

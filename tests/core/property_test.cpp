@@ -322,12 +322,8 @@ TEST(random_surfaces, steps_of_random_height_keep_area_volume_and_closedness) {
     const std::uint64_t seed = kSeed + 4000 + i;
     SCOPED_TRACE(seed);
     Random random(seed);
-    std::vector<std::string> rows(5, std::string(5, '.'));
-    for (std::string& row : rows)
-      for (char& cell : row) cell = random.chance(0.6) ? '#' : '.';
-    rows[2][2] = '#';
-    const PolygonMesh mesh = shapes::renumbered(
-        shapes::blocks({rows.begin(), rows.end()}, 1 + static_cast<int>(seed % 2)), static_cast<unsigned>(seed));
+    const PolygonMesh mesh = shapes::renumbered(shapes::random_blocks(random, 5, 1 + static_cast<int>(seed % 2)),
+                                                static_cast<unsigned>(seed));
     const Result result = remeshed(mesh);
     ASSERT_TRUE(result.report.verified.all_true());
     EXPECT_EQ(result.report.output.area, result.report.input.area);
@@ -352,11 +348,7 @@ TEST(random_surfaces, turned_blocks_have_the_same_patches_and_counts_in_every_nu
   for (std::uint64_t i = 0; i < 12; ++i) {
     const std::uint64_t seed = kSeed + 7000 + i;
     Random random(seed);
-    std::vector<std::string> rows(4, std::string(4, '.'));
-    for (std::string& row : rows)
-      for (char& cell : row) cell = random.chance(0.6) ? '#' : '.';
-    rows[2][2] = '#';
-    const PolygonMesh mesh = shapes::blocks({rows.begin(), rows.end()}, 3);
+    const PolygonMesh mesh = shapes::random_blocks(random, 4, 3);
     const Result exact = remeshed(mesh);
     const Vec3 axis{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
     const PolygonMesh turned = shapes::moved(shapes::rotated(mesh, axis, random.uniform(0, 360)), {1, -2, 0.5});
@@ -393,11 +385,7 @@ TEST(random_surfaces, noise_around_the_tolerance_never_breaks_the_result) {
   for (std::uint64_t seed = kSeed + 5500; seed < kSeed + 5600; ++seed) {
     SCOPED_TRACE(seed);
     Random random(seed);
-    std::vector<std::string> rows(4, std::string(4, '.'));
-    for (std::string& row : rows)
-      for (char& cell : row) cell = random.chance(0.6) ? '#' : '.';
-    rows[2][2] = '#';
-    PolygonMesh mesh = shapes::blocks({rows.begin(), rows.end()}, random.integer(1, 4));
+    PolygonMesh mesh = shapes::random_blocks(random, 4, 1 + static_cast<int>(seed % 4));
     Options options = unrefined();
     options.plane_tolerance = std::pow(10, random.uniform(-5, -0.7));
     const double noise = *options.plane_tolerance * std::pow(10, random.uniform(-1.5, 1));
@@ -411,24 +399,6 @@ TEST(random_surfaces, noise_around_the_tolerance_never_breaks_the_result) {
     EXPECT_EQ(result.report.output.closed, result.report.input.closed);
     EXPECT_EQ(result.report.output.euler, result.report.input.euler);
   }
-}
-
-/// Makes faces through random points of a small grid. They cross, repeat, fold, and lie flat on a line, and an edge has
-/// any number of faces.
-PolygonMesh soup(Random& random, int most_corners) {
-  const int side = random.integer(1, 3), height = random.integer(0, 2);
-  std::vector<Vec3> positions;
-  for (int x = 0; x <= side; ++x)
-    for (int y = 0; y <= side; ++y)
-      for (int z = 0; z <= height; ++z)
-        positions.push_back({static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)});
-  std::vector<std::vector<std::uint32_t>> faces;
-  for (int f = random.integer(1, 25); f > 0; --f) {
-    faces.emplace_back();
-    for (int k = random.chance(0.8) ? 3 : random.integer(3, most_corners); k > 0; --k)
-      faces.back().push_back(static_cast<std::uint32_t>(random.below(static_cast<int>(positions.size()))));
-  }
-  return shapes::from_lists(positions, faces);
 }
 
 /// Expects a verified answer, or an error that says why there is none: either no face has an area, or polygons on the
@@ -447,35 +417,13 @@ void expect_verified_or_refused(const PolygonMesh& mesh) {
   }
 }
 
-TEST(random_surfaces, any_soup_of_triangles_with_area_comes_back_verified) {
-  for (std::uint64_t seed = kSeed + 6000; seed < kSeed + 6300; ++seed) {
-    SCOPED_TRACE(seed);
-    Random random(seed);
-    const PolygonMesh all = soup(random, 3);
-    std::vector<std::vector<std::uint32_t>> faces;
-    for (std::uint32_t f = 0; f < all.face_count(); ++f) {
-      const auto t = all.face(FaceId(f));
-      const Vec3 a = all.positions[t[0]], b = all.positions[t[1]], c = all.positions[t[2]];
-      if (cross(b - a, c - a) != Vec3{}) faces.push_back({t[0].value, t[1].value, t[2].value});
+TEST(random_surfaces, any_soup_of_triangles_or_polygons_comes_back_verified) {
+  for (const int max_corners : {3, 6})
+    for (std::uint64_t seed = kSeed + 6000; seed < kSeed + 6450; ++seed) {
+      SCOPED_TRACE(seed);
+      Random random(seed);
+      expect_verified_or_refused(shapes::random_soup(random, max_corners));
     }
-    expect_verified_or_refused(shapes::from_lists(all.positions.items(), faces));
-  }
-}
-
-TEST(random_surfaces, any_soup_of_triangles_comes_back_verified) {
-  for (std::uint64_t seed = kSeed + 6300; seed < kSeed + 6600; ++seed) {
-    SCOPED_TRACE(seed);
-    Random random(seed);
-    expect_verified_or_refused(soup(random, 3));
-  }
-}
-
-TEST(random_surfaces, any_soup_of_polygons_comes_back_verified) {
-  for (std::uint64_t seed = kSeed + 6600; seed < kSeed + 6900; ++seed) {
-    SCOPED_TRACE(seed);
-    Random random(seed);
-    expect_verified_or_refused(soup(random, 6));
-  }
 }
 
 }  // namespace

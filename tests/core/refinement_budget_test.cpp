@@ -2,7 +2,6 @@
 // many. If they are not, the limit does not make the mesh worse.
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <cstdint>
 #include <initializer_list>
@@ -10,6 +9,7 @@
 
 #include "core/base/error.h"
 #include "core/remesh.h"
+#include "tests/support/invariance.h"
 #include "tests/support/polygons.h"
 #include "tests/support/refined_checks.h"
 #include "tests/support/shapes.h"
@@ -116,16 +116,12 @@ TEST(refinement_budget, what_thinning_out_leaves_room_for_is_used) {
   EXPECT_LT(listed(result.report, UnrefinedReason::kBudget), all / kPinnedPart);
 }
 
-TEST(refinement_budget, what_is_made_without_a_budget_ends_alike_for_any_number_of_threads) {
+STAGE(refinement_without_a_budget, test::kWorkers) {
   Options options = options_of_slot();
   options.max_output_faces = 12'000;
-  const tbb::global_control four(tbb::global_control::max_allowed_parallelism, 4);
-  RunControl control;
-  const Result alone = remesh_surface(slotted_block(), options, RunSettings{1, false}, control);
-  const Result together = remesh_surface(slotted_block(), options, RunSettings{4, false}, control);
-  EXPECT_LE(alone.mesh.faces.size(), 12'000u);
-  EXPECT_EQ(alone.mesh.positions, together.mesh.positions);
-  EXPECT_EQ(alone.mesh.faces, together.mesh.faces);
+  const Result result = refined(slotted_block(), options, trial.workers);
+  EXPECT_LE(result.mesh.faces.size(), 12'000u);
+  trial.mesh(result.mesh);
 }
 
 TEST(refinement_budget, a_budget_is_spent_to_the_end_where_patches_are_many_and_small) {

@@ -10,6 +10,7 @@
 
 #include "core/refinement/goals.h"
 #include "core/remesh.h"
+#include "tests/support/invariance.h"
 #include "tests/support/random.h"
 #include "tests/support/refined_checks.h"
 #include "tests/support/shapes.h"
@@ -190,12 +191,9 @@ TEST(refinement_floor, no_worse_angles_are_left_than_there_were) {
   EXPECT_GE(floors, 3);
 }
 
-TEST(refinement_floor, is_scaled_with_the_input) {
-  const PolygonMesh mesh = prism_of_many_widths(6, 0.9, 300);
-  const double floor = refined(mesh).report.min_edge_length;
-  for (const int exponent : {-300, 5, 300})
-    EXPECT_EQ(refined(shapes::scaled(mesh, std::ldexp(1.0, exponent))).report.min_edge_length,
-              std::ldexp(floor, exponent));
+STAGE(refinement_floor, test::kExtremeScale) {
+  const PolygonMesh mesh = trial.of(prism_of_many_widths(6, 0.9, 300));
+  trial.same(trial.length(refined(mesh).report.min_edge_length));
 }
 
 TEST(refinement_floor, a_limit_below_the_proportion_is_a_budget) {

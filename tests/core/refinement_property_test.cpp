@@ -156,39 +156,18 @@ TEST(refined_polyhedra, open_regions_with_holes) {
 TEST(refined_polyhedra, blocks_that_touch_in_edges_and_corners) {
   for (std::uint64_t seed = kSeed + 4000; seed < kSeed + 4040; ++seed) {
     Random random(seed);
-    std::vector<std::string> rows(4, std::string(4, '.'));
-    for (std::string& row : rows)
-      for (char& cell : row) cell = random.chance(0.6) ? '#' : '.';
-    rows[2][2] = '#';
-    const PolygonMesh mesh = shapes::renumbered(shapes::blocks({rows.begin(), rows.end()}, random.integer(1, 2)),
-                                                static_cast<unsigned>(seed));
+    const PolygonMesh mesh =
+        shapes::renumbered(shapes::random_blocks(random, 4, seed % 2 == 0 ? 1 : 2), static_cast<unsigned>(seed));
     const Options options = random_options(random, 4);
     SCOPED_TRACE("seed " + std::to_string(seed) + ": " + words(options));
     expect_refined_well(mesh, options);
   }
 }
 
-/// Makes faces through random points of a small grid. They cross, repeat and fold, and an edge has any number of faces.
-PolygonMesh soup(Random& random) {
-  const int side = random.integer(1, 3), height = random.integer(0, 2);
-  std::vector<Vec3> positions;
-  for (int x = 0; x <= side; ++x)
-    for (int y = 0; y <= side; ++y)
-      for (int z = 0; z <= height; ++z)
-        positions.push_back({static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)});
-  std::vector<std::vector<std::uint32_t>> faces;
-  for (int f = random.integer(1, 25); f > 0; --f) {
-    faces.emplace_back();
-    for (int k = random.chance(0.8) ? 3 : random.integer(3, 5); k > 0; --k)
-      faces.back().push_back(static_cast<std::uint32_t>(random.below(static_cast<int>(positions.size()))));
-  }
-  return shapes::from_lists(positions, faces);
-}
-
 TEST(refined_polyhedra, any_soup_of_polygons_comes_back_verified) {
   for (std::uint64_t seed = kSeed + 5000; seed < kSeed + 5150; ++seed) {
     Random random(seed);
-    const PolygonMesh mesh = soup(random);
+    const PolygonMesh mesh = shapes::random_soup(random, 5);
     Options options = random_options(random, 3);
     options.proximity = 0;  // where facets cross, there is no end to how near they come
     SCOPED_TRACE("seed " + std::to_string(seed) + ": " + words(options));

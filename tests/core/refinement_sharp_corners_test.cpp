@@ -6,6 +6,7 @@
 #include <numbers>
 #include <vector>
 
+#include "tests/support/invariance.h"
 #include "tests/support/refined_checks.h"
 #include "tests/support/shapes.h"
 #include "tests/support/solids.h"
@@ -131,15 +132,9 @@ TEST(sharp_corners, where_sizes_vary_the_shortest_edge_leaves_no_long_ones) {
     }
 }
 
-TEST(sharp_corners, scaling_by_powers_of_two_scales_the_cuts) {
-  const PolygonMesh mesh = solids::cone(24, 10);
-  const Result once = refined(mesh, with(20, 0.5));
-  PolygonMesh large = mesh;
-  for (Vec3& p : large.positions) p = 1024.0 * p;
-  const Result scaled = refined(large, with(20, 512));
-  ASSERT_EQ(scaled.mesh.positions.size(), once.mesh.positions.size());
-  for (std::size_t v = 0; v < once.mesh.positions.size(); ++v)
-    EXPECT_EQ(scaled.mesh.positions[VertexId(v)], 1024.0 * once.mesh.positions[VertexId(v)]);
+STAGE(sharp_corners, test::kScale) {
+  const PolygonMesh mesh = trial.of(solids::cone(24, 10));
+  trial.mesh(refined(mesh, with(20, 0.5 * trial.scale)).mesh);
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 
 #include "core/io/obj.h"
 #include "core/remesh.h"
+#include "tests/support/invariance.h"
 #include "tests/support/polygons.h"
 #include "tests/support/random.h"
 #include "tests/support/refined_checks.h"
@@ -164,25 +165,12 @@ std::vector<std::pair<PolygonMesh, Options>> various() {
           {solids::needle_fan(20, 3), with_angle(30)}};
 }
 
-TEST(refinement, bytes_are_the_same_for_any_number_of_workers_and_on_every_run) {
-  for (const auto& [mesh, options] : various()) {
-    const std::string expected = bytes(refined(mesh, options, 1));
-    for (const int workers : {2, 8, 2}) EXPECT_EQ(bytes(refined(mesh, options, workers)), expected) << workers;
-  }
-}
-
-TEST(refinement, scaling_by_powers_of_two_scales_the_result) {
-  for (const auto& [mesh, options] : various()) {
-    const Result expected = refined(mesh, options);
-    for (const int k : {-30, -1, 1, 20}) {
-      const double scale = std::ldexp(1.0, k);
-      Options scaled = options;
-      if (scaled.max_edge_length) *scaled.max_edge_length *= scale;
-      const Result result = refined(shapes::scaled(mesh, scale), scaled);
-      ASSERT_EQ(result.mesh.faces.items(), expected.mesh.faces.items()) << k;
-      for (std::uint32_t v = 0; v < result.mesh.positions.size(); ++v)
-        ASSERT_EQ(result.mesh.positions[VertexId(v)], scale * expected.mesh.positions[VertexId(v)]) << k;
-    }
+STAGE(refined, test::kWorkers, test::kScale) {
+  for (auto [mesh, options] : various()) {
+    if (options.max_edge_length) *options.max_edge_length *= trial.scale;
+    const Result result = refined(trial.of(mesh), options, trial.workers);
+    trial.mesh(result.mesh);
+    trial.in_order(result.face_patch, listed_in_words(result.report));
   }
 }
 

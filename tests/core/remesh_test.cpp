@@ -11,6 +11,7 @@
 
 #include "core/io/obj.h"
 #include "tests/support/errors.h"
+#include "tests/support/invariance.h"
 #include "tests/support/random.h"
 #include "tests/support/remeshed.h"
 #include "tests/support/shapes.h"
@@ -59,17 +60,6 @@ std::string all_bytes(const Result& result) {
     for (const std::uint64_t e : d.elements) out << ' ' << e;
   }
   return out.str();
-}
-
-/// Returns the triangles of the output by their positions, so that they can be compared across numberings.
-std::multiset<std::vector<Vec3>> triangle_set(const Result& result) {
-  std::multiset<std::vector<Vec3>> set;
-  for (const Triangle& t : result.mesh.faces) {
-    std::vector<Vec3> corners{result.mesh.positions[t[0]], result.mesh.positions[t[1]], result.mesh.positions[t[2]]};
-    std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
-    set.insert(corners);
-  }
-  return set;
 }
 
 bool has_vertex(const Result& result, const Vec3& p) {
@@ -277,43 +267,27 @@ TEST(remesh_surface, cubes_that_touch_along_an_edge_keep_its_four_faces) {
   EXPECT_EQ(result.mesh.faces.size(), 2u * 12);
 }
 
-TEST(remesh_surface, bytes_are_the_same_for_any_number_of_workers_and_on_every_run) {
-  for (const PolygonMesh& mesh :
-       {shapes::ring(8), bracket(), shapes::sphere(4), shapes::rotated(shapes::cylinder(64, 1, 2), {1, 2, 3}, 20),
-        shapes::rounded(shapes::rotated(shapes::box({1, 2, 3}, 12), {1, 2, 3}, 40), 1e-6), shapes::sphere(6),
-        shapes::rounded(shapes::rotated(shapes::box({1, 2, 3}, 60), {1, 2, 3}, 40), 1e-6)}) {
-    const std::string expected = all_bytes(remeshed(mesh, unrefined(), {1, true}));
-    for (const int workers : {1, 2, 8, 2})
-      EXPECT_EQ(all_bytes(remeshed(mesh, unrefined(), {workers, true})), expected) << workers;
+std::vector<PolygonMesh> several_meshes() {
+  return {shapes::ring(4), bracket(), shapes::sphere(3), shapes::two_squares_touching_at_a_vertex(2),
+          shapes::rounded(shapes::rotated(bracket(), {1, 2, 3}, 40), 1e-6)};
+}
+
+STAGE(remesh_surface, test::kScale, test::kNumbering, test::kStop) {
+  for (const PolygonMesh& mesh : several_meshes()) {
+    const Result result = remesh_surface(trial.of(mesh), unrefined(), {trial.workers, true}, trial.control);
+    trial.mesh(result.mesh);
+    trial.same(result.report.patches.size());
+    trial.in_order(result.face_patch, trial.length(result.report.plane_tolerance),
+                   trial.length(trial.length(result.report.output.area)));
   }
 }
 
-TEST(remesh_surface, scaling_by_powers_of_two_gives_the_same_faces) {
-  for (const PolygonMesh& mesh : {shapes::ring(4), bracket(), shapes::sphere(3),
-                                  shapes::rounded(shapes::rotated(shapes::box({1, 2, 3}, 5), {1, 2, 3}, 40), 1e-6)}) {
-    const Result expected = remeshed(mesh);
-    for (const int k : {-40, -17, -3, -1, 1, 5, 20, 40}) {
-      const double scale = std::ldexp(1.0, k);
-      const Result result = remeshed(shapes::scaled(mesh, scale));
-      EXPECT_EQ(result.mesh.faces.items(), expected.mesh.faces.items()) << k;
-      EXPECT_EQ(result.face_patch.items(), expected.face_patch.items()) << k;
-      EXPECT_EQ(result.report.plane_tolerance, scale * expected.report.plane_tolerance) << k;
-      EXPECT_EQ(result.report.output.area, scale * scale * expected.report.output.area) << k;
-    }
-  }
-}
-
-TEST(remesh_surface, renumbering_changes_no_triangle) {
-  for (const PolygonMesh& mesh :
-       {shapes::ring(4), bracket(), shapes::sphere(3), shapes::two_squares_touching_at_a_vertex(2),
-        shapes::rounded(shapes::rotated(bracket(), {1, 2, 3}, 40), 1e-6)}) {
-    const Result expected = remeshed(mesh);
-    for (unsigned seed = 1; seed <= 4; ++seed) {
-      const Result result = remeshed(shapes::renumbered(mesh, seed));
-      EXPECT_EQ(result.report.patches.size(), expected.report.patches.size());
-      EXPECT_EQ(triangle_set(result), triangle_set(expected)) << seed;
-    }
-  }
+STAGE(all_of_a_result, test::kWorkers) {
+  std::vector<PolygonMesh> meshes = several_meshes();
+  meshes.push_back(shapes::rotated(shapes::cylinder(64, 1, 2), {1, 2, 3}, 20));
+  meshes.push_back(shapes::sphere(6));
+  meshes.push_back(shapes::rounded(shapes::rotated(shapes::box({1, 2, 3}, 60), {1, 2, 3}, 40), 1e-6));
+  for (const PolygonMesh& mesh : meshes) trial.in_order(all_bytes(remeshed(mesh, unrefined(), {trial.workers, true})));
 }
 
 TEST(remesh_surface, boxes_and_brackets_turned_and_printed_with_six_decimals_merge_into_their_planes) {
@@ -646,12 +620,6 @@ TEST(remesh_surface, a_result_larger_than_allowed_is_refused) {
   EXPECT_EQ(error.option, "max_output_faces");
   options.max_output_faces = 12;
   EXPECT_EQ(remeshed(shapes::box({1, 1, 1}, 3), options).mesh.faces.size(), 12u);
-}
-
-TEST(remesh_surface, a_run_that_was_stopped_before_it_began_does_nothing) {
-  RunControl control;
-  control.cancel();
-  EXPECT_EQ(error_of([&] { remesh_surface(shapes::box({1, 1, 1}), {}, {}, control); }).code, Code::kCancelled);
 }
 
 TEST(remesh_surface, a_stop_is_obeyed_soon_at_any_time) {

@@ -119,6 +119,7 @@ ask 204 -X OPTIONS -H 'Origin: https://tool.example' -H 'Access-Control-Request-
 [ "$(header Access-Control-Allow-Origin)" = https://tool.example ] || fail 'the allowed origin is not'
 "$remeshd" health --bind "$address" || fail 'health needs a key'
 stop_daemon
+! "$remeshd" health --bind "$address" 2>/dev/null || fail 'health says that a stopped daemon is well'
 
 # what it refuses to start with
 ! "$remeshd" --check-config --bind 0.0.0.0:0 2>"$work/why" || fail 'it would listen beyond loopback without a key'

@@ -10,6 +10,7 @@
 
 #include "api/text.h"
 #include "tests/mutate/polygon_soup.h"
+#include "tests/support/hostile.h"
 #include "tests/support/hostile_families.h"
 
 namespace remesh::mutate {
@@ -73,31 +74,6 @@ PolygonSoup grid(int n, bool is_of_quads, const Height& height) {
 
 int side_of(double faces) { return std::max(2, static_cast<int>(std::sqrt(faces / 2))); }
 
-Hostile many_components(double size, Random& random) {
-  Hostile made;
-  const int n = std::max(2, static_cast<int>(1000 * std::sqrt(size)));
-  for (int j = 0; j < n; ++j) {
-    for (int i = 0; i < n; ++i) {
-      const Vec3 at{double(i), double(j), random.unit()};
-      add_triangle(made.soup, at, at + Vec3{0.5, 0, 0}, at + Vec3{0, 0.5, random.unit()});
-    }
-  }
-  return made;
-}
-
-Hostile cone(double size, Random&) {
-  Hostile made;
-  const int n = std::max(3, static_cast<int>(300'000 * size));
-  const Index apex = add(made.soup, {0, 0, 1});
-  for (int i = 0; i < n; ++i) {
-    const double angle = 2 * std::numbers::pi * i / n;
-    add(made.soup, {std::cos(angle), std::sin(angle), i % 2 == 0 ? 0 : 0.01});
-  }
-  for (int i = 0; i < n; ++i)
-    made.soup.faces.push_back({apex, static_cast<Index>(1 + i), static_cast<Index>(1 + (i + 1) % n)});
-  return made;
-}
-
 /// Makes triangles around one vertex in no order, so that no fan connects them.
 Hostile pinched_vertex(double size, Random& random) {
   Hostile made;
@@ -108,16 +84,6 @@ Hostile pinched_vertex(double size, Random& random) {
     const Index a = add(made.soup, p);
     const Index b = add(made.soup, p + 0.01 * random_point(random));
     made.soup.faces.push_back({centre, a, b});
-  }
-  return made;
-}
-
-Hostile crossing_soup(double size, Random& random) {
-  Hostile made;
-  const double length = random.chance(0.5) ? 0.05 : 0.3;
-  for (int i = std::max(2, static_cast<int>(100'000 * size)); i-- > 0;) {
-    const Vec3 p = random_point(random);
-    add_triangle(made.soup, p, p + length * random_point(random), p + length * random_point(random));
   }
   return made;
 }
@@ -201,47 +167,6 @@ Hostile thin_gap(double size, Random& random) {
   return made;
 }
 
-/// Makes one polygon with very many corners, a comb or a star.
-Hostile large_polygon(double size, Random& random) {
-  Hostile made;
-  const int n = std::max(3, static_cast<int>(200'000 * size));
-  const bool is_comb = random.chance(0.5);
-  std::vector<Index> face;
-  if (is_comb) {
-    face.push_back(add(made.soup, {double(n), -1, 0}));
-    for (int i = n; i-- > 0;) face.push_back(add(made.soup, {double(i), i % 2 == 0 ? 0.0 : 1000.0, 0}));
-    face.push_back(add(made.soup, {0, -1, 0}));
-  } else {
-    for (int i = 0; i < n; ++i) {
-      const double angle = 2 * std::numbers::pi * i / n, radius = random.uniform(0.5, 1);
-      face.push_back(add(made.soup, {radius * std::cos(angle), radius * std::sin(angle), 0}));
-    }
-  }
-  made.soup.faces.push_back(std::move(face));
-  return made;
-}
-
-/// Makes a large triangle, and very many small ones with corners on one of its edges.
-Hostile vertices_on_an_edge(double size, Random& random) {
-  Hostile made;
-  const int n = std::max(2, static_cast<int>(100'000 * size));
-  add_triangle(made.soup, {0, 0, 0}, {double(n), 0, 0}, {0.5 * n, double(n), 0});
-  for (int i = 0; i < n; ++i)
-    add_triangle(made.soup, {double(i) + 1, 0, 0}, {double(i), 0, 0}, {i + 0.5, -random.unit(), random.unit()});
-  return made;
-}
-
-/// Makes triangles whose vertices are all on one line, so that they have no area.
-Hostile line_of_nothing(double size, Random& random) {
-  Hostile made;
-  for (int i = std::max(2, static_cast<int>(300'000 * size)); i-- > 0;) {
-    const double x = random.unit(), y = random.unit(), z = random.unit();
-    add_triangle(made.soup, {x, x, x}, {y, y, y}, {z, z, z});
-  }
-  add_triangle(made.soup, {0, 0, 0}, {1, 0, 0}, {0, 1, 0});
-  return made;
-}
-
 /// Makes vertices that weld in clusters and chains.
 Hostile near_vertices(double size, Random& random) {
   Hostile made;
@@ -249,20 +174,6 @@ Hostile near_vertices(double size, Random& random) {
     add_triangle(made.soup, random_point(random), random_point(random), random_point(random));
   for (Vec3& p : made.soup.positions) p.z *= 0.001;
   made.options.emplace_back("weld_tolerance", random.chance(0.5) ? "0.001" : "0.02");
-  return made;
-}
-
-/// Makes the same few faces many times.
-Hostile repeated_faces(double size, Random& random) {
-  Hostile made;
-  made.soup = grid(std::max(2, static_cast<int>(30 * std::sqrt(size))), false, [](int, int) { return 0.0; });
-  const std::size_t count = made.soup.faces.size();
-  const auto total = static_cast<std::size_t>(500'000 * size);
-  while (made.soup.faces.size() < total) {
-    auto face = made.soup.faces[static_cast<std::size_t>(random.bits() % count)];
-    if (random.chance(0.3)) std::swap(face[0], face[1]);
-    made.soup.faces.push_back(std::move(face));
-  }
   return made;
 }
 
@@ -290,6 +201,17 @@ Hostile rough_ball(double size, Random& random) {
   return made;
 }
 
+/// Makes a surface of tests/support/hostile.h with a part of so many faces.
+template <auto kMake, int kFaces>
+Hostile of_size(double size, Random&) {
+  return {soup_of(kMake(std::max<std::size_t>(10, static_cast<std::size_t>(kFaces * size)))), {}};
+}
+
+Hostile crossing_soup(double size, Random& random) {
+  const auto count = std::max<std::size_t>(2, static_cast<std::size_t>(30'000 * size));
+  return {soup_of(hostile::soup(count, static_cast<unsigned>(random.below(1000)))), {}};
+}
+
 /// Makes a member of a family that grows without end (tests/support/hostile_families.h).
 Hostile of_a_family(double size, Random& random) {
   const auto families = hostile::families();
@@ -302,8 +224,8 @@ struct Kind {
   Hostile (*make)(double size, Random& random);
 };
 
-constexpr std::array<Kind, 22> kKinds{{{"many components", many_components},
-                                       {"cone", cone},
+constexpr std::array<Kind, 23> kKinds{{{"many components", of_size<hostile::components, 250'000>},
+                                       {"cone", of_size<hostile::cone, 300'000>},
                                        {"pinched vertex", pinched_vertex},
                                        {"crossing soup", crossing_soup},
                                        {"crossing star", crossing_star},
@@ -314,11 +236,12 @@ constexpr std::array<Kind, 22> kKinds{{{"many components", many_components},
                                        {"fine plate", fine_plate},
                                        {"perforated plate", perforated_plate},
                                        {"thin gap", thin_gap},
-                                       {"large polygon", large_polygon},
-                                       {"vertices on an edge", vertices_on_an_edge},
-                                       {"line of nothing", line_of_nothing},
+                                       {"large polygon", of_size<hostile::polygon, 200'000>},
+                                       {"vertices on an edge", of_size<hostile::torn_edge, 100'000>},
+                                       {"line of nothing", of_size<hostile::flat_fan, 300'000>},
                                        {"near vertices", near_vertices},
-                                       {"repeated faces", repeated_faces},
+                                       {"repeated faces", of_size<hostile::repeated, 500'000>},
+                                       {"book", of_size<hostile::double_book, 100'000>},
                                        {"rough ball", rough_ball},
                                        {"plane grid", plane_grid},
                                        {"member of a family", of_a_family},

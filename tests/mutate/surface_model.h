@@ -11,10 +11,12 @@
 
 #include "core/base/vec.h"
 #include "core/mesh/mesh.h"
-#include "tests/mutate/written_mesh.h"
 #include "tests/support/random.h"
+#include "tests/support/written_mesh.h"
 
 namespace remesh::mutate {
+
+using test::WrittenMesh;
 
 /// Converts model units to those of the judge: x -> (x - centre) 2^-exponent.
 struct Scale {

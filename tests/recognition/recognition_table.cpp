@@ -1,9 +1,8 @@
 /// Judges recognition: prints what is claimed of each mesh, and what the truth is if it is known.
-/// Usage: recognition_table [--faces] [--runs N] [--million] MESH...
+/// Usage: recognition_table [--faces] [--runs N] MESH...
 /// A mesh with a table of surfaces beside it (NAME.surfaces.tsv for NAME.stl) is judged by kind, as areas in percent.
 /// For every mesh the claimed surfaces are held against its vertices by formulas that the core does not have.
 ///   --faces  one line more for each STEP face that is not right, and for each claimed surface of other meshes
-///   --million  judges the time and the memory of the stage on surfaces of a million faces
 ///   --runs   the stage is timed so often (3), and the shortest time counts
 /// Exit code: 0 - all bounds hold; 1 - the bounds that do not hold are listed; 2 - usage, or a mesh cannot be read.
 #include <algorithm>
@@ -13,7 +12,6 @@
 #include <exception>
 #include <filesystem>
 #include <fstream>
-#include <functional>
 #include <iterator>
 #include <map>
 #include <optional>
@@ -26,11 +24,7 @@
 #include "core/base/tolerance.h"
 #include "core/io/gzip.h"
 #include "core/io/mesh_files.h"
-#include "core/remesh.h"
 #include "tests/recognition/judged_file.h"
-#include "tests/recognition/stage_memory.h"
-#include "tests/support/primitives.h"
-#include "tests/support/unrefined_options.h"
 
 namespace remesh::recognition {
 namespace {
@@ -39,7 +33,6 @@ constexpr double kMinRightPercent = 97;
 constexpr double kMaxFreeFormPercent = 0.5;
 constexpr double kMinEvidentPercent = 95;
 constexpr double kMaxMicrosPerFace = 1.5;
-constexpr double kMaxBytesPerFace = 100;
 /// A smaller mesh is not timed against the bound, because fixed costs and the clock weigh too much.
 constexpr std::size_t kMinTimedFaces = 5'000;
 /// A tolerance of so many rounding steps is still the rounding of the file.
@@ -47,7 +40,6 @@ constexpr double kMaxToleranceSteps = 10;
 
 struct Settings {
   bool want_faces = false;
-  bool want_million = false;
   int runs = 3;
 };
 
@@ -255,55 +247,23 @@ void judge_file(const std::string& path, const Settings& settings, KindSums& sum
   std::fflush(stdout);
 }
 
-/// Judges time and memory on large surfaces, with one thread, so that the time is that of a core.
-void judge_millions(Faults& faults) {
-  const std::vector<std::function<primitives::Model()>> makers{
-      [] { return primitives::cylinder(500'000, 8, 20); }, [] { return primitives::cylinder(1000, 8, 20, 500); },
-      [] { return primitives::globe(1000, 500, 8); }, [] { return primitives::torus(1000, 1000, 500, 8, 3); },
-      [] { return primitives::thread(64, 2000); }};
-  std::printf("a million faces%22s %9s %9s %12s %12s  claimed\n", "faces", "facets", "surfaces", "us a face",
-              "bytes a face");
-  for (const auto& make : makers) {
-    const primitives::Model model = primitives::triangulated(make());
-    const auto faces = static_cast<double>(model.mesh.face_count());
-    RunControl control;
-    const StageMemory memory(control, Stage::kSurfaces);
-    const Report report = remesh_surface(model.mesh, unrefined(), {}, control).report;
-    const double bytes = static_cast<double>(memory.most_bytes()) / faces;
-    std::map<SurfaceKind, std::uint64_t> faces_of;
-    for (const RecognisedSurface& s : report.surfaces.surfaces) faces_of[s.shape.kind] += s.faces;
-    const double micros = 1000 * surfaces_ms(report) / faces;
-    std::printf("  %-33s %9zu %9zu %9zu %12.3f %12.1f ", model.name.c_str(), model.mesh.face_count(),
-                report.patches.size(), report.surfaces.surfaces.size(), micros, bytes);
-    for (const auto& [kind, count] : faces_of)
-      std::printf(" %s %.1f %%", std::string(kind_name(kind)).c_str(), percent(static_cast<double>(count), faces));
-    std::printf("\n");
-    std::fflush(stdout);
-    if (micros > kMaxMicrosPerFace) faults.push_back(model.name + text(": the stage takes %.2f us a face", micros));
-    if (bytes > kMaxBytesPerFace) faults.push_back(model.name + text(": the stage takes %.0f bytes a face", bytes));
-  }
-}
-
 int run(const std::vector<std::string>& arguments) {
   Settings settings;
   std::vector<std::string> paths;
   for (std::size_t i = 0; i < arguments.size(); ++i) {
     if (arguments[i] == "--faces") {
       settings.want_faces = true;
-    } else if (arguments[i] == "--million") {
-      settings.want_million = true;
     } else if (arguments[i] == "--runs" && i + 1 < arguments.size()) {
       settings.runs = std::atoi(arguments[++i].c_str());
     } else if (arguments[i].starts_with("--")) {
-      settings.want_million = false;
       paths.clear();
       break;
     } else {
       paths.push_back(arguments[i]);
     }
   }
-  if (paths.empty() && !settings.want_million) {
-    std::fprintf(stderr, "usage: recognition_table [--faces] [--runs N] [--million] MESH...\n");
+  if (paths.empty()) {
+    std::fprintf(stderr, "usage: recognition_table [--faces] [--runs N] MESH...\n");
     return 2;
   }
   Faults faults;
@@ -321,7 +281,6 @@ int run(const std::vector<std::string>& arguments) {
     std::printf("\nall files, each with the same weight\n");
     print_evident(sums, "all files", faults);
   }
-  if (settings.want_million) judge_millions(faults);
   std::printf("\n%zu bounds do not hold\n", faults.size());
   for (const std::string& fault : faults) std::printf("  %s\n", fault.c_str());
   return code != 0 ? code : faults.empty() ? 0 : 1;

@@ -8,6 +8,14 @@
 
 namespace remesh::test {
 
+/// Returns a surface with all lengths times a factor.
+inline AnalyticSurface scaled(AnalyticSurface surface, double factor) {
+  surface.origin = factor * surface.origin;
+  surface.radius *= factor;
+  surface.minor_radius *= factor;
+  return surface;
+}
+
 /// A surface in some place, with parameters u and v. Its normal points to the side from which the parameters turn
 /// counter-clockwise.
 struct CurvedPlace {

@@ -6,6 +6,7 @@
 #include <set>
 #include <utility>
 
+#include "tests/support/curved_place.h"
 #include "tests/support/stage_chain.h"
 
 namespace remesh::cut_parts {
@@ -64,11 +65,7 @@ Part with_halves(Part part, std::uint32_t group, const std::function<bool(const 
 
 Part scaled(Part part, double factor) {
   part.mesh = shapes::scaled(std::move(part.mesh), factor);
-  for (AnalyticSurface& s : part.shapes) {
-    s.origin = factor * s.origin;
-    s.radius *= factor;
-    s.minor_radius *= factor;
-  }
+  for (AnalyticSurface& s : part.shapes) s = test::scaled(s, factor);
   return part;
 }
 

@@ -219,6 +219,30 @@ PolygonMesh blocks(const std::vector<std::string_view>& rows, int cuts) {
   return b.take();
 }
 
+PolygonMesh random_blocks(Random& random, int side, int cuts) {
+  std::vector<std::string> rows(static_cast<std::size_t>(side), std::string(static_cast<std::size_t>(side), '.'));
+  for (std::string& row : rows)
+    for (char& cell : row) cell = random.chance(0.6) ? '#' : '.';
+  rows[2][2] = '#';
+  return blocks({rows.begin(), rows.end()}, cuts);
+}
+
+PolygonMesh random_soup(Random& random, int max_corners) {
+  const int side = random.integer(1, 3), height = random.integer(0, 2);
+  std::vector<Vec3> positions;
+  for (int x = 0; x <= side; ++x)
+    for (int y = 0; y <= side; ++y)
+      for (int z = 0; z <= height; ++z)
+        positions.push_back({static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)});
+  std::vector<std::vector<std::uint32_t>> faces;
+  for (int f = random.integer(1, 25); f > 0; --f) {
+    faces.emplace_back();
+    for (int k = random.chance(0.8) ? 3 : random.integer(3, max_corners); k > 0; --k)
+      faces.back().push_back(static_cast<std::uint32_t>(random.below(static_cast<int>(positions.size()))));
+  }
+  return from_lists(positions, faces);
+}
+
 PolygonMesh l_bracket(int cuts) { return blocks({"#.", "##"}, cuts); }
 
 PolygonMesh prism(const std::vector<Vec2>& base, double height) {

@@ -12,6 +12,7 @@
 
 #include "core/mesh/mesh.h"
 #include "core/mesh/surface.h"
+#include "tests/support/random.h"
 
 namespace remesh::shapes {
 
@@ -61,6 +62,11 @@ PolygonMesh quad_box(const Vec3& size, int n = 1);
 /// Makes the cells of a drawing (see `flat`) as unit cubes. The surface is closed, without inner walls, and every
 /// square is two triangles. Cells that touch in a corner share a vertical edge with four faces.
 PolygonMesh blocks(const std::vector<std::string_view>& rows, int cuts = 1);
+/// Makes blocks by a drawing of so many cells a side, of which about 60 % are drawn at random. (2, 2) always is.
+PolygonMesh random_blocks(Random& random, int side, int cuts);
+/// Makes faces through random points of a small grid. They cross, repeat, fold, and lie flat on a line, and an edge has
+/// any number of faces.
+PolygonMesh random_soup(Random& random, int max_corners);
 /// Makes an L of three cubes.
 PolygonMesh l_bracket(int cuts = 1);
 /// Makes a prism over a simple counter-clockwise polygon, with two polygon caps and one quad per side.

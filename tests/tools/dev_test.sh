@@ -35,11 +35,11 @@ for package in chromium docker-compose libcgal-dev python3-vtk9; do
   grep -qx "$package" "$work/setup" || fail "./dev setup leaves out $package"
 done
 # What only some parts of the benchmark need.
-for parts in '' '--only cad' '--only io --only cad --runs 1'; do
+for parts in '' '--only cad' '--only http --only cad --runs 1'; do
   asked bench $parts >"$work/bench"
   grep -qx occt-draw "$work/bench" || fail "./dev bench $parts leaves out occt-draw"
 done
-asked bench --only io --step cad >"$work/bench"
-! grep -qx occt-draw "$work/bench" || fail "./dev bench --only io asks for occt-draw"
+asked bench --only http --step cad >"$work/bench"
+! grep -qx occt-draw "$work/bench" || fail "./dev bench --only http asks for occt-draw"
 asked volume-check part.stl >"$work/volume-check"
 grep -qx python3-netgen "$work/volume-check" || fail "./dev volume-check leaves out python3-netgen"

@@ -15,12 +15,14 @@ import re
 import subprocess
 import sys
 import tempfile
-import threading
 import urllib.error
 import urllib.parse
 import urllib.request
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
+sys.path.append(str(ROOT / "tests" / "support"))
+from remeshd import Daemon  # noqa: E402
+
 # These defaults depend on the machine.
 MACHINE = {"--workers", "--max-running", "--queue-size", "--memory-budget"}
 # These flags of the daemon are no settings, since they end it.
@@ -88,34 +90,18 @@ def code_spans(cell):
     return re.findall(r"`([^`]+)`", cell)
 
 
-class Daemon:
-    """remeshd on a free port, for the length of a `with`."""
+def get(daemon, path):
+    with urllib.request.urlopen(f"http://127.0.0.1:{daemon.port}{path}", timeout=30) as answer:
+        return json.load(answer)
 
-    def __init__(self, program):
-        environment = {name: value for name, value in os.environ.items() if not name.startswith("REMESHD_")}
-        command = [program, "--bind", "127.0.0.1:0", "--log-format", "json", "--store", "none"]
-        self.process = subprocess.Popen(command, stderr=subprocess.PIPE, env=environment)
-        self.address = json.loads(self.process.stderr.readline())["address"]
-        threading.Thread(target=self.process.stderr.read, daemon=True).start()
 
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.process.kill()
-        self.process.wait()
-
-    def get(self, path):
-        with urllib.request.urlopen(f"http://{self.address}{path}", timeout=30) as answer:
-            return json.load(answer)
-
-    def refusal(self, path, body):
-        """What the daemon has against a request, or "" if it answers with a result."""
-        try:
-            with urllib.request.urlopen(f"http://{self.address}{path}", data=body, timeout=30):
-                return ""
-        except urllib.error.HTTPError as error:
-            return json.load(error)["detail"]
+def refusal_of(daemon, path, body):
+    """What the daemon has against a request, or "" if it answers with a result."""
+    try:
+        with urllib.request.urlopen(f"http://127.0.0.1:{daemon.port}{path}", data=body, timeout=30):
+            return ""
+    except urllib.error.HTTPError as error:
+        return json.load(error)["detail"]
 
 
 def output_of(*command):
@@ -316,7 +302,7 @@ def check_wishes(daemon, capabilities):
         for name, value in urllib.parse.parse_qsl(query, strict_parsing=True, keep_blank_values=True):
             if name not in names:
                 failures.append(f"README.md, {query}: there is no option {name}")
-        refusal = daemon.refusal(f"/v1/remesh?{query}", mesh)
+        refusal = refusal_of(daemon, f"/v1/remesh?{query}", mesh)
         if refusal:
             failures.append(f"README.md, {query}: {refusal}")
     literals = set(re.findall(r"\"([a-z_]+)\"", "\n".join(sources(folder) for folder in ("core", "api", "server"))))
@@ -359,7 +345,7 @@ def check_results(twin):
 def main():
     program, twin = sys.argv[1:]
     with Daemon(program) as daemon:
-        capabilities, contract = daemon.get("/v1/capabilities"), daemon.get("/openapi.json")
+        capabilities, contract = get(daemon, "/v1/capabilities"), get(daemon, "/openapi.json")
         check_wishes(daemon, capabilities)
     check_results(twin)
     check_options(capabilities, contract)

@@ -9,10 +9,9 @@ With --check nothing is written. Exit code 1: the file is not the one that would
 
 import collections
 import math
-import os
 import sys
 
-import include_order
+import check
 
 BOX_WIDTH, BOX_HEIGHT, GAP, LEFT, TOP = 230, 34, 14, 60, 16
 WIDTH = 500
@@ -33,18 +32,15 @@ PURPOSE = {
 
 def count_includes(root, order):
     counts = collections.Counter()
-    for path in include_order.sources(root, order):
-        here = include_order.place(order, path)
-        for _, header in include_order.includes(root, path):
-            there = include_order.place(order, header)
-            if there is not None and there != here and os.path.exists(os.path.join(root, header)):
-                counts[here, there] += 1
+    for path, _, header in check.includes(root, order):
+        here, there = check.place(order, path), check.place(order, header)
+        if there is not None and there != here:
+            counts[here, there] += 1
     return counts
 
 
 def draw(root):
-    order = [f for f in include_order.read_order(os.path.join(os.path.dirname(__file__), "include_order.txt"))
-             if f.split("/")[0] == "core"]
+    order = [folder for folder in check.entries("include_order.txt") if folder.split("/")[0] == "core"]
     counts = count_includes(root, order)
     top_of = {i: TOP + (len(order) - 1 - i) * (BOX_HEIGHT + GAP) for i in range(len(order))}
     height = TOP * 2 + len(order) * (BOX_HEIGHT + GAP) - GAP
@@ -83,8 +79,7 @@ def main():
     arguments = sys.argv[1:]
     is_check = "--check" in arguments
     path = [a for a in arguments if a != "--check"][0]
-    root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-    drawing = draw(root)
+    drawing = draw(check.ROOT)
     if is_check:
         with open(path, encoding="utf-8") as file:
             if file.read() != drawing:

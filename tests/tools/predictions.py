@@ -14,15 +14,16 @@ Exit code: 0; 2 for misuse. With --strict, 1 if fewer than 90 % of all predictio
 any is wrong by more than a factor of 3.
 """
 
-import argparse
 import dataclasses
 import json
 import pathlib
-import shutil
 import statistics
 import subprocess
 import sys
 import tempfile
+
+import tool
+from tool import print_table, say
 
 NEAR, FAR = 1.5, 3.0
 SETTINGS = {
@@ -33,7 +34,6 @@ SETTINGS = {
 }
 CORPUS = pathlib.Path("../shared/meshes")
 NOT_COMPARED = {"read", "weld", "surfaces"}
-ENDINGS = (".obj", ".off", ".ply", ".stl", ".obj.gz", ".off.gz", ".ply.gz", ".stl.gz")
 MIN_TIMED_MS = 50  # shorter runs tell nothing about shares of time
 
 
@@ -103,13 +103,6 @@ def compare(path, row, asked):
         row.run_ms = sum(ms for name, ms in remeshed["timing_ms"].items() if name not in NOT_COMPARED | {"total"})
 
 
-def print_table(table):
-    widths = [max(len(cells[column]) for cells in table) for column in range(len(table[0]))]
-    table.insert(1, ["-" * width for width in widths])
-    for cells in table:
-        print("| " + " | ".join(cell.replace("|", "\\|").ljust(width) for cell, width in zip(cells, widths)) + " |")
-
-
 def share(rows, factor):
     return f"{100 * sum(row.error() <= factor for row in rows) / len(rows):.1f} %"
 
@@ -139,29 +132,17 @@ def print_worst(rows, count):
     print_table(table)
 
 
-def say(text):
-    print(text, file=sys.stderr, flush=True)
-
-
 def parse_arguments(arguments):
-    end = arguments.index("--") if "--" in arguments else len(arguments)
-    parser = argparse.ArgumentParser(
-        description=__doc__,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        epilog="What follows -- are further options for remesh.",
-    )
+    parser = tool.make_parser(__doc__, [])
     parser.add_argument("paths", nargs="*", metavar="PATH", help=f"a folder, or a mesh file; by default {CORPUS}")
-    parser.add_argument("--remesh", default="build/release/remesh", help="the program; by default %(default)s")
     parser.add_argument("--angles", default="20,25,30", metavar="DEG,...", help="(%(default)s)")
     parser.add_argument("--settings", default=",".join(SETTINGS), metavar="NAME,...", help="(%(default)s)")
     parser.add_argument("--budget", type=int, default=3000000, metavar="FACES", help="of each result (%(default)s)")
     parser.add_argument("--max-bytes", type=int, metavar="N", help="leave out files that are larger")
     parser.add_argument("--workers", type=int, default=1, metavar="N", help="threads (%(default)s)")
-    parser.add_argument("--time-limit", type=float, default=120, metavar="S", help="for each run (%(default)s)")
     parser.add_argument("--worst", type=int, default=30, metavar="N", help="rows of the second table (%(default)s)")
     parser.add_argument("--strict", action="store_true", help="tell by the exit code whether predictions are right")
-    asked = parser.parse_args(arguments[:end])
-    asked.options = arguments[end + 1 :]
+    asked = tool.parse(parser, arguments, [], [CORPUS])
     try:
         asked.angles = [float(angle) for angle in asked.angles.split(",")]
     except ValueError:
@@ -170,18 +151,8 @@ def parse_arguments(arguments):
     unknown = set(asked.settings) - set(SETTINGS)
     if unknown:
         parser.error(f"there is no setting {min(unknown)}")
-    program = shutil.which(asked.remesh)
-    if program is None:
-        parser.error(f"there is no program {asked.remesh}; --remesh says where it is")
-    asked.remesh = str(pathlib.Path(program).resolve())
-    asked.files = []
-    for path in map(pathlib.Path, asked.paths or [CORPUS]):
-        found = sorted(p for p in path.rglob("*") if p.is_file()) if path.is_dir() else [path]
-        asked.files += [p for p in found if p.name.lower().endswith(ENDINGS)]
     if asked.max_bytes is not None:
         asked.files = [p for p in asked.files if p.stat().st_size <= asked.max_bytes]
-    if not asked.files:
-        parser.error("no OBJ, OFF, PLY or STL file there")
     return asked
 
 

@@ -19,7 +19,6 @@ TetGen can mesh, it also meshes the remesher's output, within --at-least and --a
 that Gmsh or Netgen cannot mesh are told, but do not fail.
 """
 
-import argparse
 import dataclasses
 import os
 import pathlib
@@ -35,6 +34,8 @@ import time
 
 import dihedral
 import surface_files
+import tool
+from tool import say
 
 DEFAULT_REMESH_OPTIONS = ["--proximity", "1", "--min-angle-deg", "20"]
 SHARP_DEG = 30
@@ -320,11 +321,7 @@ def describe(volume):
     )
 
 
-def say(text):
-    print(text, file=sys.stderr, flush=True)
-
-
-def print_table(rows, meshers):
+def print_volumes(rows, meshers):
     titles = ["part", "surface", "faces", "least angle"]
     for name in meshers:
         titles += [name, "worst dihedral", "apart"]
@@ -342,15 +339,7 @@ def print_table(rows, meshers):
         if row.note:
             cells[4] = row.note
         table.append(cells)
-    print_aligned(table)
-
-
-def print_aligned(table):
-    table = [[cell.replace("|", "\\|") for cell in cells] for cells in table]
-    widths = [max(len(row[column]) for row in table) for column in range(len(table[0]))]
-    table.insert(1, ["-" * width for width in widths])
-    for row in table:
-        print("| " + " | ".join(cell.ljust(width) for cell, width in zip(row, widths)) + " |")
+    tool.print_table(table)
 
 
 def print_orders(rows, at_least):
@@ -369,19 +358,12 @@ def print_orders(rows, at_least):
             cells += [f"{statistics.mean(v.flat for v in volumes):.3g}", str(sum(v.flat == 0 for v in volumes))]
         table.append(cells + [""] * (len(titles) - len(cells)))
     print(f"\nOutputs under {KEPT}, their worst dihedral angles apart over all orders, and averages:\n")
-    print_aligned(table)
+    tool.print_table(table)
 
 
 def parse_arguments(arguments):
-    end = arguments.index("--") if "--" in arguments else len(arguments)
-    parser = argparse.ArgumentParser(
-        description=__doc__,
-        formatter_class=argparse.RawDescriptionHelpFormatter,
-        epilog="What follows -- are the options for remesh; by default: " + " ".join(DEFAULT_REMESH_OPTIONS),
-    )
+    parser = tool.make_parser(__doc__, DEFAULT_REMESH_OPTIONS)
     parser.add_argument("paths", nargs="+", metavar="PATH", help="a folder (with those below it), or a mesh file")
-    parser.add_argument("--remesh", default="build/release/remesh", help="the program; by default %(default)s")
-    parser.add_argument("--time-limit", type=float, default=120, metavar="S", help="for each run (%(default)s)")
     parser.add_argument("--at-least", type=float, default=3, metavar="DEG", help="of the worst dihedral (%(default)s)")
     parser.add_argument(
         "--at-most",
@@ -396,23 +378,12 @@ def parse_arguments(arguments):
     )
     parser.add_argument("--without-gmsh", action="store_true", help="leave out Gmsh")
     parser.add_argument("--without-netgen", action="store_true", help="leave out Netgen")
-    parsed = parser.parse_args(arguments[:end])
-    parsed.options = arguments[end + 1 :] or DEFAULT_REMESH_OPTIONS
-    program = shutil.which(parsed.remesh)
-    if program is None:
-        parser.error(f"there is no program {parsed.remesh}; --remesh says where it is")
-    parsed.remesh = str(pathlib.Path(program).resolve())
-    for tool in ["tetgen"] + ([] if parsed.without_gmsh else ["gmsh"]):
-        if shutil.which(tool) is None:
-            parser.error(f"{tool} is not installed: it is a package of Debian")
+    parsed = tool.parse(parser, arguments, DEFAULT_REMESH_OPTIONS, [])
+    for mesher in ["tetgen"] + ([] if parsed.without_gmsh else ["gmsh"]):
+        if shutil.which(mesher) is None:
+            parser.error(f"{mesher} is not installed: it is a package of Debian")
     if not parsed.without_netgen and not has_netgen():
         parser.error("Netgen is not installed: python3-netgen is a package of Debian")
-    parsed.files = []
-    for path in map(pathlib.Path, parsed.paths):
-        found = sorted(p for p in path.rglob("*") if p.is_file()) if path.is_dir() else [path]
-        parsed.files += [p for p in found if surface_files.is_surface_file(p)]
-    if not parsed.files:
-        parser.error("no OBJ, OFF, PLY or STL file there")
     return parsed
 
 
@@ -436,7 +407,7 @@ def main(arguments):
             say(f"  FAILED: {failure}")
             failures.append(f"{path.name}: {failure}")
         others += [f"{path.name}: {failure}" for failure in others_of(before, after)]
-    print_table(rows, meshers)
+    print_volumes(rows, meshers)
     if asked.orders > 1:
         print_orders(rows, asked.at_least)
     print(f"\nremesh {' '.join(asked.options)}: " + (f"{len(failures)} failed" if failures else "all well"))

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <vector>
 
+#include "tests/support/invariance.h"
 #include "tests/support/random.h"
 
 namespace remesh {
@@ -66,20 +67,14 @@ TEST(grouping, items_sorted_by_key_are_in_order) {
     }
 }
 
-TEST(grouping, sorting_stops_when_asked) {
-  RunControl control;
-  control.cancel();
-  EXPECT_THROW(sorted_by_key(
-                   items(100, 100, 2), 100, [](const Item& item) { return item[0]; }, control),
-               Error);
+STAGE(grouping, test::kStop) {
+  group_by(
+      10, 2, [](std::uint32_t i) { return i % 2; }, trial.control);
 }
 
-TEST(grouping, stops_when_asked) {
-  RunControl control;
-  control.cancel();
-  EXPECT_THROW(group_by(
-                   10, 2, [](std::uint32_t i) { return i % 2; }, control),
-               Error);
+STAGE(sorted_by_key, test::kStop) {
+  sorted_by_key(
+      items(100, 100, 2), 100, [](const Item& item) { return item[0]; }, trial.control);
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 
 #include <vector>
 
+#include "tests/support/invariance.h"
+
 namespace remesh {
 namespace {
 
@@ -30,13 +32,9 @@ TEST(for_large_first, each_item_has_its_turn_once) {
   }
 }
 
-TEST(for_large_first, a_stop_that_was_asked_for_ends_it) {
-  RunControl control;
-  control.cancel();
-  for (const std::size_t limit : {0u, 10u})
-    EXPECT_THROW(for_large_first(
-                     5, limit, [](std::size_t) { return 5; }, control, [](std::size_t) { FAIL(); }),
-                 Error);
+STAGE(for_large_first, test::kStop) {
+  for_large_first(
+      5, std::size_t{10}, [](std::size_t) { return 5; }, trial.control, [](std::size_t) { FAIL(); });
 }
 
 }  // namespace

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/invariance.h"
+
 namespace remesh {
 namespace {
 
@@ -27,12 +29,7 @@ TEST(loop_progress, a_loop_without_items_does_no_harm) {
   EXPECT_EQ(control.fraction(), 0);
 }
 
-TEST(loop_progress, a_stop_is_obeyed) {
-  RunControl control;
-  LoopProgress progress(control, 10);
-  control.cancel();
-  EXPECT_THROW(progress.add(1), Error);
-}
+STAGE(loop_progress, test::kStop) { LoopProgress(trial.control, 10).add(1); }
 
 }  // namespace
 }  // namespace remesh

@@ -1,7 +1,5 @@
 /// Tests the bounds on the search for intersections: what is found within them, and what is told of the rest.
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +10,7 @@
 #include "core/geometry/self_intersections.h"
 #include "core/geometry/triangle_intersection.h"
 #include "tests/support/hostile_families.h"
+#include "tests/support/invariance.h"
 #include "tests/support/shapes.h"
 
 namespace remesh {
@@ -92,23 +91,12 @@ TEST(bounded_search, it_ends_soon_after_the_steps_that_are_allowed) {
   EXPECT_TRUE(find(mesh, {kAllPairs, all}).is_complete);
 }
 
-TEST(bounded_search, what_is_found_within_bounds_does_not_depend_on_the_number_of_workers) {
-  const tbb::global_control eight(tbb::global_control::max_allowed_parallelism, 8);
+STAGE(bounded_search, test::kWorkers) {
+  SearchLimits limits(20'000, 2'000'000);
+  limits.is_estimate_wanted = true;
   for (const char* family : {"soup_in_a_cube", "spanning_needles", "planks", "fan_around_an_edge"}) {
-    const TriangleMesh mesh = triangles_of(family, 5000);
-    SearchLimits limits(20'000, 2'000'000);
-    limits.is_estimate_wanted = true;
-    std::vector<SelfIntersections> found;
-    for (const int workers : {1, 2, 8}) {
-      tbb::task_arena arena(workers);
-      found.push_back(arena.execute([&] { return find(mesh, limits); }));
-    }
-    for (const SelfIntersections& other : found) {
-      EXPECT_EQ(other.pairs, found[0].pairs) << family;
-      EXPECT_EQ(other.steps, found[0].steps) << family;
-      EXPECT_EQ(other.searched, found[0].searched) << family;
-      EXPECT_EQ(other.estimated_pairs, found[0].estimated_pairs) << family;
-    }
+    const SelfIntersections found = find(triangles_of(family, 5000), limits);
+    trial.in_order(found.pairs, found.steps, found.searched, found.estimated_pairs);
   }
 }
 

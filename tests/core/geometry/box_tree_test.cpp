@@ -1,7 +1,6 @@
 #include "core/geometry/box_tree.h"
 
 #include <gtest/gtest.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/support/invariance.h"
 #include "tests/support/random.h"
 
 namespace remesh {
@@ -162,18 +162,9 @@ TEST(box_tree, what_is_noted_on_a_tag_is_told_of_all_that_is_in_it) {
   }
 }
 
-TEST(box_tree, the_slots_are_the_same_for_any_number_of_threads) {
-  RunControl control;
-  const std::vector<Tree::Entry> entries = boxes(30000);
-  const auto order = [&](int threads) {
-    return tbb::task_arena(threads).execute([&] {
-      const Tree tree(entries, control);
-      std::vector<std::uint32_t> numbers(tree.size());
-      for (std::size_t slot = 0; slot < tree.size(); ++slot) numbers[slot] = tree.number(slot);
-      return numbers;
-    });
-  };
-  EXPECT_EQ(order(1), order(4));
+STAGE(box_tree, test::kWorkers, test::kStop) {
+  const Tree tree(boxes(30'000), trial.control);
+  for (std::size_t slot = 0; slot < tree.size(); ++slot) trial.in_order(tree.number(slot));
 }
 
 }  // namespace

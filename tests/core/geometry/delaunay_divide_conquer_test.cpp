@@ -1,8 +1,6 @@
 #include "core/geometry/delaunay_divide_conquer.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -14,6 +12,7 @@
 #include "core/triangulation/delaunay_flips.h"
 #include "core/triangulation/lexicographic_triangulation.h"
 #include "tests/support/cgal_plane.h"
+#include "tests/support/invariance.h"
 #include "tests/support/polygons.h"
 #include "tests/support/random.h"
 #include "tests/support/triangulation_checks.h"
@@ -158,16 +157,12 @@ TEST(delaunay_divide_conquer, points_on_one_line_have_no_triangle) {
   }
 }
 
-TEST(delaunay_divide_conquer, a_power_of_two_changes_nothing) {
-  RunControl control;
-  for (const Family& family : degenerate_families()) {
-    SCOPED_TRACE(family.name);
-    const std::vector<Corners> expected = triangles(delaunay_divide_conquer(family.points, control));
-    for (const double scale : {0x1p-60, 0x1p60}) {
-      std::vector<Vec2> points = family.points;
-      for (Vec2& p : points) p = scale * p;
-      EXPECT_EQ(triangles(delaunay_divide_conquer(points, control)), expected);
-    }
+STAGE(delaunay_divide_conquer, test::kWorkers, test::kScale, test::kStop) {
+  std::vector<Family> families = degenerate_families();
+  families.push_back({"scattered", polygons::scattered(4, 150'000)});
+  for (Family& family : families) {
+    for (Vec2& p : family.points) p = trial.scale * p;
+    trial.in_order(triangles(delaunay_divide_conquer(family.points, trial.control)));
   }
 }
 
@@ -183,32 +178,6 @@ TEST(delaunay_divide_conquer, triangles_begin_at_their_smallest_point_and_follow
     if (list[i - 1][0] == list[i][0]) {
       ASSERT_EQ(list[i - 1][2], list[i][1]);
     }
-  }
-}
-
-TEST(delaunay_divide_conquer, the_answer_is_the_same_for_any_number_of_threads) {
-  const std::vector<Vec2> points = polygons::scattered(4, 150000);
-  std::vector<Corners> expected;
-  for (const int threads : {1, 2, 4}) {
-    const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, 4);
-    tbb::task_arena arena(threads);
-    arena.execute([&] {
-      RunControl control;
-      const std::vector<Corners> found = triangles(delaunay_divide_conquer(points, control));
-      if (expected.empty()) expected = found;
-      EXPECT_TRUE(found == expected) << threads << " threads";
-    });
-  }
-}
-
-TEST(delaunay_divide_conquer, a_stop_that_was_asked_for_ends_it) {
-  RunControl control;
-  control.cancel();
-  try {
-    delaunay_divide_conquer(polygons::scattered(5, 1000), control);
-    FAIL() << "did not stop";
-  } catch (const Error& error) {
-    EXPECT_EQ(error.code, Code::kCancelled);
   }
 }
 

@@ -1,8 +1,6 @@
 #include "core/geometry/self_intersections.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -17,6 +15,7 @@
 #include "core/io/obj.h"
 #include "core/verify/exact.h"
 #include "tests/support/cgal_space.h"
+#include "tests/support/invariance.h"
 #include "tests/support/random.h"
 #include "tests/support/sanitizer.h"
 #include "tests/support/shapes.h"
@@ -359,24 +358,13 @@ TEST(self_intersections, past_the_limit_just_so_many_pairs_are_given) {
   }
 }
 
-TEST(self_intersections, any_number_of_threads_gives_the_same_pairs) {
-  const tbb::global_control more_threads_than_cores(tbb::global_control::max_allowed_parallelism, 8);
-  const TriangleMesh mesh = crumbs(4, 20, 50000);
-  for (const std::size_t limit : {kNoLimit, std::size_t{1000}}) {
-    const Pairs expected = tbb::task_arena(1).execute([&] { return find(mesh, {}, limit).pairs; });
-    ASSERT_GE(expected.size(), 1000);
-    for (const int threads : {2, 8})
-      EXPECT_EQ(tbb::task_arena(threads).execute([&] { return find(mesh, {}, limit).pairs; }), expected);
-  }
-}
-
-TEST(self_intersections, around_edges_any_number_of_threads_gives_the_same_pairs) {
-  const tbb::global_control more_threads_than_cores(tbb::global_control::max_allowed_parallelism, 8);
-  for (const TriangleMesh& mesh : {two_books_of_double_pages(5000), disturbed(wedges(500), 1)})
-    for (const std::size_t limit : {kNoLimit, std::size_t{100}}) {
-      const Pairs expected = tbb::task_arena(1).execute([&] { return find(mesh, {}, limit).pairs; });
-      ASSERT_GE(expected.size(), 100u);
-      EXPECT_EQ(tbb::task_arena(8).execute([&] { return find(mesh, {}, limit).pairs; }), expected);
+STAGE(self_intersections, test::kWorkers, test::kStop) {
+  for (const TriangleMesh& mesh : {crumbs(4, 20, 50'000), two_books_of_double_pages(5000), disturbed(wedges(500), 1)})
+    for (const std::size_t limit : {kNoLimit, std::size_t{1000}, std::size_t{100}}) {
+      const Pairs pairs =
+          self_intersections(mesh.positions.items(), mesh.faces.items(), {}, limit, trial.control).pairs;
+      EXPECT_GE(pairs.size(), 100u);
+      trial.in_order(pairs);
     }
 }
 
@@ -413,13 +401,6 @@ TEST(self_intersections, both_sheets_of_a_doubled_surface_are_found) {
   // Every face lies on its copy, and no face meets another one but in what they share.
   const TriangleMesh mesh = shapes::triangles(shapes::double_sheet(8));
   EXPECT_EQ(find(mesh).pairs.size(), mesh.faces.size() / 2);
-}
-
-TEST(self_intersections, a_stop_is_obeyed) {
-  const TriangleMesh mesh = crumbs(6, 10, 1000);
-  RunControl control;
-  control.cancel();
-  EXPECT_THROW(self_intersections(mesh.positions.items(), mesh.faces.items(), {}, kNoLimit, control), Error);
 }
 
 /// Pairs of faces that have area: facts.tsv leaves those without it out of this column.

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "tests/support/invariance.h"
 #include "tests/support/random.h"
 
 namespace remesh {
@@ -99,11 +100,9 @@ TEST(split_by_shape, needles_of_any_size_are_split_alike) {
   }
 }
 
-TEST(split_by_shape, a_stop_is_obeyed) {
-  RunControl control;
-  control.cancel();
+STAGE(split_by_shape, test::kStop) {
   std::vector<ShapedItem> items(4);
-  EXPECT_THROW(split_by_shape(items, 2, control), Error);
+  split_by_shape(items, 2, trial.control);
 }
 
 }  // namespace

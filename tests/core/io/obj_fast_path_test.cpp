@@ -14,6 +14,7 @@
 
 #include "core/io/gzip.h"
 #include "core/io/obj_readers.h"
+#include "tests/support/invariance.h"
 #include "tests/support/random.h"
 #include "tests/support/reading.h"
 #include "tests/support/same_reading.h"
@@ -230,15 +231,7 @@ TEST(obj_fast_path, long_texts_are_read_alike_by_any_number_of_threads) {
   EXPECT_FALSE(read_plain(spread + "f 1 2 -120001\n", 2));
 }
 
-TEST(obj_fast_path, a_stop_is_obeyed) {
-  const std::string text = repeated(kTriangle, 50'000) + "f 1 2 3\n";
-  for (const int threads : {1, 2}) {
-    RunControl control;
-    control.cancel();
-    tbb::task_arena arena(threads);
-    EXPECT_THROW(arena.execute([&] { return read_obj_fast_path(text, {}, control); }), Error);
-  }
-}
+STAGE(obj_fast_path, test::kStop) { (void)read_obj_fast_path(repeated(kTriangle, 50'000), {}, trial.control); }
 
 TEST(obj_fast_path, real_meshes_are_read_alike) {
   namespace fs = std::filesystem;

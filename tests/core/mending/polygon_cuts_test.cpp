@@ -8,6 +8,7 @@
 
 #include "core/mending/mend_faces.h"
 #include "core/mending/weld.h"
+#include "tests/support/invariance.h"
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"
 
@@ -77,11 +78,9 @@ TEST(polygon_cuts, a_bent_quadrilateral_beside_triangles_takes_the_cut_that_none
   }
 }
 
-TEST(polygon_cuts, a_stop_that_was_asked_for_ends_it) {
+STAGE(polygon_cuts, test::kStop) {
   Surface surface = surface_of(shapes::from_lists(kTetrahedron, {{0, 1, 3, 2}, {0, 2, 1}, {1, 2, 3}}));
-  RunControl control;
-  control.cancel();
-  EXPECT_THROW(PolygonCuts(surface, control), Error);
+  PolygonCuts(surface, trial.control);
 }
 
 TEST(polygon_cuts, where_every_cut_is_an_edge_already_it_gets_a_vertex) {

@@ -11,6 +11,7 @@
 #include <set>
 
 #include "core/mending/weld.h"
+#include "tests/support/invariance.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"
 #include "tests/support/time_limit.h"
@@ -119,17 +120,10 @@ TEST(seams, it_is_told_and_left_if_it_is_not_to_be_mended) {
   EXPECT_EQ(count_of(result), torn::edges_between(whole, torn::above_a_plane(1)));
 }
 
-TEST(seams, the_order_of_faces_and_vertices_decides_nothing) {
-  const PolygonMesh mesh = torn::into_facets(shapes::sphere(2), torn::noise(3, kSeamTolerance / 3));
-  const auto places = [](const Surface& surface) {
-    return std::set<Vec3>(surface.positions.begin(), surface.positions.end());
-  };
-  const Closed first = close(mesh);
-  for (unsigned seed = 1; seed <= 5; ++seed) {
-    const Closed other = close(shapes::renumbered(mesh, seed));
-    EXPECT_EQ(places(other.surface), places(first.surface));
-    EXPECT_EQ(count_of(other), count_of(first));
-  }
+STAGE(seams, test::kNumbering) {
+  const Closed closed = close(trial.of(torn::into_facets(shapes::sphere(2), torn::noise(3, kSeamTolerance / 3))));
+  for (const Vec3& p : closed.surface.positions) trial.piece(p);
+  trial.same(count_of(closed));
 }
 
 TEST(seams, two_sheets_on_each_other_stay_two) {

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "tests/support/invariance.h"
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"
 
@@ -138,11 +139,9 @@ TEST(adjacency, the_edges_at_a_hub_are_grouped) {
   expect_grouped(connected(kRim + 1, faces));
 }
 
-TEST(adjacency, a_stop_that_was_asked_for_ends_it) {
+STAGE(adjacency, test::kStop) {
   const PolygonMesh mesh = connected(3, {{0, 1, 2}});
-  RunControl control;
-  control.cancel();
-  EXPECT_THROW(Adjacency(mesh.vertex_count(), mesh.face_begin, mesh.corners, control), Error);
+  Adjacency(mesh.vertex_count(), mesh.face_begin, mesh.corners, trial.control);
 }
 
 TEST(adjacency, a_mesh_without_faces_has_no_edges) {

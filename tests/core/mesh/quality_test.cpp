@@ -1,16 +1,14 @@
 #include "core/mesh/quality.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <numeric>
 #include <random>
-#include <set>
 
 #include "core/mending/polygon_split.h"
+#include "tests/support/invariance.h"
 #include "tests/support/shapes.h"
 
 namespace remesh {
@@ -227,23 +225,11 @@ TEST(quality, the_extreme_angles_are_those_of_their_arc_tangents_to_a_few_last_p
   }
 }
 
-TEST(quality, has_the_same_bits_for_any_number_of_threads) {
+STAGE(quality, test::kWorkers, test::kStop) {
   const auto mesh = shapes::triangles(shapes::rotated(shapes::noisy_sheet(60, 3), {1, 2, 3}, 40));
-  RunControl control;
-  std::set<std::vector<double>> seen;
-  for (const std::size_t threads : {1, 2, 3, 8}) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    const MeshStatistics s = measure_surface(mesh, control);
-    seen.insert({s.area, s.quality.area.mean, s.quality.aspect_ratio.mean, s.quality.edge_length.mean,
-                 s.quality.radius_edge_ratio.mean});
-  }
-  EXPECT_EQ(seen.size(), 1u);
-}
-
-TEST(quality, stops_when_asked) {
-  RunControl control;
-  control.cancel();
-  EXPECT_THROW(measure_surface(shapes::triangles(shapes::box({1, 1, 1})), control), Error);
+  const MeshStatistics s = measure_surface(mesh, trial.control);
+  trial.in_order(s.area, s.quality.area.mean, s.quality.aspect_ratio.mean, s.quality.edge_length.mean,
+                 s.quality.radius_edge_ratio.mean);
 }
 
 TEST(measure_surface, a_box_has_its_area_volume_and_topology) {

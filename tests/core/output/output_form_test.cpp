@@ -11,6 +11,7 @@
 
 #include "core/base/rounded_to_float.h"
 #include "tests/support/errors.h"
+#include "tests/support/invariance.h"
 #include "tests/support/shapes.h"
 #include "tests/support/unrefined_options.h"
 
@@ -224,16 +225,13 @@ TEST(output_form, an_edge_as_long_as_allowed_that_is_rounded_up_is_no_fault) {
   EXPECT_TRUE(rounded.report.unrefined.empty());
 }
 
-TEST(output_form, it_is_the_same_for_any_number_of_workers) {
+STAGE(output_form, test::kWorkers) {
   Options options;
   options.max_edge_length = 0.15;
   options.local_origin = true;
-  const PolygonMesh mesh = at_map_coordinates(1);
-  const Result one = in_floats(mesh, options, 1), three = in_floats(mesh, options, 3);
-  EXPECT_EQ(one.mesh.positions, three.mesh.positions);
-  EXPECT_EQ(one.report.output_origin, three.report.output_origin);
-  EXPECT_EQ(one.report.output_rounding, three.report.output_rounding);
-  EXPECT_EQ(one.report.volume_bound, three.report.volume_bound);
+  const Result result = in_floats(at_map_coordinates(1), options, trial.workers);
+  trial.mesh(result.mesh);
+  trial.in_order(result.report.output_origin.value(), result.report.output_rounding, result.report.volume_bound);
 }
 
 }  // namespace

@@ -11,7 +11,7 @@
 
 #include "core/base/error.h"
 #include "tests/support/cut_parts.h"
-#include "tests/support/errors.h"
+#include "tests/support/invariance.h"
 #include "tests/support/primitives.h"
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"
@@ -246,36 +246,23 @@ std::vector<Part> samples() {
           part_of(primitives::arc(72, 10, kRadius, kHeight))};
 }
 
-TEST(curve_cuts, the_order_of_faces_and_vertices_does_not_matter) {
-  for (const Part& input : samples())
+STAGE(curve_cuts, test::kScale, test::kNumbering) {
+  for (const Part& sample : samples())
     for (const int n : {7, 16}) {
-      const CutPart part(input, {2, 2 * kPi / n});
-      ASSERT_GT(part.cuts.cut_chains, 0u);
-      for (unsigned seed = 1; seed <= 5; ++seed) {
-        Part other = input;
-        other.mesh = shapes::renumbered(input.mesh, seed);
-        const CutPart shuffled(other, {2, 2 * kPi / n});
-        EXPECT_EQ(shuffled.essential_places(), part.essential_places());
-        EXPECT_EQ(shuffled.cuts.positions, part.cuts.positions);
-        EXPECT_EQ(shuffled.cuts.capped, part.cuts.capped);
-        EXPECT_EQ(shuffled.cuts.cut_chains, part.cuts.cut_chains);
-      }
+      Part input = scaled(sample, trial.scale);
+      if (trial.seed != 0) input.mesh = shapes::renumbered(input.mesh, trial.seed);
+      const CutPart part(input, {2 * trial.scale, 2 * kPi / n});
+      EXPECT_GT(part.cuts.cut_chains, 0u);
+      trial.same(part.cuts.capped, part.cuts.cut_chains);
+      for (const Vec3& p : part.essential_places()) trial.same(trial.length(p));
+      for (const Vec3& p : part.cuts.positions) trial.same(trial.length(p));
     }
 }
 
-TEST(curve_cuts, powers_of_two_scale_the_result) {
-  for (const Part& input : samples())
-    for (const int n : {7, 16}) {
-      const CutPart part(input, {2, 2 * kPi / n});
-      for (const int exponent : {-40, -3, 1, 60}) {
-        const double factor = std::ldexp(1.0, exponent);
-        const CutPart other(scaled(input, factor), {2 * factor, 2 * kPi / n});
-        EXPECT_EQ(other.cuts.essential.stays, part.cuts.essential.stays);
-        ASSERT_EQ(other.cuts.positions.size(), part.cuts.positions.size());
-        for (std::size_t i = 0; i < part.cuts.positions.size(); ++i)
-          EXPECT_EQ(other.cuts.positions[i], factor * part.cuts.positions[i]);
-      }
-    }
+STAGE(curve_cuts_alone, test::kStop) {
+  const CutPart part(barrel(), {2, 1});
+  cut_curves({part.surface, part.adjacency, part.patches, part.loops, part.essential, part.forced, part.pinched},
+             part.surfaces, part.rules, trial.control);
 }
 
 TEST(curve_cuts, turned_parts_have_the_same_counts) {
@@ -304,17 +291,6 @@ TEST(curve_cuts, rounded_coordinates_of_floats_are_seen_through) {
     for (const Vec3& p : part.cuts.positions)
       EXPECT_NEAR(norm(cross(p - input.shapes[kSide].origin, input.shapes[kSide].axis)), kRadius, 4 * 0x1p-48);
   }
-}
-
-TEST(curve_cuts, it_can_be_stopped) {
-  const CutPart part(barrel(), {2, 1});
-  RunControl control;
-  control.cancel();
-  const Error error = test::error_of([&] {
-    cut_curves({part.surface, part.adjacency, part.patches, part.loops, part.essential, part.forced, part.pinched},
-               part.surfaces, part.rules, control);
-  });
-  EXPECT_EQ(error.code, Code::kCancelled);
 }
 
 }  // namespace

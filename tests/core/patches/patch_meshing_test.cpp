@@ -1,12 +1,12 @@
 #include "core/patches/patch_meshing.h"
 
 #include <gtest/gtest.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
 
 #include "core/geometry/projection.h"
+#include "tests/support/invariance.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"
 #include "tests/support/triangulation_checks.h"
@@ -113,21 +113,9 @@ TEST(patch_meshing, a_loop_that_crosses_itself_is_told) {
   EXPECT_EQ(chain.meshes[PatchId(0)].reason, PatchReason::kSelfIntersectingLoop);
 }
 
-TEST(patch_meshing, the_answer_is_the_same_for_any_number_of_threads) {
-  const PolygonMesh mesh = shapes::rotated(shapes::sphere(4), {1, 2, 3}, 10);
-  const StageChain chain(mesh);
-  for (const int threads : {1, 2, 4}) {
-    tbb::task_arena arena(threads);
-    arena.execute([&] {
-      const StageChain again(mesh);
-      ASSERT_EQ(again.meshes.size(), chain.meshes.size());
-      for (std::size_t p = 0; p < chain.meshes.size(); ++p) {
-        ASSERT_EQ(again.meshes[PatchId(p)].vertices, chain.meshes[PatchId(p)].vertices);
-        ASSERT_EQ(again.meshes[PatchId(p)].uv, chain.meshes[PatchId(p)].uv);
-        ASSERT_EQ(triangles_of(again.meshes[PatchId(p)].mesh), triangles_of(chain.meshes[PatchId(p)].mesh));
-      }
-    });
-  }
+STAGE(patch_meshing, test::kWorkers) {
+  const StageChain chain(shapes::rotated(shapes::sphere(4), {1, 2, 3}, 10));
+  for (const PatchMesh& patch : chain.meshes) trial.in_order(patch.vertices, patch.uv, triangles_of(patch.mesh));
 }
 
 }  // namespace

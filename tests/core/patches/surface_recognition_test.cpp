@@ -3,12 +3,10 @@
 #include "core/patches/surface_recognition.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <map>
 #include <numeric>
 #include <string>
 #include <utility>
@@ -16,6 +14,7 @@
 
 #include "core/remesh.h"
 #include "tests/support/claims.h"
+#include "tests/support/invariance.h"
 #include "tests/support/model_claims.h"
 #include "tests/support/plain_surfaces.h"
 #include "tests/support/primitives.h"
@@ -168,36 +167,6 @@ std::vector<Model> models_of_each_kind() {
   return models;
 }
 
-/// Returns a model with its vertices and faces in another order, where faces begin at another corner. `order` gives the
-/// face that each new face was before.
-Model shuffled(const Model& model, std::uint64_t seed, std::vector<std::uint32_t>& order) {
-  Random random(seed);
-  const auto permutation = [&](std::size_t n) {
-    std::vector<std::uint32_t> p(n);
-    std::iota(p.begin(), p.end(), 0u);
-    for (std::size_t i = n; i > 1; --i)
-      std::swap(p[i - 1], p[static_cast<std::size_t>(random.below(static_cast<int>(i)))]);
-    return p;
-  };
-  const std::vector<std::uint32_t> new_vertex = permutation(model.mesh.vertex_count());
-  order = permutation(model.mesh.face_count());
-  Model result;
-  result.name = model.name + " shuffled";
-  result.surfaces = model.surfaces;
-  result.mesh.positions.resize(model.mesh.vertex_count());
-  for (std::uint32_t v = 0; v < model.mesh.vertex_count(); ++v)
-    result.mesh.positions[VertexId(new_vertex[v])] = model.mesh.positions[VertexId(v)];
-  for (const std::uint32_t f : order) {
-    const auto corners = model.mesh.face(FaceId(f));
-    const auto first = static_cast<std::size_t>(random.below(static_cast<int>(corners.size())));
-    for (std::size_t i = 0; i < corners.size(); ++i)
-      result.mesh.corners.push_back(VertexId(new_vertex[corners[(first + i) % corners.size()].value]));
-    result.mesh.face_begin.push_back(static_cast<std::uint32_t>(result.mesh.corners.size()));
-    result.surface_of.push_back(model.surface_of[FaceId(f)]);
-  }
-  return result;
-}
-
 /// Returns the bits of all parameters of a surface. Lengths are divided by `scale`, which is a power of two.
 std::vector<std::uint64_t> bits_of(const RecognisedSurface& s, double scale = 1) {
   std::vector<double> numbers{static_cast<double>(s.shape.kind),
@@ -222,76 +191,21 @@ std::vector<std::uint64_t> bits_of(const RecognisedSurface& s, double scale = 1)
   return bits;
 }
 
-/// Expects that both claims are the same to the bit. Face `f` of the second one is face `order[f]` of the first one.
-void expect_same_bits(const Claims& a, const Claims& b, const std::vector<std::uint32_t>& order, double scale = 1) {
-  ASSERT_EQ(a.surfaces().size(), b.surfaces().size());
-  std::map<SurfaceId, SurfaceId> second_of;
-  for (std::uint32_t f = 0; f < order.size(); ++f) {
-    const auto [it, is_new] = second_of.try_emplace(a.surface_of(FaceId(order[f])), b.surface_of(FaceId(f)));
-    ASSERT_EQ(it->second, b.surface_of(FaceId(f))) << "face " << f;
-    if (!is_new) continue;
-    const RecognisedSurface& first = a.surfaces()[it->first];
-    const RecognisedSurface& second = b.surfaces()[it->second];
-    ASSERT_EQ(first.shape.kind, second.shape.kind) << "face " << f;
-    if (first.shape.kind == SurfaceKind::kPlane) {
-      // Planes are those of the patches, whose last bits depend on the order of the faces.
-      EXPECT_LT(norm(first.shape.axis - second.shape.axis), 1e-6);
-      EXPECT_LT(std::fabs(first.shape.distance((1 / scale) * second.shape.origin)), 1e-5);
-    } else {
-      EXPECT_EQ(bits_of(first), bits_of(second, scale)) << it->first << ", a " << kind_name(first.shape.kind);
-    }
-  }
-}
-
-std::vector<std::uint32_t> same_order(const Model& model) {
-  std::vector<std::uint32_t> order(model.mesh.face_count());
-  std::iota(order.begin(), order.end(), 0u);
-  return order;
-}
-
-TEST(surface_recognition, the_order_of_vertices_and_faces_changes_no_bit) {
-  for (const Model& model : models_of_each_kind()) {
-    SCOPED_TRACE(model.name);
-    const Claims claims = claims_of(model.mesh);
-    for (std::uint64_t seed = 1; seed <= 3; ++seed) {
-      std::vector<std::uint32_t> order;
-      const Model other = shuffled(model, seed, order);
-      expect_same_bits(claims, claims_of(other.mesh), order);
-    }
-  }
-}
-
-TEST(surface_recognition, the_order_of_vertices_and_faces_does_not_change_the_order_of_surfaces) {
-  for (const Model& model : models_of_each_kind()) {
-    SCOPED_TRACE(model.name);
-    const Claims claims = claims_of(model.mesh);
-    std::vector<std::uint32_t> order;
-    const Model other = shuffled(model, 4, order);
-    const Claims others = claims_of(other.mesh);
-    for (std::uint32_t f = 0; f < order.size(); ++f)
-      ASSERT_EQ(others.surface_of(FaceId(f)), claims.surface_of(FaceId(order[f]))) << "face " << f;
-  }
-}
-
-TEST(surface_recognition, the_number_of_workers_changes_no_bit) {
-  const tbb::global_control eight(tbb::global_control::max_allowed_parallelism, 8);
+STAGE(surface_recognition, test::kWorkers, test::kScale, test::kNumbering) {
   std::vector<Model> models = models_of_each_kind();
   models.push_back(primitives::icosphere(4, 7));
   models.push_back(primitives::cylinder(5000, 7, 10, 3));
   for (const Model& model : models) {
-    SCOPED_TRACE(model.name);
-    const Claims claims = claims_of(model.mesh, 1);
-    for (const int workers : {2, 8}) expect_same_bits(claims, claims_of(model.mesh, workers), same_order(model));
-  }
-}
-
-TEST(surface_recognition, a_power_of_two_scales_all_lengths_and_changes_no_other_bit) {
-  for (const Model& model : models_of_each_kind()) {
-    const Claims claims = claims_of(model.mesh);
-    for (const double scale : {0x1p-20, 0x1p-1, 0x1p30}) {
-      SCOPED_TRACE(model.name + " times " + std::to_string(scale));
-      expect_same_bits(claims, claims_of(shapes::scaled(model.mesh, scale)), same_order(model), scale);
+    const PolygonMesh mesh = trial.of(model.mesh);
+    const Claims claims = claims_of(mesh, trial.workers);
+    for (const RecognisedSurface& s : claims.surfaces()) {
+      trial.same(kind_name(s.shape.kind));
+      // Planes are those of the patches, whose last bits depend on the order of the faces.
+      if (s.shape.kind != SurfaceKind::kPlane) trial.same(bits_of(s, trial.scale));
+      if (s.shape.kind == SurfaceKind::kPlane) trial.in_order(s.shape.axis);
     }
+    for (std::uint32_t f = 0; f < mesh.face_count(); ++f)
+      trial.face(test::corners_of(mesh, FaceId(f)), std::to_string(claims.surface_of(FaceId(f)).value));
   }
 }
 

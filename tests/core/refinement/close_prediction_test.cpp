@@ -9,6 +9,7 @@
 #include "core/refinement/prediction.h"
 #include "core/remesh.h"
 #include "tests/support/hostile_families.h"
+#include "tests/support/invariance.h"
 #include "tests/support/refined_checks.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"
@@ -97,12 +98,12 @@ TEST(close_prediction, it_is_right_within_a_factor_where_gaps_ask_for_sizes) {
   }
 }
 
-TEST(close_prediction, it_is_the_same_for_any_number_of_threads) {
+STAGE(close_prediction, test::kWorkers) {
   for (const Member& member : members()) {
     if (member.name == "fan") continue;  // it takes long
     Options options = with_angle(25);
     options.proximity = 0.5;
-    EXPECT_EQ(predicted_faces(member.mesh, options, 1), predicted_faces(member.mesh, options, 4)) << member.name;
+    trial.same(predicted_faces(member.mesh, options, trial.workers));
   }
 }
 
@@ -166,12 +167,6 @@ TEST(close_prediction, without_an_angle_or_cuts_of_boundaries_it_is_the_rough_on
     EXPECT_EQ(predict_closely(chain.triangulated, goals, sizes, chain.control).expected,
               predict_roughly(chain.triangulated, goals, sizes, chain.control).expected);
   }
-}
-
-TEST(close_prediction, it_scales_with_the_input) {
-  const Prediction one = predicted(shapes::box({10, 4, 0.1}), with_angle(25));
-  const Prediction large = predicted(shapes::box({10 * 0x1p10, 4 * 0x1p10, 0.1 * 0x1p10}), with_angle(25));
-  EXPECT_NEAR(large.expected / one.expected, 1, 1e-9);
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ namespace {
 using FacesByElements = std::map<int, std::uint64_t>;
 
 /// Options with a bound on angles, or without any refinement.
-Options with_angle(double degrees) {
+Options refined_to(double degrees) {
   Options options;
   options.refine = degrees > 0;
   if (options.refine) options.min_angle_deg = degrees;
@@ -84,18 +84,18 @@ std::vector<primitives::Model> models() {
 }
 
 TEST(curved_prediction, without_refinement_it_is_right_within_a_factor_of_one_and_three_quarters) {
-  expect_right_within(1.75, models(), with_angle(0));
+  expect_right_within(1.75, models(), refined_to(0));
 }
 
 TEST(curved_prediction, with_a_bound_on_angles_it_is_right_within_a_factor_of_two) {
-  expect_right_within(2, models(), with_angle(25));
+  expect_right_within(2, models(), refined_to(25));
 }
 
 TEST(curved_prediction, the_bracket_is_right_within_a_factor_of_one_and_a_quarter) {
   const PolygonMesh mesh = read_file(test::own_meshes_folder() / "bracket.obj");
   for (const double angle : {0.0, 25.0})
-    for (const auto& [elements, faces] : predicted_by_elements(mesh, with_angle(angle))) {
-      const double truth = true_count(mesh, with_angle(angle), elements);
+    for (const auto& [elements, faces] : predicted_by_elements(mesh, refined_to(angle))) {
+      const double truth = true_count(mesh, refined_to(angle), elements);
       EXPECT_LT(std::fabs(std::log(static_cast<double>(faces) / truth)), std::log(1.25))
           << elements << " elements: " << faces << " instead of " << truth;
     }
@@ -107,9 +107,9 @@ TEST(curved_prediction, real_parts_are_right_within_a_factor_of_two) {
     if (!test::has_shared_mesh(name)) return;
     const PolygonMesh mesh = read_file(test::shared_meshes_folder() / name);
     for (const double angle : {0.0, 25.0}) {
-      const FacesByElements faces = predicted_by_elements(mesh, with_angle(angle));
+      const FacesByElements faces = predicted_by_elements(mesh, refined_to(angle));
       for (const int elements : {12, 24}) {
-        const double truth = true_count(mesh, with_angle(angle), elements);
+        const double truth = true_count(mesh, refined_to(angle), elements);
         EXPECT_LT(std::fabs(std::log(static_cast<double>(faces.at(elements)) / truth)), std::log(2))
             << name << ", " << elements << " elements: " << faces.at(elements) << " instead of " << truth;
       }
@@ -120,16 +120,16 @@ TEST(curved_prediction, real_parts_are_right_within_a_factor_of_two) {
 TEST(curved_prediction, a_low_cylinder_is_counted_exactly) {
   // Each half is a strip of triangles between its rims, and each cap is a polygon: 2 n + 2 (n - 2) triangles.
   const primitives::Model model = primitives::cylinder(72, 10, 0.5);
-  for (const auto& [elements, faces] : predicted_by_elements(model.mesh, with_angle(0))) {
+  for (const auto& [elements, faces] : predicted_by_elements(model.mesh, refined_to(0))) {
     EXPECT_EQ(faces, 4 * static_cast<std::uint64_t>(elements) - 4);
-    EXPECT_EQ(true_count(model.mesh, with_angle(0), elements), 4.0 * elements - 4);
+    EXPECT_EQ(true_count(model.mesh, refined_to(0), elements), 4.0 * elements - 4);
   }
 }
 
 TEST(curved_prediction, it_grows_with_the_number_of_elements) {
   for (const primitives::Model& model : primitives::explained())
     for (const double angle : {0.0, 25.0}) {
-      const FacesByElements faces = predicted_by_elements(model.mesh, with_angle(angle));
+      const FacesByElements faces = predicted_by_elements(model.mesh, refined_to(angle));
       for (auto a = faces.begin(), b = a; a != faces.end() && ++b != faces.end(); a = b)
         EXPECT_LE(a->second, b->second) << model.name;
     }
@@ -138,7 +138,7 @@ TEST(curved_prediction, it_grows_with_the_number_of_elements) {
 TEST(curved_prediction, it_tells_five_numbers_whatever_the_tolerance_of_surfaces_is) {
   const primitives::Model model = primitives::cylinder(72, 10, 30);
   for (const double tolerance : {0.0, 0.1}) {
-    Options options = with_angle(0);
+    Options options = refined_to(0);
     options.surface_tolerance = tolerance;
     const FacesByElements faces = predicted_by_elements(model.mesh, options);
     std::vector<int> elements;
@@ -151,14 +151,14 @@ TEST(curved_prediction, it_tells_five_numbers_whatever_the_tolerance_of_surfaces
 }
 
 TEST(curved_prediction, nothing_is_told_where_nothing_is_curved) {
-  EXPECT_TRUE(predicted_by_elements(shapes::box({1, 2, 3}), with_angle(25)).empty());
-  Options facets = with_angle(25);
+  EXPECT_TRUE(predicted_by_elements(shapes::box({1, 2, 3}), refined_to(25)).empty());
+  Options facets = refined_to(25);
   facets.feature_angle_deg = 0;
   EXPECT_TRUE(predicted_by_elements(primitives::cylinder(72, 10, 30).mesh, facets).empty());
 }
 
 TEST(curved_prediction, a_largest_edge_counts) {
-  Options options = with_angle(25);
+  Options options = refined_to(25);
   options.max_edge_length = 0.5;
   const PolygonMesh mesh = primitives::cylinder(72, 10, 30).mesh;
   for (const auto& [elements, faces] : predicted_by_elements(mesh, options)) {

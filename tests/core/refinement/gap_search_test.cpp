@@ -1,7 +1,6 @@
 #include "core/refinement/gap_search.h"
 
 #include <gtest/gtest.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -13,6 +12,7 @@
 
 #include "core/geometry/distances.h"
 #include "tests/support/cgal_space.h"
+#include "tests/support/invariance.h"
 #include "tests/support/polygons.h"
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"
@@ -577,33 +577,18 @@ TEST(gap_search, nothing_is_nearer_to_a_place_of_a_piece_than_what_is_beside_it)
   }
 }
 
-TEST(gap_search, scaling_by_a_power_of_two_scales_the_gaps_exactly) {
-  const PolygonMesh mesh = random_boxes(7);
-  const StageChain one(mesh, kTolerance), eight(shapes::scaled(mesh, 8), 8 * kTolerance);
-  const GapSearch a(one.surface, one.adjacency, one.patches, kTolerance, one.control);
-  const GapSearch b(eight.surface, eight.adjacency, eight.patches, 8 * kTolerance, eight.control);
-  EXPECT_EQ(8 * *a.smallest(one.control), *b.smallest(eight.control));
-  for (std::uint32_t v = 0; v < one.surface.vertex_count(); ++v) {
-    const PatchId p(v % a.patch_count());
-    EXPECT_EQ(8 * a.at(one.surface.positions[VertexId(v)], p, kFar),
-              b.at(8 * one.surface.positions[VertexId(v)], p, kFar));
-  }
+STAGE(gap_search, test::kWorkers, test::kScale, test::kStop) {
+  const double tolerance = kTolerance * trial.scale;
+  const StageChain chain(trial.of(shapes::joined(shapes::rotated(shapes::cylinder(300, 1, 1), {1, 2, 3}, 50),
+                                                 shapes::moved(random_boxes(5), {5, 0, 0}))),
+                         tolerance);
+  const GapSearch gaps(chain.surface, chain.adjacency, chain.patches, tolerance, trial.control);
+  trial.same(trial.length(*gaps.smallest(trial.control)));
+  for (std::uint32_t v = 0; v < chain.surface.vertex_count(); ++v)
+    trial.in_order(trial.length(gaps.at(chain.surface.positions[VertexId(v)], PatchId(v % gaps.patch_count()), kFar)));
 }
 
-TEST(gap_search, the_smallest_gap_is_the_same_for_any_number_of_threads) {
-  const Scene scene(shapes::joined(shapes::rotated(shapes::cylinder(300, 1, 1), {1, 2, 3}, 50),
-                                   shapes::moved(random_boxes(5), {5, 0, 0})));
-  const auto with = [&](int threads) { return tbb::task_arena(threads).execute([&] { return scene.smallest(); }); };
-  for (int i = 0; i < 10; ++i) ASSERT_EQ(with(1), with(4));
-}
-
-TEST(gap_search, can_be_cancelled) {
-  const Scene scene(cube_in_cube());
-  RunControl control;
-  control.cancel();
-  EXPECT_THROW(scene.gaps.smallest(control), Error);
-  EXPECT_THROW(GapSearch(scene.chain.surface, scene.chain.adjacency, scene.chain.patches, kTolerance, control), Error);
-}
+STAGE(smallest_gap, test::kStop) { (void)Scene(cube_in_cube()).gaps.smallest(trial.control); }
 
 }  // namespace
 }  // namespace remesh

@@ -8,6 +8,7 @@
 #include <map>
 #include <numbers>
 
+#include "tests/support/invariance.h"
 #include "tests/support/patch_subject.h"
 #include "tests/support/polygons.h"
 #include "tests/support/refined_checks.h"
@@ -380,16 +381,12 @@ TEST(patch_refiner, thinned_out_no_edge_becomes_shorter_than_the_shortest_allowe
   EXPECT_GT(thinned, 10);
 }
 
-TEST(patch_refiner, thinning_out_can_be_stopped) {
-  Options options;
-  options.max_edge_length = 0.02;
-  RefinerSubject subject(solids::region(polygons::star_with_holes(3, 20, 3)), options);
+STAGE(thinning_out, test::kStop) {
+  RefinerSubject subject(solids::region(polygons::star_with_holes(3, 20, 3)), with_length(0.02));
   PatchRefiner refiner = subject.refiner();
   refiner.run(kNoLimit, subject.progress);
-  RunControl control;
   RefinementProgress progress(subject.chain.control, 1);
-  control.cancel();
-  EXPECT_THROW(refiner.thin_out(Thinning::kFull, control, progress), Error);
+  refiner.thin_out(Thinning::kFull, trial.control, progress);
 }
 
 TEST(patch_refiner, without_sizes_nothing_is_thinned_out) {
@@ -401,16 +398,11 @@ TEST(patch_refiner, without_sizes_nothing_is_thinned_out) {
   EXPECT_EQ(refiner.triangle_count(), before);
 }
 
-TEST(patch_refiner, it_can_be_stopped) {
-  Options options;
-  options.max_edge_length = 0.005;
-  RefinerSubject subject(shapes::sheet(1, 1, 1, 1), options);
-  RunControl control;
-  RefinementProgress progress(control, 1);
-  control.cancel();
-  EXPECT_THROW(PatchRefiner(subject.patch(), subject.criteria, subject.cuts, kNoLimit, subject.scratch, control)
-                   .run(kNoLimit, progress),
-               Error);
+STAGE(patch_refiner, test::kStop) {
+  RefinerSubject subject(shapes::sheet(1, 1, 1, 1), with_length(0.005));
+  RefinementProgress progress(trial.control, 1);
+  PatchRefiner(subject.patch(), subject.criteria, subject.cuts, kNoLimit, subject.scratch, trial.control)
+      .run(kNoLimit, progress);
 }
 
 }  // namespace

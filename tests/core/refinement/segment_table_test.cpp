@@ -8,6 +8,7 @@
 #include <numbers>
 #include <set>
 
+#include "tests/support/invariance.h"
 #include "tests/support/shapes.h"
 #include "tests/support/solids.h"
 #include "tests/support/stage_chain.h"
@@ -25,8 +26,9 @@ Goals goals(double min_edge_length = 0) {
 
 /// The segments of a surface and what they were made from.
 struct TableSubject {
-  explicit TableSubject(const PolygonMesh& mesh, const Goals& goals = remesh::goals_of({}, 1), double size = kNoSize)
-      : chain(mesh), sizes(size), frozen(chain.meshes.size()), table(make(goals)) {}
+  explicit TableSubject(const PolygonMesh& mesh, const Goals& goals = remesh::goals_of({}, 1), double size = kNoSize,
+                        double tolerance = 1e-6)
+      : chain(mesh, tolerance), sizes(size), frozen(chain.meshes.size()), table(make(goals)) {}
 
   SegmentTable make(const Goals& goals) {
     SegmentTable table(chain.surface, chain.triangulated, frozen, sizes, goals, chain.control);
@@ -478,14 +480,10 @@ TEST(segment_table, places_are_the_same_from_either_end) {
   }
 }
 
-TEST(segment_table, it_scales_by_powers_of_two) {
-  const PolygonMesh mesh = solids::needle_fan(7, 8);
-  const TableSubject one(mesh), large(shapes::scaled(mesh, 0x1p20));
-  ASSERT_EQ(one.table.size(), large.table.size());
-  for (std::uint32_t s = 0; s < one.table.size(); ++s) {
-    EXPECT_EQ(0x1p20 * one.table[SegmentId(s)].floor, large.table[SegmentId(s)].floor);
-    EXPECT_EQ(all_cuts(one.table, SegmentId(s)), all_cuts(large.table, SegmentId(s)));
-  }
+STAGE(segment_table, test::kScale) {
+  const TableSubject subject(trial.of(solids::needle_fan(7, 8)), remesh::goals_of({}, 1), kNoSize, 1e-6 * trial.scale);
+  for (std::uint32_t s = 0; s < subject.table.size(); ++s)
+    trial.in_order(trial.length(subject.table[SegmentId(s)].floor), all_cuts(subject.table, SegmentId(s)));
 }
 
 TEST(segment_ends, each_segment_is_named_once) {

@@ -1,15 +1,14 @@
 #include "core/refinement/size_field.h"
 
 #include <gtest/gtest.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 #include <vector>
 
 #include "core/refinement/prediction.h"
 #include "tests/support/hostile_families.h"
+#include "tests/support/invariance.h"
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"
@@ -375,29 +374,17 @@ TEST(size_field, no_answer_depends_on_what_was_asked_before) {
   }
 }
 
-TEST(size_field, scaling_by_a_power_of_two_scales_it_exactly) {
-  const SizeScene one(thick_and_thin(), goals(1, 1.5));
-  const SizeScene big(shapes::scaled(thick_and_thin(), 1024), goals(1, 1.5), 1024e-12);
-  EXPECT_EQ(one.sizes.sample_count(), big.sizes.sample_count());
-  Random random(7);
-  for (int i = 0; i < 1000; ++i) {
-    const Vec3 x = one.place(random).point;
-    EXPECT_EQ(1024 * one.sizes.at(x), big.sizes.at(1024 * x));
-  }
+STAGE(size_field, test::kWorkers, test::kScale) {
+  const SizeScene scene(trial.of(thick_and_thin()), goals(2, 1.3), 1e-12 * trial.scale);
+  trial.same(scene.sizes.sample_count());
+  Random random(8);
+  for (int i = 0; i < 2000; ++i) trial.in_order(trial.length(scene.sizes.at(scene.place(random).point)));
 }
 
-TEST(size_field, it_is_the_same_for_any_number_of_threads) {
-  const auto with = [](int threads) {
-    return tbb::task_arena(threads).execute(
-        [] { return std::make_unique<SizeScene>(thick_and_thin(), goals(2, 1.3)); });
-  };
-  const auto one = with(1), four = with(4);
-  EXPECT_EQ(one->sizes.sample_count(), four->sizes.sample_count());
-  Random random(8);
-  for (int i = 0; i < 2000; ++i) {
-    const Vec3 x = one->place(random).point;
-    EXPECT_EQ(one->sizes.at(x), four->sizes.at(x));
-  }
+STAGE(size_field_alone, test::kStop) {
+  const StageChain chain(thick_and_thin());
+  const GapSearch gaps(chain.surface, chain.adjacency, chain.patches, 1e-6, chain.control);
+  SizeField(chain.surface, &gaps, {}, goals(1, 1.5), 1e-6, trial.control);
 }
 
 TEST(size_field, look_ups_cost_more_where_patches_that_span_the_part_lie_across_each_other) {
@@ -415,14 +402,6 @@ TEST(size_field, look_ups_cost_more_where_patches_that_span_the_part_lie_across_
   EXPECT_GT(sizes.look_up_cost(), 2);
   EXPECT_LT(rows_to_read(sizes), 6);
   EXPECT_GE(rows_to_read(sizes), 2);
-}
-
-TEST(size_field, can_be_cancelled) {
-  const StageChain chain(thick_and_thin());
-  const GapSearch gaps(chain.surface, chain.adjacency, chain.patches, 1e-6, chain.control);
-  RunControl control;
-  control.cancel();
-  EXPECT_THROW(SizeField(chain.surface, &gaps, {}, goals(1, 1.5), 1e-6, control), Error);
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 
 #include <set>
 
+#include "tests/support/invariance.h"
 #include "tests/support/polygons.h"
 #include "tests/support/triangulation_checks.h"
 
@@ -91,10 +92,8 @@ TEST(lexicographic_triangulation, families_of_hard_points_are_triangulated) {
     expect_holds(points, sweep(points));
 }
 
-TEST(lexicographic_triangulation, a_stop_that_was_asked_for_ends_it) {
-  RunControl control;
-  control.cancel();
-  EXPECT_THROW(lexicographic_triangulation(polygons::scattered(1, 10000), control), Error);
+STAGE(lexicographic_triangulation, test::kStop) {
+  lexicographic_triangulation(polygons::scattered(1, 10000), trial.control);
 }
 
 }  // namespace

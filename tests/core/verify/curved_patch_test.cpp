@@ -188,10 +188,7 @@ TEST(verify, any_scale_gives_the_same_verdict_on_a_curved_patch) {
       for (Vec3& p : other.positions) p = factor * p;
       other.plane_tolerance *= factor;
       other.curved[0].tolerance *= factor;
-      AnalyticSurface& shape = other.curved[0].shape;
-      shape.origin = factor * shape.origin;
-      shape.radius *= factor;
-      shape.minor_radius *= factor;
+      other.curved[0].shape = test::scaled(other.curved[0].shape, factor);
       EXPECT_TRUE(is_verified(other)) << of.name << " " << factor;
       EXPECT_EQ(other.verify().patch_bounds[0], factor * e.verify().patch_bounds[0]) << of.name << " " << factor;
       other.remove_face(0);

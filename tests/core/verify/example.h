@@ -40,6 +40,9 @@ struct Example {
 
   Verdict verify() const {
     RunControl control;
+    return verify(control);
+  }
+  Verdict verify(RunControl& control) const {
     const RefinementClaim refinement{goals.value_or(Goals()), unrefined, reasons, frozen};
     const InputIntersections known{intersecting_patches, are_these_all};
     Claim claim{surface,    surface_patch, frames,          positions,        faces,

@@ -1,5 +1,4 @@
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <array>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "tests/core/verify/refined.h"
+#include "tests/support/invariance.h"
 
 namespace remesh {
 namespace {
@@ -502,21 +502,14 @@ TEST(verify_goals, a_list_that_does_not_fit_together_fails_as_a_whole) {
   }
 }
 
-TEST(verify_goals, gives_the_same_verdict_for_any_number_of_threads) {
+STAGE(verify_goals, test::kWorkers) {
   Example e = refined_cube(4);
   e.goals->max_edge_length = 0.3;
   e.goals->min_edge_length = 0.26;
   for (std::size_t f = 0; f < e.faces.size(); f += 5) list(e, f, kAllReasons[f % 6]);
-  std::vector<Verdict> verdicts;
-  for (const std::size_t threads : {1, 2, 8}) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    verdicts.push_back(e.verify());
-  }
-  EXPECT_FALSE(verdicts[0].quality.value());
-  for (const Verdict& v : verdicts) {
-    EXPECT_EQ(v.failures, verdicts[0].failures);
-    EXPECT_EQ(v.failed_patches, verdicts[0].failed_patches);
-  }
+  const Verdict verdict = e.verify();
+  EXPECT_FALSE(verdict.quality.value());
+  trial.in_order(verdict.failures, verdict.failed_patches);
 }
 
 }  // namespace

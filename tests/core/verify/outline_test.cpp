@@ -1,7 +1,6 @@
 #include "core/verify/outline.h"
 
 #include <gtest/gtest.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include <random>
 #include <vector>
 
+#include "tests/support/invariance.h"
 #include "tests/support/polygons.h"
 
 namespace remesh::verification {
@@ -119,25 +119,19 @@ TEST(simple_outline, never_compares_more_than_all_pairs) {
   EXPECT_TRUE(is_simple(outline_in({}, zigzag)));
 }
 
-TEST(simple_outline, says_the_same_with_any_number_of_threads) {
+STAGE(simple_outline, test::kWorkers) {
   std::vector<Vec2> corners = circle(20000);
-  const SimpleOutline round = outline_in({}, corners);
+  const bool is_round_simple = is_simple(outline_in({}, corners));
   std::swap(corners[19000], corners[19003]);
-  const SimpleOutline crossing = outline_in({}, corners);
-  for (const int threads : {1, 2, 7})
-    tbb::task_arena(threads).execute([&] {
-      EXPECT_TRUE(is_simple(round)) << threads;
-      EXPECT_FALSE(is_simple(crossing)) << threads;
-    });
+  trial.same("round", is_round_simple, "crossing", is_simple(outline_in({}, corners)));
+  EXPECT_TRUE(is_round_simple);
 }
 
-TEST(simple_outline, ends_when_it_is_asked_to_stop) {
-  const SimpleOutline round = outline_in({}, circle(2000));
-  RunControl control;
-  control.cancel();
-  EXPECT_THROW(round.is_simple(control), Error);
-  EXPECT_THROW(SimpleOutline({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {0, 0, 1}, 0, control), Error);
+STAGE(outline_of_corners, test::kStop) {
+  SimpleOutline({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {0, 0, 1}, 0, trial.control);
 }
+
+STAGE(is_simple_outline, test::kStop) { (void)outline_in({}, circle(2000)).is_simple(trial.control); }
 
 }  // namespace
 }  // namespace remesh::verification

@@ -1,7 +1,6 @@
 #include "core/verify/verify.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +9,7 @@
 #include <limits>
 
 #include "tests/core/verify/cases.h"
+#include "tests/support/invariance.h"
 #include "tests/support/shapes.h"
 
 namespace remesh {
@@ -255,30 +255,13 @@ TEST(verify, a_claim_that_does_not_fit_together_fails_as_a_whole) {
   }
 }
 
-TEST(verify, gives_the_same_verdict_for_any_number_of_threads) {
+STAGE(verify, test::kWorkers, test::kStop) {
   Example e = example(shapes::renumbered(shapes::box({3, 2, 1}, 12), 1), shapes::box({3, 2, 1}, 4));
   for (std::size_t f = e.faces.size(); f-- > 0;)
     if (f % 7 == 0) e.remove_face(f);
-  std::vector<Verdict> verdicts;
-  for (const std::size_t threads : {1, 2, 8}) {
-    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-    verdicts.push_back(e.verify());
-  }
-  EXPECT_FALSE(verdicts[0].surface);
-  for (const Verdict& v : verdicts) {
-    EXPECT_EQ(v.failures, verdicts[0].failures);
-    EXPECT_EQ(v.failed_patches, verdicts[0].failed_patches);
-    EXPECT_EQ(v.deviation, verdicts[0].deviation);
-  }
-}
-
-TEST(verify, stops_when_asked) {
-  const Example e = cube();
-  RunControl control;
-  control.cancel();
-  const Claim claim{e.surface, e.surface_patch, e.frames,    e.positions,
-                    e.faces,   e.face_patch,    e.corner_uv, e.plane_tolerance};
-  EXPECT_THROW(verify(claim, control), Error);
+  const Verdict verdict = e.verify(trial.control);
+  EXPECT_FALSE(verdict.surface);
+  trial.in_order(verdict.failures, verdict.failed_patches, verdict.deviation);
 }
 
 }  // namespace

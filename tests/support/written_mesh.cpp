@@ -1,4 +1,4 @@
-#include "tests/mutate/written_mesh.h"
+#include "tests/support/written_mesh.h"
 
 #include <charconv>
 #include <cmath>
@@ -8,7 +8,7 @@
 #include <string_view>
 #include <system_error>
 
-namespace remesh::mutate {
+namespace remesh::test {
 namespace {
 
 [[noreturn]] void fail(const std::string& what) { throw std::runtime_error(what); }
@@ -153,7 +153,7 @@ WrittenMesh read_stl_text(std::string_view text) {
   Words words(text);
   while (!words.is_at_end()) {
     words.expect("solid");
-    words.line();
+    const std::string name(words.line());
     for (;;) {
       const std::string_view word = words.word();
       if (word == "endsolid") break;
@@ -168,10 +168,11 @@ WrittenMesh read_stl_text(std::string_view text) {
         p = words.point();
       }
       add_corners(mesh, corners);
+      mesh.solid_of.push_back(name.empty() ? name : name.substr(1));
       words.expect("endloop");
       words.expect("endfacet");
     }
-    words.line();
+    if (words.line() != name) fail("a solid ends by another name than it begins");
   }
   return mesh;
 }
@@ -250,6 +251,47 @@ WrittenMesh read_msh(std::string_view text) {
   return mesh;
 }
 
+std::string from_base64(std::string_view text) {
+  constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string bytes;
+  std::uint32_t bits = 0;
+  int known = 0;
+  for (const char c : text) {
+    const std::size_t digit = kDigits.find(c);
+    if (digit == std::string_view::npos) continue;
+    bits = bits << 6 | static_cast<std::uint32_t>(digit);
+    known += 6;
+    if (known < 8) continue;
+    known -= 8;
+    bytes += static_cast<char>(bits >> known & 255);
+  }
+  return bytes;
+}
+
+/// Returns the numbers of a data array of VTU, which come after their length.
+std::string vtu_array(std::string_view text, std::string_view after) {
+  const std::size_t begin = text.find('>', text.find("<DataArray", text.find(after))) + 1;
+  const std::string bytes = from_base64(text.substr(begin, text.find('<', begin) - begin));
+  std::string_view rest = bytes;
+  if (take<std::uint64_t>(rest) != rest.size()) fail("a data array has another length than it tells");
+  return std::string(rest);
+}
+
+WrittenMesh read_vtu(std::string_view text) {
+  WrittenMesh mesh;
+  const std::string points = vtu_array(text, "<Points>"), corners = vtu_array(text, "<Cells>");
+  for (std::string_view rest = points; !rest.empty();) {
+    Vec3& p = mesh.positions.emplace_back();
+    for (int axis = 0; axis < 3; ++axis) p[axis] = take<double>(rest);
+    if (!is_finite(p)) fail("a coordinate is not finite");
+  }
+  for (std::string_view rest = corners; !rest.empty();) {
+    auto& face = mesh.faces.emplace_back();
+    for (std::uint32_t& v : face) v = static_cast<std::uint32_t>(take<std::int64_t>(rest));
+  }
+  return mesh;
+}
+
 void expect_finite(const nlohmann::json& value) {
   if (value.is_number() && !std::isfinite(value.get<double>())) fail("a number in the JSON is not finite");
   if (value.is_structured())
@@ -282,8 +324,8 @@ WrittenMesh read_json(const std::string& text) {
 
 void expect_finite_json(const std::string& text) { parse(text); }
 
-std::optional<WrittenMesh> read_written(Format format, const std::string& bytes) {
-  std::optional<WrittenMesh> mesh;
+WrittenMesh read_written(Format format, const std::string& bytes) {
+  WrittenMesh mesh;
   switch (format) {
     case Format::kObj: mesh = read_obj(bytes); break;
     case Format::kOff: mesh = read_off(bytes); break;
@@ -292,12 +334,12 @@ std::optional<WrittenMesh> read_written(Format format, const std::string& bytes)
     case Format::kPly: mesh = read_ply(bytes); break;
     case Format::kJson: mesh = read_json(bytes); break;
     case Format::kMsh: mesh = read_msh(bytes); break;
-    default: return std::nullopt;
+    case Format::kVtu: mesh = read_vtu(bytes); break;
   }
-  for (const auto& face : mesh->faces)
+  for (const auto& face : mesh.faces)
     for (const std::uint32_t v : face)
-      if (v >= mesh->positions.size()) fail("a face has a corner that is no vertex");
+      if (v >= mesh.positions.size()) fail("a face has a corner that is no vertex");
   return mesh;
 }
 
-}  // namespace remesh::mutate
+}  // namespace remesh::test
