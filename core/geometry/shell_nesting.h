@@ -20,7 +20,7 @@ namespace remesh {
 /// The closed shells that enclose a volume, from outside in.
 /// This class is larger than the bound because all its steps read and correct one forest of nests. Three steps need the
 /// same tree and the same boxes: to find the nests in boxes, to look for the nearest shell, and to correct links. (The
-/// bound is on the size of classes, see tests/tools/class_sizes.py.)
+/// bound is on the size of classes, see tests/tools/check.py.)
 /// Input:   three corners per face; coordinates within [-2^250, 2^250]. The arguments must outlive this object.
 /// Holds:   the result is right if shells do not cross each other, whether they touch or not. Which of two shells is
 ///          nearer to a third one is decided up to rounding. The result is the same for any number of threads and any
