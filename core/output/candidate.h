@@ -60,9 +60,10 @@ void assemble(Candidate& candidate, const Surface& surface, const Goals* goals, 
 /// Cost: O(triangles).
 void list_unrefined(Candidate& candidate, const Goals& goals, RunControl& control);
 
-/// Returns whether a floor under the lengths of edges leaves worse angles in plane patches than there were: more
-/// triangles below the bound on angles, or a smaller least angle. There were the surface's own triangles, and those of
-/// its patches without refinement. Such a floor is too low, since it lets edges be cut that cannot be cut often enough.
+/// Compares the triangles that a floor under the lengths of edges leaves in plane patches with the surface's own
+/// triangles and with those of its patches before refinement. Returns whether the floor leaves more triangles below the
+/// bound on angles, or a smaller least angle, than either of them has. Such a floor is too low: it lets edges be cut
+/// that cannot be cut often enough.
 /// Input: an assembled candidate. Its patches were triangulated on `with_cuts`. `curved` is null if no patch is curved.
 /// Cost:  O(triangles).
 bool has_worse_angles(Candidate& candidate, const Surface& surface, const Surface& with_cuts,

@@ -18,7 +18,7 @@ struct CurvedGoals {
   bool keeps_volume = false;                  ///< surfaces are moved outwards, so that their volume is kept
   /// Facets may stay because they are coarser: only these goals decide how many faces there are, and no volume is kept.
   bool may_coarser_facets_stay = true;
-  bool is_refined = true;  ///< refinement comes after it
+  bool is_refined = true;  ///< the patches are refined after facets were joined
   bool may_cut_boundaries = true;
   double feature_angle_deg = 30;  ///< facets that turn by more do not belong to one surface
 

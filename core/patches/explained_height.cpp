@@ -91,16 +91,6 @@ Vec3 direction_of_turn(const FacetGraph& graph, PatchId p) {
   return normalized(strongest);
 }
 
-Vec3 middle_of(const FacetGraph& graph, PatchId p) {
-  Vec3 sum;
-  int count = 0;
-  graph.for_each_corner(p, [&](const Vec3& q) {
-    sum += q;
-    ++count;
-  });
-  return (1.0 / std::max(1, count)) * sum;
-}
-
 }  // namespace
 
 double implied_chord_height(const FacetGraph& graph, PatchId p, std::uint32_t side) {
@@ -119,7 +109,7 @@ double explained_height(const FacetGraph& graph, const AnalyticSurface& shape, P
     return height_along(graph, shape, p, along) +
            height_along(graph, shape, p, normalized(cross(graph.normal(p), along)));
   }
-  const Vec3 around = normalized(cross(shape.axis, middle_of(graph, p) - shape.origin));
+  const Vec3 around = normalized(cross(shape.axis, graph.mean_corner(p) - shape.origin));
   double height = height_along(graph, shape, p, around);
   if (shape.kind == SurfaceKind::kTorus)
     height += height_along(graph, shape, p, normalized(cross(graph.normal(p), around)));

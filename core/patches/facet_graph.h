@@ -1,6 +1,7 @@
 /// The facets of a surface, and which of them meet smoothly.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -52,6 +53,16 @@ class FacetGraph {
   void for_each_corner(PatchId p, const Take& take) const {
     for (std::uint32_t s = sides_begin(p); s < sides_end(p); ++s)
       if (is_corner(s)) take(position(vertex(s)));
+  }
+  /// Returns the mean of a facet's corners.
+  Vec3 mean_corner(PatchId p) const {
+    Vec3 sum;
+    int count = 0;
+    for_each_corner(p, [&](const Vec3& q) {
+      sum += q;
+      ++count;
+    });
+    return (1.0 / std::max(1, count)) * sum;
   }
   /// Calls take(from, to, is_corner) for each side of a facet. The last argument tells whether the side begins at a
   /// corner.

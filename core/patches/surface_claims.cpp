@@ -99,17 +99,6 @@ bool has_enough_rings(std::span<const Vec3> points, const AnalyticSurface& torus
   return count(around_tube) >= kMinRings && count(along_tube) >= kMinRings - 2;
 }
 
-/// Returns the mean of a facet's corners.
-Vec3 mean_corner_of(const FacetGraph& graph, PatchId p) {
-  Vec3 sum;
-  int count = 0;
-  graph.for_each_corner(p, [&](const Vec3& q) {
-    sum += q;
-    ++count;
-  });
-  return (1.0 / std::max(1, count)) * sum;
-}
-
 /// Returns whether the corners of a sphere's facets lie as near to a cylinder or a cone, as those of a single ring of
 /// facets do: there is a sphere through any two circles about one axis.
 /// Input: the corners.
@@ -120,7 +109,7 @@ bool is_ring(const FacetGraph& graph, const SurfaceClaim& sphere, std::span<cons
   std::vector<FacetPlace> places;
   for (const PatchId p : sphere.facets)
     if (graph.may_be_seed(p) && graph.corner_count(p) <= kMaxCorners)
-      places.push_back({mean_corner_of(graph, p), graph.normal(p)});
+      places.push_back({graph.mean_corner(p), graph.normal(p)});
   const double near =
       std::min(sphere.tolerance, std::max(kAsNear * sphere.deviation, kAsNearTolerances * sphere.tolerance));
   const auto fits_all = [&](const std::optional<AnalyticSurface>& guess) {
@@ -216,7 +205,7 @@ class ClaimGrower::Gauge {
 ClaimGrower::ClaimGrower(const FacetGraph& graph, RunControl& control)
     : graph_(graph), control_(control), check_(control), taken_(graph.size(), Taken::kFree), mark_(graph.size(), 0) {}
 
-FacetPlace ClaimGrower::place_of(PatchId p) const { return {mean_corner_of(graph_, p), graph_.normal(p)}; }
+FacetPlace ClaimGrower::place_of(PatchId p) const { return {graph_.mean_corner(p), graph_.normal(p)}; }
 
 bool ClaimGrower::fits(const Gauge& gauge, PatchId p, double tolerance, int side) {
   work_ += kWorkOfTest;
