@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -155,6 +156,8 @@ struct RunSettings {
   /// rounded to them. It is checked, measured and reported as rounded.
   Storage storage = Storage::kDouble;
   OutputRounding rounding = OutputRounding::kRequired;
+  /// Is called with one line for each attempt: what has failed, and what was decided. It may be empty.
+  std::function<void(const std::string&)> trace = {};
 };
 
 }  // namespace remesh

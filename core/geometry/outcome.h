@@ -4,7 +4,7 @@
 
 namespace remesh {
 
-enum class Outcome {
+enum class TriangulationOutcome {
   kDone,
   kCrossingConstraints,  ///< two loop edges cross, or a vertex lies inside a loop edge
   kInconsistentLoops,    ///< a region would be inside by one loop edge and outside by another

@@ -286,7 +286,7 @@ class RimPlane {
       if (uv_[i] == uv_[i - 1]) return false;
     mesh_ = triangulate_points(uv_, control_);
     if (mesh_.triangle_count() == 0) return false;
-    if (constraint_recovery(uv_, segments_, mesh_, control_) != Outcome::kDone) return false;
+    if (constraint_recovery(uv_, segments_, mesh_, control_) != TriangulationOutcome::kDone) return false;
     find_parts();
     return true;
   }

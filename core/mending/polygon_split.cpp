@@ -165,13 +165,13 @@ PolygonSplit split_outline(std::span<const Vec3> points, double plane_tolerance,
     point_of[i] = static_cast<std::uint32_t>(plane_points.size() - 1);
   }
   PatchTriangulation inside;
-  inside.outcome = Outcome::kCrossingConstraints;
+  inside.outcome = TriangulationOutcome::kCrossingConstraints;
   if (!is_merged) {
     std::vector<Segment> segments(n);
     for (std::uint32_t i = 0; i < n; ++i) segments[i] = {point_of[i], point_of[(i + 1) % n]};
     inside = triangulate_patch(plane_points, segments, control);
   }
-  if (inside.outcome != Outcome::kDone || inside.mesh.triangle_count() == 0) {
+  if (inside.outcome != TriangulationOutcome::kDone || inside.mesh.triangle_count() == 0) {
     result.kind = PolygonKind::kSelfCrossing;
     fan(points, result);
   } else {

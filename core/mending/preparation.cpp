@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <string>
 
 #include "core/base/diagnostic.h"
+#include "core/base/number_text.h"
 #include "core/base/stoppable.h"
 #include "core/base/tolerance.h"
 #include "core/mending/bending_noise.h"
@@ -121,21 +121,16 @@ class Preparation {
   }
 
   void tell_of_cap(const Rounding& rounding, double explained, double automatic) {
-    const auto text = [](double x) {
-      std::array<char, 32> digits{};
-      char* const end = digits.data() + digits.size();
-      return std::string(digits.data(), std::to_chars(digits.data(), end, x, std::chars_format::general, 6).ptr);
-    };
     const std::string are = rounding.steps == rounding.possible_steps ? "are" : "may be";
     summary_.diagnostics.push_back(
         {DiagnosticCode::kRoundingCapped,
          1,
          {},
-         "the coordinates " + are + " rounded to steps of " + text(rounding.possible_step()) +
-             ", which would justify a plane_tolerance of " + text(explained) + "; " + text(automatic) +
+         "the coordinates " + are + " rounded to steps of " + number_text(rounding.possible_step()) +
+             ", which would justify a plane_tolerance of " + number_text(explained) + "; " + number_text(automatic) +
              " was used, because the automatic value is at most 1e-4 of the bounding box's diagonal; faces bend by no "
              "more than this rounding explains, so one plane may have become several patches; plane_tolerance=" +
-             text(explained) + " would make it one patch, but also flatten details of that size"});
+             number_text(explained) + " would make it one patch, but also flatten details of that size"});
   }
 
   void mend() {

@@ -78,6 +78,7 @@ struct MendingLimits {
   /// If false, no T-junction is split, no seam or hole is closed, and no polygon or wall is divided anew, whatever the
   /// options say.
   bool is_joining_allowed = true;
+  bool operator==(const MendingLimits&) const = default;
 };
 
 /// Welds the mesh, measures it, chooses the plane tolerance, and mends the surface, in this order.

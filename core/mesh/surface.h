@@ -31,6 +31,16 @@ struct FaceList {
   }
 };
 
+/// Lists the input faces that each face of a surface covers, face after face. It is empty if each covers its source.
+struct CoveredFaces {
+  std::vector<std::size_t> begin;  ///< where those of each face begin, and the end
+  std::vector<FaceId> faces;
+
+  std::span<const FaceId> of(FaceId f) const {
+    return std::span(faces).subspan(begin[f.value], begin[f.value + 1] - begin[f.value]);
+  }
+};
+
 /// Polygons over welded vertices.
 /// Holds:   no two positions are equal. Data that did not change still belongs to the mesh from which the surface was
 ///          made, and that mesh outlives the surface. From mend_faces on, every vertex is used, polygons are planar, no
@@ -47,6 +57,8 @@ struct Surface {
   FilledIdVector<VertexId, VertexId>
       vertex_source;  ///< the first input vertex with these coordinates; for a new vertex, that of a neighbour
   FilledIdVector<FaceId, FaceId> face_source;  ///< the input face from which each face came; ascending
+  /// The input faces that each face covers, if a stage has made faces that stand for others than their source.
+  CoveredFaces covers;
   /// One number per face. Between neighbours with different labels is a barrier: they never belong to one patch. Empty
   /// if there are no labels.
   IdVector<FaceId, std::uint32_t> face_label;
@@ -55,6 +67,10 @@ struct Surface {
 
   std::size_t vertex_count() const { return positions.size(); }
   std::size_t face_count() const { return face_begin.size() - 1; }
+  /// Returns the input faces that a face covers.
+  std::span<const FaceId> covered(FaceId f) const {
+    return covers.begin.empty() ? std::span(face_source.items()).subspan(f.value, 1) : covers.of(f);
+  }
   std::uint32_t label(FaceId f) const { return face_label.empty() ? 0 : face_label[f]; }
   std::span<const VertexId> face(FaceId f) const {
     return corners.items().subspan(face_begin[f.value], face_begin[f.value + 1] - face_begin[f.value]);
@@ -87,6 +103,7 @@ struct Surface {
     corners = std::move(faces.corners);
     face_source = std::move(faces.face_source);
     face_label = std::move(faces.face_label);
+    covers = {};
     caps.clear();
   }
   /// Copies all that still belongs to the mesh from which the surface was made, so that the surface no longer needs it.

@@ -1,23 +1,24 @@
 #include "core/output/detail_stage.h"
 
 #include <algorithm>
-#include <array>
 #include <cfloat>
-#include <charconv>
 #include <cmath>
 #include <numeric>
 #include <string>
 #include <utility>
 
+#include "core/base/number_text.h"
 #include "core/base/stoppable.h"
 #include "core/geometry/self_intersections.h"
 #include "core/mending/mend_faces.h"
-#include "core/output/face_labels.h"
+#include "core/mending/remove_details.h"
+#include "core/mending/specks.h"
 #include "core/output/face_source.h"
 #include "core/refinement/chords.h"
 #include "core/refinement/lifting.h"
 #include "core/refinement/unrefined_reason.h"
 #include "core/verify/detail_check.h"
+#include "core/verify/verdict.h"
 
 namespace remesh {
 namespace {
@@ -26,12 +27,6 @@ namespace {
 constexpr double kShareOfSize = 1.0 / 3;
 /// Rounding must not lead to a bound above the size.
 constexpr double kRoundingShare = 1e-9;
-
-std::string text(double x) {
-  std::array<char, 32> digits{};
-  char* const end = digits.data() + digits.size();
-  return {digits.data(), std::to_chars(digits.data(), end, x, std::chars_format::general, 6).ptr};
-}
 
 /// The candidate's triangles as remove_details takes them.
 struct Triangles {
@@ -149,21 +144,22 @@ double volume_change(const DetailRules& rules, const WithoutDetails& without) {
 
 /// Makes the surface of the faces that are left.
 Surface make_surface(const WithoutDetails& without, std::vector<Vec3>&& places, const Candidate& candidate,
-                     const PatchSet& patches, const Surface& before, const IdVector<FaceId, FaceId>& source,
-                     std::vector<std::uint32_t>& order) {
+                     const PatchSet& patches, const Surface& before, const IdVector<FaceId, FaceId>& source) {
   Surface after;
   after.centre = before.centre;
   after.unit = before.unit;
   for (const Vec3& p : places) after.local.push_back(before.to_local(p));
   after.positions = std::move(places);
   const auto source_of = [&](std::uint32_t f) { return source[without.source[f]]; };
-  order.resize(without.faces.size());
+  std::vector<std::uint32_t> order(without.faces.size());
   std::iota(order.begin(), order.end(), 0U);
   std::stable_sort(order.begin(), order.end(),
                    [&](std::uint32_t f, std::uint32_t g) { return source_of(f) < source_of(g); });
   FaceList faces;
+  IdVector<FaceId, PatchId> patch_of_new;
   for (const std::uint32_t f : order) {
     const PatchId patch = candidate.assembled.face_patch[without.source[f]];
+    patch_of_new.push_back(patch);
     faces.add_face(without.faces[f], source_of(f), before.label(patches.faces_of(patch).front()));
   }
   const auto source_of_vertex = [&](VertexId node) {
@@ -185,26 +181,88 @@ Surface make_surface(const WithoutDetails& without, std::vector<Vec3>&& places, 
   for (VertexId& v : after.vertex_source)
     if (!v.is_valid()) v = VertexId(0);
   after.take_faces(std::move(faces));
+  after.covers = covers_of_new_faces(before, patches, patch_of_new, after.face_source);
   return after;
+}
+
+/// Removes details from triangles that were proven to be the surface.
+std::optional<Replaced> remove(const DetailContext& context, const Candidate& candidate, const Verdict& verdict,
+                               DetailLimits& limits, RemovedDetails& told, RunControl& control) {
+  const Surface& before = context.surface;
+  const PatchSet& patches = context.patches;
+  const IdVector<FaceId, FaceId> source = face_source(before, patches, candidate.triangulated, control);
+  const Triangles triangles(candidate, patches, before, context.kept, source, control);
+  // All distances together are within the size. By default, that is the plane tolerance, which is shared out.
+  const double left = limits.size - context.spent_distance - verdict.deviation;
+  const double allowed = limits.is_size_given ? left - limits.plane_tolerance : left / 2;
+  if (!(allowed > 0)) return std::nullopt;
+  const DetailRules rules{triangles.local,
+                          candidate.assembled.faces.items(),
+                          candidate.assembled.face_patch.items(),
+                          triangles.label,
+                          triangles.is_fixed,
+                          limits.size / before.unit,
+                          allowed / before.unit * (1 - kRoundingShare),
+                          limits.plane_tolerance / before.unit,
+                          limits.is_size_given};
+  WithoutDetails without = remove_details(rules, control);
+  told.is_effort_spent = told.is_effort_spent || without.is_effort_spent;
+  if (!without.is_changed() || without.faces.empty()) return std::nullopt;
+  std::vector<Vec3> places = model_places(without, candidate, before);
+  const std::optional<double> proven = prove_details(
+      {candidate.positions.items(), candidate.assembled.faces.items(), places, without.faces, without.map}, control);
+  if (!proven || !(*proven <= allowed) || !are_different(places, control)) return std::nullopt;
+  // Details are removed in local units. Where these have lost lengths, they do not show all intersections either.
+  if (are_edges_distorted(candidate, triangles.local, before.unit, control) &&
+      do_others_intersect(places, without, candidate.assembled.face_patch, context.intersections, control))
+    return std::nullopt;
+
+  Replaced replaced;
+  replaced.distance = *proven + verdict.deviation;
+  replaced.volume = verdict.volume_bound +
+                    std::min(volume_change(rules, without) * before.unit * before.unit * before.unit, DBL_MAX / 4);
+  const double within_size = (limits.size - (context.spent_distance + replaced.distance)) * (1 - kRoundingShare);
+  if (!limits.is_size_given) {
+    limits.plane_tolerance = within_size;
+  } else {
+    // A corner may be off its plane by half of the tolerance.
+    const double bend = 2 * before.unit * find_bend(rules, without, control);
+    limits.plane_tolerance = std::max(limits.plane_tolerance, std::min(bend, within_size));
+  }
+  told.joined_edges += without.joined_edges;
+  told.closed_slivers += without.closed_slivers;
+  told.removed_specks += without.removed_specks;
+  told.closed_slits += without.closed_slits;
+  std::vector<FaceId> removed;
+  for (const std::vector<FaceId>& some : {without.removed, without.at_slits})
+    for (const FaceId f : some) removed.push_back(source[f]);
+  std::sort(removed.begin(), removed.end());
+  removed.erase(std::unique(removed.begin(), removed.end()), removed.end());
+  for (const FaceId f : removed) told.faces.add(f.value);
+
+  replaced.surface = make_surface(without, std::move(places), candidate, patches, before, source);
+  replaced.without_area = faces_without_area(replaced.surface, control);
+  return replaced;
 }
 
 }  // namespace
 
-void DetailStage::reset(const Options& options, double plane_tolerance) {
-  *this = {};
-  limits_.plane_tolerance = plane_tolerance;
-  limits_.is_size_given = options.defeature_size.has_value();
-  if (!options.keep_boundary_vertices || limits_.is_size_given)
-    limits_.size = options.defeature_size.value_or(plane_tolerance);
+DetailLimits detail_limits(const Options& options, double plane_tolerance) {
+  DetailLimits limits;
+  limits.plane_tolerance = plane_tolerance;
+  limits.is_size_given = options.defeature_size.has_value();
+  if (!options.keep_boundary_vertices || limits.is_size_given)
+    limits.size = options.defeature_size.value_or(plane_tolerance);
+  return limits;
 }
 
-bool DetailStage::are_there(const TriangulatedPatches& triangulated, const Surface& surface, const Adjacency& adjacency,
-                            RunControl& control) const {
+bool are_details_there(const DetailLimits& limits, const TriangulatedPatches& triangulated, const Surface& surface,
+                       const Adjacency& adjacency, RunControl& control) {
   const auto is_open = [&](EdgeId e) { return adjacency.half_edges(e).size() == 1; };
   const auto odd = adjacency.odd_edges();
-  if (limits_.is_size_given && std::any_of(odd.begin(), odd.end(), is_open)) return true;
+  if (limits.is_size_given && std::any_of(odd.begin(), odd.end(), is_open)) return true;
   StopCheck check(control);
-  const double size = limits_.size / surface.unit;
+  const double size = limits.size / surface.unit;
   for (const PatchMesh& patch : triangulated.meshes) {
     const Triangulation2d& mesh = patch.mesh;
     for (std::uint32_t h = 0; h < mesh.half_edge_count(); h += 3) {
@@ -218,9 +276,9 @@ bool DetailStage::are_there(const TriangulatedPatches& triangulated, const Surfa
   return false;
 }
 
-bool DetailStage::run(const Context& context, Candidate& candidate, Prepared& prepared, Stopwatch& watch,
-                      RunControl& control) {
-  const Surface& surface = prepared.surface;
+std::optional<Replaced> without_details(const DetailContext& context, Candidate& candidate, DetailLimits& limits,
+                                        RemovedDetails& removed, Stopwatch& watch, RunControl& control) {
+  const Surface& surface = context.surface;
   watch.enter(Stage::kAssembly);
   TriangulatedPatches& triangulated = candidate.triangulated;
   Refinement& refinement = candidate.refinement;
@@ -232,103 +290,21 @@ bool DetailStage::run(const Context& context, Candidate& candidate, Prepared& pr
   }
   assemble(candidate, surface, nullptr, control);
   watch.enter(Stage::kVerify);
-  const Verdict verdict = check(candidate,
-                                {is_any_removed() ? nullptr : &context.input, surface, context.patches,
-                                 context.intersections, context.plane_tolerance, context.weld_tolerance},
-                                control);
+  const Verdict verdict = check(
+      candidate,
+      {context.input, surface, context.patches, context.intersections, context.plane_tolerance, context.weld_tolerance},
+      control);
   watch.enter(Stage::kWeld);
-  const bool is_removed = verdict.all_true() && remove(context, candidate, verdict, prepared, control);
+  std::optional<Replaced> replaced;
+  if (verdict.all_true()) replaced = remove(context, candidate, verdict, limits, removed, control);
   candidate.clear();
-  if (!is_removed) stop();
-  return is_removed;
+  return replaced;
 }
 
-bool DetailStage::remove(const Context& context, const Candidate& candidate, const Verdict& verdict, Prepared& prepared,
-                         RunControl& control) {
-  const Surface& before = prepared.surface;
-  const PatchSet& patches = context.patches;
-  const IdVector<FaceId, FaceId> source = face_source(before, patches, candidate.triangulated, control);
-  const Triangles triangles(candidate, patches, before, context.kept, source, control);
-  // All distances together are within the size. By default, that is the plane tolerance, which is shared out.
-  const double left = limits_.size - bound_ - verdict.deviation;
-  const double allowed = limits_.is_size_given ? left - limits_.plane_tolerance : left / 2;
-  if (!(allowed > 0)) return false;
-  const DetailRules rules{triangles.local,
-                          candidate.assembled.faces.items(),
-                          candidate.assembled.face_patch.items(),
-                          triangles.label,
-                          triangles.is_fixed,
-                          limits_.size / before.unit,
-                          allowed / before.unit * (1 - kRoundingShare),
-                          limits_.plane_tolerance / before.unit,
-                          limits_.is_size_given};
-  WithoutDetails without = remove_details(rules, control);
-  is_effort_spent_ = is_effort_spent_ || without.is_effort_spent;
-  if (!without.is_changed() || without.faces.empty()) return false;
-  std::vector<Vec3> places = model_places(without, candidate, before);
-  const std::optional<double> proven = prove_details(
-      {candidate.positions.items(), candidate.assembled.faces.items(), places, without.faces, without.map}, control);
-  if (!proven || !(*proven <= allowed) || !are_different(places, control)) return false;
-  // Details are removed in local units. Where these have lost lengths, they do not show all intersections either.
-  if (are_edges_distorted(candidate, triangles.local, before.unit, control) &&
-      do_others_intersect(places, without, candidate.assembled.face_patch, context.intersections, control))
-    return false;
-
-  bound_ += *proven + verdict.deviation;
-  volume_bound_ += verdict.volume_bound +
-                   std::min(volume_change(rules, without) * before.unit * before.unit * before.unit, DBL_MAX / 4);
-  if (!limits_.is_size_given) {
-    limits_.plane_tolerance = (limits_.size - bound_) * (1 - kRoundingShare);
-  } else {
-    // A corner may be off its plane by half of the tolerance.
-    const double bend = 2 * before.unit * find_bend(rules, without, control);
-    limits_.plane_tolerance =
-        std::max(limits_.plane_tolerance, std::min(bend, (limits_.size - bound_) * (1 - kRoundingShare)));
-  }
-  joined_edges_ += without.joined_edges;
-  closed_slivers_ += without.closed_slivers;
-  removed_specks_ += without.removed_specks;
-  closed_slits_ += without.closed_slits;
-  std::vector<FaceId> removed;
-  for (const std::vector<FaceId>& some : {without.removed, without.at_slits})
-    for (const FaceId f : some) removed.push_back(source[f]);
-  std::sort(removed.begin(), removed.end());
-  removed.erase(std::unique(removed.begin(), removed.end()), removed.end());
-  for (const FaceId f : removed) removed_.add(f.value);
-
-  if (!descent_) descent_ = Descent{remesh::patches_of_input(before, patches, context.input.face_count()), {}};
-  std::vector<std::uint32_t> order;
-  Surface after = make_surface(without, std::move(places), candidate, patches, before, source, order);
-  if (passes_ == 0) {
-    descent_->face_of_patch.resize(patches.count());
-    for (std::size_t f = order.size(); f-- > 0;)
-      descent_->face_of_patch[candidate.assembled.face_patch[without.source[order[f]]]] = FaceId(f);
-  } else {
-    // The faces of the surface before became patches, and these became faces.
-    IdVector<PatchId, FaceId> now(patches.count());
-    for (std::size_t f = order.size(); f-- > 0;)
-      now[candidate.assembled.face_patch[without.source[order[f]]]] = FaceId(f);
-    for (FaceId& f : descent_->face_of_patch)
-      if (f.is_valid()) f = now[patches.of_face[f]];
-  }
-  prepared.release();
-  prepared.surface = std::move(after);
-  prepared.without_area = faces_without_area(prepared.surface, control);
-  ++passes_;
-  return true;
-}
-
-/// Finds the parts of a result that are no larger than a detail.
-Specks DetailStage::specks_left(const Candidate& result, RunControl& control) const {
-  return find_specks({result.positions.items(), result.assembled.faces.items(), {}, {}, {}, limits_.size, 0, 0},
-                     control);
-}
-
-void DetailStage::tell(const Candidate& result, const PatchSet& patches, const Surface& surface,
-                       std::vector<Diagnostic>& diagnostics, RunControl& control) const {
-  if (is_any_removed()) diagnostics.push_back(removal());
-  if (!limits_.is_size_given || limits_.size == 0) return;
-  const double least = kShareOfSize * limits_.size;
+void tell_details_left(const DetailLimits& limits, const Candidate& result, const PatchSet& patches,
+                       const Surface& surface, std::vector<Diagnostic>& diagnostics, RunControl& control) {
+  if (!limits.is_size_given || limits.size == 0) return;
+  const double least = kShareOfSize * limits.size;
   Diagnostic left{DiagnosticCode::kSmallDetail, 0, {}, {}};
   const auto add_source = [&](FaceId f) {
     left.add(surface.face_source[patches.faces_of(result.assembled.face_patch[f]).front()].value);
@@ -344,7 +320,8 @@ void DetailStage::tell(const Candidate& result, const PatchSet& patches, const S
     }
   }
   const std::uint64_t edges = left.count;
-  const Specks specks = specks_left(result, control);
+  const Specks specks =
+      find_specks({result.positions.items(), result.assembled.faces.items(), {}, {}, {}, limits.size, 0, 0}, control);
   std::vector<std::uint8_t> is_told(specks.count(), 0);
   for (FaceId f(0); f.value < result.assembled.faces.size(); ++f.value)
     if (specks.has(f) && std::exchange(is_told[specks.of_face[f.value]], 1) == 0) add_source(f);
@@ -362,31 +339,20 @@ void DetailStage::tell(const Candidate& result, const PatchSet& patches, const S
   diagnostics.push_back(std::move(left));
 }
 
-Diagnostic DetailStage::removal() const {
-  Diagnostic told = removed_;
+Diagnostic removal(const RemovedDetails& removed, double size, double bound) {
+  Diagnostic told = removed.faces;
   told.code = DiagnosticCode::kRemovedDetail;
-  told.count = joined_edges_ + closed_slivers_ + removed_specks_ + closed_slits_;
-  std::vector<std::string> details{std::to_string(joined_edges_) + " short edges",
-                                   std::to_string(closed_slivers_) + " narrow faces"};
-  if (closed_slits_ > 0) details.push_back(std::to_string(closed_slits_) + " slits");
-  if (removed_specks_ > 0) details.push_back(std::to_string(removed_specks_) + " separate parts");
+  told.count = removed.joined_edges + removed.closed_slivers + removed.removed_specks + removed.closed_slits;
+  std::vector<std::string> details{std::to_string(removed.joined_edges) + " short edges",
+                                   std::to_string(removed.closed_slivers) + " narrow faces"};
+  if (removed.closed_slits > 0) details.push_back(std::to_string(removed.closed_slits) + " slits");
+  if (removed.removed_specks > 0) details.push_back(std::to_string(removed.removed_specks) + " separate parts");
   std::string list = details.front();
   for (std::size_t i = 1; i < details.size(); ++i) list += (i + 1 < details.size() ? ", " : " and ") + details[i];
-  told.message = "details smaller than " + text(limits_.size) + " were removed: " + list +
-                 "; the surface moved by at most " + text(bound_) + "; defeature_size=0 keeps them" +
-                 (is_effort_spent_ ? "; there were so many that some may be left" : "");
+  told.message = "details smaller than " + number_text(size) + " were removed: " + list +
+                 "; the surface moved by at most " + number_text(bound) + "; defeature_size=0 keeps them" +
+                 (removed.is_effort_spent ? "; there were so many that some may be left" : "");
   return told;
-}
-
-IdVector<FaceId, PatchId> DetailStage::patches_of_input(const PatchSet& patches) const {
-  IdVector<FaceId, PatchId> patch(descent_->patch_of_input.size());
-  for (FaceId f(0); f.value < patch.size(); ++f.value) {
-    const PatchId before = descent_->patch_of_input[f];
-    if (!before.is_valid()) continue;
-    const FaceId now = descent_->face_of_patch[before];
-    if (now.is_valid()) patch[f] = patches.of_face[now];
-  }
-  return patch;
 }
 
 }  // namespace remesh

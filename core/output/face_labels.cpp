@@ -18,7 +18,7 @@ IdVector<FaceId, FaceId> first_faces(const Surface& surface, const PatchSet& pat
 IdVector<FaceId, PatchId> patches_of_input(const Surface& surface, const PatchSet& patches, std::size_t input_faces) {
   IdVector<FaceId, PatchId> patch(input_faces);
   for (std::size_t f = surface.face_count(); f-- > 0;)
-    patch[surface.face_source[FaceId(f)]] = patches.of_face[FaceId(f)];
+    for (const FaceId source : surface.covered(FaceId(f))) patch[source] = patches.of_face[FaceId(f)];
   return patch;
 }
 

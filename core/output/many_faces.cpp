@@ -31,13 +31,8 @@ constexpr std::uint64_t kMaxPlaces = std::uint64_t{1} << 19, kPlacesPerTriangle 
 /// A floor that is suggested is at most this fraction of the diagonal, and the first one that is tried this one.
 constexpr double kHighestFloor = 0x1p-6, kLowestFloor = 0x1p-20;
 
-/// Formats a value of an option, with three digits.
-std::string value_text(double value) {
-  std::array<char, 32> digits{};
-  const auto written =
-      std::to_chars(digits.data(), digits.data() + digits.size(), value, std::chars_format::general, 3);
-  return {digits.data(), written.ptr};
-}
+/// Formats a value of an option.
+std::string value_text(double value) { return number_text(value, 3); }
 
 /// Rounds a value to three digits, so that the value that is told is the one that was tried.
 double with_three_digits(double value) {

@@ -12,6 +12,7 @@
 
 #include "core/base/blocks.h"
 #include "core/base/largest_coordinate.h"
+#include "core/base/number_text.h"
 #include "core/base/parallel.h"
 #include "core/base/rounded_to_float.h"
 #include "core/io/formats.h"
@@ -24,13 +25,6 @@
 
 namespace remesh {
 namespace {
-
-/// A number for messages, with three digits.
-std::string short_text(double value) {
-  char digits[32];
-  const auto written = std::to_chars(digits, digits + sizeof digits, value, std::chars_format::general, 3);
-  return {digits, written.ptr};
-}
 
 /// `digits` times a power of ten, as it would be read from text.
 double decimal(double digits, int exponent) {
@@ -151,8 +145,8 @@ std::string reason_text(const FloatForm& form, double allowed_move) {
   const StoredVerdict& verdict = form.verdict;
   switch (*verdict.fault) {
     case StoredFault::kMoved:
-      return "rounding to them moves a vertex by " + short_text(verdict.largest_move) + ", where at most " +
-             short_text(allowed_move) + " is allowed (the larger of plane_tolerance and 1e-6 of the diagonal)";
+      return "rounding to them moves a vertex by " + number_text(verdict.largest_move, 3) + ", where at most " +
+             number_text(allowed_move, 3) + " is allowed (the larger of plane_tolerance and 1e-6 of the diagonal)";
     case StoredFault::kMerged:
       return "rounding to them puts " + count_of(verdict.count, "pair", "pairs") + " of vertices at the same place";
     case StoredFault::kTurnedOver:
@@ -184,10 +178,10 @@ std::string reason_to_refuse(const Result& result, const FloatForm& form) {
   for (const Vec3& p : result.mesh.positions) largest = std::max(largest, largest_coordinate(p - form.origin));
   std::string message = names_of_formats(Storage::kFloat) + " stores coordinates as floats, ";
   if (form.verdict.fault == StoredFault::kBeyondRange)
-    message += "and the coordinate " + short_text(largest) + " is beyond the largest float";
+    message += "and the coordinate " + number_text(largest, 3) + " is beyond the largest float";
   else
-    message += "which are " + short_text(step_of_floats(largest)) + " apart at these coordinates (up to " +
-               short_text(largest) + (form.origin != Vec3{} ? " from a local origin): " : "): ") +
+    message += "which are " + number_text(step_of_floats(largest), 3) + " apart at these coordinates (up to " +
+               number_text(largest, 3) + (form.origin != Vec3{} ? " from a local origin): " : "): ") +
                reason_text(form, result.basis.allowed_move);
   return message;
 }

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -42,13 +43,13 @@ std::map<int, std::uint64_t> predict_by_circles(const RecognisedFacets& facets, 
 }
 
 /// Takes the distances that were proven into the report.
-/// Input: `of_details` is the distance between the surface and the one from which no details had been removed.
-void take_bounds(Report& report, double of_details) {
-  report.distance_bound = {report.verified.distance_bound.output_to_input + of_details,
-                           report.verified.distance_bound.input_to_output + of_details};
-  report.verified.deviation += of_details;
+/// Input: `of_stages` is the distance that stages have spent which replaced the surface.
+void take_bounds(Report& report, double of_stages) {
+  report.distance_bound = {report.verified.distance_bound.output_to_input + of_stages,
+                           report.verified.distance_bound.input_to_output + of_stages};
+  report.verified.deviation += of_stages;
   for (std::size_t p = 0; p < report.patches.size(); ++p) {
-    report.patches[p].bound = report.verified.patch_bounds[p] + of_details;
+    report.patches[p].bound = report.verified.patch_bounds[p] + of_stages;
     double& of_surface = report.surfaces.surfaces[report.surfaces.of_patch[PatchId(p)]].bound;
     of_surface = std::max(of_surface, report.patches[p].bound);
   }
@@ -57,41 +58,44 @@ void take_bounds(Report& report, double of_details) {
 /// Writes the report of a run.
 class RunReporter {
  public:
-  explicit RunReporter(RunState& run) : run_(run) {}
+  explicit RunReporter(std::unique_ptr<RunProducts> run) : products_(std::move(run)), run_(*products_) {}
 
-  void analysis() {
+  Report analysis() {
     examine_input();
     run_.report.surfaces.join_bands();
     run_.watch.enter(Stage::kRefinement);
-    run_.refiner->set_crossing(run_.intersections().patches);
-    run_.refiner->predict_before(run_.patched(), run_.candidate.triangulated);
-    run_.report.min_edge_length = run_.refiner->goals().min_edge_length;
+    crossing_ = run_.intersections();
+    const Prediction predicted =
+        run_.refinement->predict_before(run_.patched(crossing_), run_.choices, run_.candidate.triangulated);
+    run_.report.min_edge_length = run_.choices.floors.floor();
     tell_curves({[&](PatchId p) {
-                   return run_.goals() != nullptr
-                              ? run_.refiner->predicted_of_patch()[p.value]
+                   return run_.has_goals()
+                              ? predicted.of_patch[p.value]
                               : static_cast<double>(run_.partition.summaries.patches[p.value].output_faces);
                  },
                  RefinedFaces::Are::kPredicted});
-    tell_coarsened_surfaces(run_.surface(), run_.partition.patches, run_.curves.curved(), RefinedFaces::Are::kPredicted,
+    tell_coarsened_surfaces(run_.surface(), run_.partition.patches, run_.joined.curved(), RefinedFaces::Are::kPredicted,
                             run_.report);
-    run_.report.predicted_faces_by_elements_per_circle = predict_for_circles(run_.refiner->predicted_of_patch());
-    tell_many_faces(RefinedFaces::Are::kPredicted, run_.refiner->predicted_of_patch());
+    run_.report.predicted_faces_by_elements_per_circle = predict_for_circles(predicted.of_patch);
+    tell_many_faces(RefinedFaces::Are::kPredicted, predicted.of_patch);
     // Facets count, not the patches that were joined from them, so proximity does not change the answer.
-    if (run_.curves.curved() == nullptr) run_.report.smallest_gap = run_.refiner->smallest_gap();
+    if (run_.joined.curved() == nullptr) run_.report.smallest_gap = run_.refinement->smallest_gap();
     if (!run_.report.smallest_gap)
       run_.report.smallest_gap =
-          GapSearch(run_.surface(), run_.adjacency(), run_.curves.facets(run_.partition), run_.report.plane_tolerance,
-                    run_.control, run_.curves.curved() != nullptr ? nullptr : &run_.candidate.triangulated)
-              .smallest(run_.control, run_.refiner->goals().max_faces);
-    run_.report.predicted_faces =
-        run_.goals() != nullptr ? run_.refiner->predicted_faces() : run_.partition.summaries.triangles;
+          GapSearch(run_.surface(), run_.adjacency(), run_.facets(), run_.report.plane_tolerance, run_.control,
+                    run_.joined.curved() != nullptr ? nullptr : &run_.candidate.triangulated)
+              .smallest(run_.control, run_.goals().max_faces);
+    run_.report.predicted_faces = run_.has_goals() ? static_cast<std::uint64_t>(std::min(predicted.expected, 0x1p62))
+                                                   : run_.partition.summaries.triangles;
     summarise();
-    if (run_.details.is_any_removed()) run_.report.diagnostics.push_back(run_.details.removal());
+    tell_removal();
     run_.report.timing_ms = run_.watch.finish();
+    return std::move(run_.report);
   }
 
   /// Completes the report after the result has passed verification.
   void remeshing() {
+    crossing_ = run_.intersections();
     std::vector<float> faces;
     for (const PatchMesh& patch : run_.candidate.triangulated.meshes)
       faces.push_back(static_cast<float>(patch.mesh.triangle_count()));
@@ -101,9 +105,11 @@ class RunReporter {
     run_.candidate.refinement.before.exchange_with(run_.candidate.triangulated.meshes);
     run_.candidate.refinement.before.clear();
     summarise();
-    run_.report.volume_bound = run_.report.verified.volume_bound + run_.details.volume_bound();
-    take_bounds(run_.report, run_.details.bound());
-    run_.details.tell(run_.candidate, run_.partition.patches, run_.surface(), run_.report.diagnostics, run_.control);
+    run_.report.volume_bound = run_.report.verified.volume_bound + run_.spent.volume;
+    take_bounds(run_.report, run_.spent.distance);
+    tell_removal();
+    tell_details_left(run_.detail_limits, run_.candidate, run_.partition.patches, run_.surface(),
+                      run_.report.diagnostics, run_.control);
     run_.report.surfaces.join_bands();
     for (std::size_t p = 0; p < run_.candidate.triangulated.meshes.size(); ++p)
       run_.report.patches[p].output_faces = run_.candidate.triangulated.meshes[PatchId(p)].mesh.triangle_count();
@@ -138,12 +144,12 @@ class RunReporter {
              run_.candidate.clear();
            });
     run_.watch.enter(Stage::kAssembly);
-    tell_coarsened_surfaces(run_.surface(), run_.partition.patches, run_.curves.curved(), RefinedFaces::Are::kCounted,
+    tell_coarsened_surfaces(run_.surface(), run_.partition.patches, run_.joined.curved(), RefinedFaces::Are::kCounted,
                             result.report);
     result.mesh.labels = labels_from(run_.input.labels, source);
     if (settings.want_face_source) {
       result.face_source = source;
-      result.input_face_patch = patches_of_input();
+      result.input_face_patch = patches_of_input(run_.surface(), run_.partition.patches, run_.input.face_count());
     }
     result.report.timing_ms = run_.watch.finish();
     return result;
@@ -173,36 +179,36 @@ class RunReporter {
     if (!run_.options.refine) return;
     if (run_.options.feature_angle_deg > 0)
       warn_of_curved_surfaces(run_.surface(), run_.partition.patches, run_.report.surfaces, refined,
-                              run_.report.diagnostics, run_.curves.curved());
+                              run_.report.diagnostics, run_.joined.curved());
     else
       warn_of_curves(run_.surface(), run_.partition.patches, run_.report.diagnostics);
   }
 
   /// Input: the faces that there are, or that are predicted, of each patch; empty if nothing is refined.
   std::map<int, std::uint64_t> predict_for_circles(const std::vector<float>& faces) {
-    return predict_by_circles(
-        {run_.surface(), run_.adjacency(), run_.curves.facets(run_.partition), run_.curves.recognised(),
-         run_.report.plane_tolerance, run_.report.input.bounding_box.diagonal()},
-        run_.partition, run_.curves.cuts(), run_.candidate.triangulated.meshes, faces,
-        run_.refiner->goals().min_edge_length, run_.options, run_.control);
+    return predict_by_circles({run_.surface(), run_.adjacency(), run_.facets(), run_.recognised,
+                               run_.report.plane_tolerance, run_.report.input.bounding_box.diagonal()},
+                              run_.partition, run_.joined.cuts, run_.candidate.triangulated.meshes, faces,
+                              run_.choices.floors.floor(), run_.options, run_.control);
   }
 
   /// Tells why there are far more faces than in the input, if so.
   /// Input: the patches' triangles as they were before refinement; surfaces before bands were joined.
   void tell_many_faces(RefinedFaces::Are are, const std::vector<float>& faces) {
-    if (run_.asked_goals() == nullptr) return;
+    if (!run_.has_asked_goals()) return;
+    const Goals goals = run_.goals();
     const std::vector<UnrefinedReason>& reasons = run_.candidate.unrefined.reasons;
     const auto is_left_by_floor = [](UnrefinedReason r) {
       return r == UnrefinedReason::kSizeFloor || r == UnrefinedReason::kMinEdgeLength;
     };
-    const CurvedPatches* const curved = run_.curves.curved();
+    const CurvedPatches* const curved = run_.joined.curved();
     warn_of_many_faces({run_.surface(),
                         run_.partition.patches,
                         {[&](PatchId p) { return faces[p.value]; }, are},
                         run_.triangles_of_input(),
                         run_.report.input.bounding_box.diagonal(),
                         run_.options,
-                        run_.refiner->goals(),
+                        goals,
                         static_cast<std::uint64_t>(std::count_if(reasons.begin(), reasons.end(), is_left_by_floor)),
                         [&](PatchId p) {
                           const SurfaceKind kind =
@@ -210,8 +216,9 @@ class RunReporter {
                           const bool is_joined = curved != nullptr && curved->of(p) != nullptr;
                           return !is_joined && kind != SurfaceKind::kPlane && kind != SurfaceKind::kFree;
                         },
-                        [&](const Goals& goals) {
-                          return run_.refiner->predict_with(goals, run_.patched(), run_.candidate.triangulated);
+                        [&](const Goals& other) {
+                          return run_.refinement->predict_with(other, run_.patched(crossing_), run_.size_steps,
+                                                               run_.candidate.triangulated);
                         },
                         [&] { return predict_for_circles(faces); }},
                        run_.report.diagnostics);
@@ -219,33 +226,33 @@ class RunReporter {
 
   void summarise() {
     run_.report.patches = std::move(run_.partition.summaries.patches);
-    if (run_.details.is_any_removed()) count_input_faces();
+    if (run_.spent.stages > 0) count_input_faces();
     run_.report.volume_bound = run_.partition.summaries.volume_bound;
   }
 
   /// Counts the input's faces of each patch, where the surface has others.
   void count_input_faces() {
     for (PatchSummary& patch : run_.report.patches) patch.input_faces = 0;
-    for (const PatchId p : patches_of_input())
+    for (const PatchId p : patches_of_input(run_.surface(), run_.partition.patches, run_.input.face_count()))
       if (p.is_valid()) ++run_.report.patches[p.value].input_faces;
   }
 
-  IdVector<FaceId, PatchId> patches_of_input() const {
-    if (run_.details.is_any_removed()) return run_.details.patches_of_input(run_.partition.patches);
-    return remesh::patches_of_input(run_.surface(), run_.partition.patches, run_.input.face_count());
+  void tell_removal() {
+    if (run_.spent.stages > 0)
+      run_.report.diagnostics.push_back(removal(run_.removed, run_.detail_limits.size, run_.spent.distance));
   }
 
   OutputBasis output_basis(const IdVector<VertexId, Vec3>& positions) {
     OutputBasis basis;
     basis.normals = run_.candidate.triangulated.charts.normals(run_.control);
-    if (const CurvedPatches* curved = run_.curves.curved())
+    if (const CurvedPatches* curved = run_.joined.curved())
       for (const std::uint32_t at : curved->at) basis.is_curved.push_back(at == kNone ? 0 : 1);
     // The input's bounding box may have corners of faces that were dropped.
     Box3 box;
     for (const Vec3& p : positions) box.add(p);
     basis.allowed_move = std::max(run_.report.plane_tolerance, kAllowedRounding * box.diagonal());
-    basis.is_refined = run_.asked_goals() != nullptr;
-    basis.goals = run_.refiner->goals();
+    basis.is_refined = run_.has_asked_goals();
+    basis.goals = run_.goals();
     basis.unrefined = std::move(run_.candidate.unrefined);
     basis.intersections =
         patches_that_still_intersect(run_.intersections(), run_.report.verified, run_.candidate.assembled.face_patch);
@@ -253,15 +260,19 @@ class RunReporter {
     return basis;
   }
 
-  RunState& run_;
+  const std::unique_ptr<RunProducts> products_;
+  RunProducts& run_;             ///< the same
+  InputIntersections crossing_;  ///< the patches that cross each other in the input
 };
 
 }  // namespace
 
-void report_analysis(RunState& run) { RunReporter(run).analysis(); }
+Report make_analysis(std::unique_ptr<RunProducts> run) { return RunReporter(std::move(run)).analysis(); }
 
-void report_remeshing(RunState& run) { RunReporter(run).remeshing(); }
-
-Result make_result(RunState& run, const RunSettings& settings) { return RunReporter(run).result(settings); }
+Result make_result(std::unique_ptr<RunProducts> run, const RunSettings& settings) {
+  RunReporter reporter(std::move(run));
+  reporter.remeshing();
+  return reporter.result(settings);
+}
 
 }  // namespace remesh

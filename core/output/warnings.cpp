@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -35,12 +34,6 @@ std::string faces_text(double faces, RefinedFaces::Are are) {
   if (are == RefinedFaces::Are::kCounted) return "made " + grouped_digits(static_cast<std::uint64_t>(faces));
   const double step = faces < 100 ? 1 : std::pow(10, std::floor(std::log10(faces)) - 1);
   return "makes about " + grouped_digits(static_cast<std::uint64_t>(std::round(faces / step) * step));
-}
-
-std::string seven_digits(double value) {
-  std::array<char, 32> text{};
-  const auto end = std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, 7);
-  return {text.data(), end.ptr};
 }
 
 /// Names the options that help: for surfaces whose facets stay flat, and for free regions.
@@ -121,7 +114,7 @@ void tell_coarsened_surfaces(const Surface& surface, const PatchSet& patches, co
                  grouped_digits(static_cast<std::uint64_t>(elements)) + " edges per turn";
   if (is_done && report.input.volume && report.output.volume)
     told.message +=
-        "; the volume was " + seven_digits(*report.input.volume) + " and is " + seven_digits(*report.output.volume);
+        "; the volume was " + number_text(*report.input.volume, 7) + " and is " + number_text(*report.output.volume, 7);
   told.message += "; elements_per_circle=none or preset=exact keeps the facets";
   if (report.options.circle_fit != CircleFit::kVolume) told.message += ", and circle_fit=volume keeps the volume";
   report.diagnostics.push_back(std::move(told));

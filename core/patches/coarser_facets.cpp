@@ -6,6 +6,7 @@
 #include <numeric>
 #include <optional>
 #include <span>
+#include <utility>
 
 #include "core/base/stoppable.h"
 #include "core/patches/curved_faces.h"
@@ -146,11 +147,13 @@ std::vector<SurfaceId> CoarserFacets::find_hopeless(const CurvedPatches& joined,
   return found;
 }
 
-std::vector<PatchId> CoarserFacets::find_coarser(const CurvedPatches& curved,
-                                                 const std::vector<std::uint64_t>& triangles,
-                                                 const CurvedGoals& goals) {
-  std::vector<PatchId> found;
+CoarserFacets::Coarser CoarserFacets::find_coarser(const CurvedPatches& curved,
+                                                   const std::vector<std::uint64_t>& triangles,
+                                                   const IdVector<SurfaceId, std::optional<double>>& allowed,
+                                                   const CurvedGoals& goals) const {
+  Coarser found;
   if (!goals.may_coarser_facets_stay) return found;
+  const auto was_left = [&](SurfaceId s) { return s.value < allowed.size() && allowed[s].has_value(); };
   struct Total {
     double facets = 0, joined = 0, boundary = 0;
   };
@@ -164,43 +167,41 @@ std::vector<PatchId> CoarserFacets::find_coarser(const CurvedPatches& curved,
     total.facets += cost.facets + static_cast<double>(cost.boundary_before);
     total.joined += static_cast<double>(triangles[p.value] + cost.boundary_after);
   }
-  allowed_.resize(totals.size());
   for (PatchId p(0); p.value < costs_.size(); ++p.value) {
     const CurvedPatch* patch = curved.of(p);
-    if (patch == nullptr || allowed_[patch->surface]) continue;
+    if (patch == nullptr || was_left(patch->surface)) continue;
     if (!are_facets_as_fine(curved.surfaces.surfaces[patch->surface], goals)) continue;
     const Total& total = totals[patch->surface];
-    if (total.facets <= total.joined) found.push_back(p);
+    if (total.facets <= total.joined) found.patches.push_back(p);
   }
-  const bool is_first = std::none_of(allowed_.begin(), allowed_.end(), [](const auto& n) { return n.has_value(); });
+  const bool is_first = std::none_of(allowed.begin(), allowed.end(), [](const auto& n) { return n.has_value(); });
   if (goals.is_refined && !is_first) {
     double saved = 0;
     for (SurfaceId s(0); s.value < totals.size(); ++s.value)
-      if (!allowed_[s] && are_facets_as_fine(curved.surfaces.surfaces[s], goals))
+      if (!was_left(s) && are_facets_as_fine(curved.surfaces.surfaces[s], goals))
         saved += std::max(0.0, totals[s].joined - totals[s].facets);
     const double all = std::accumulate(triangles.begin(), triangles.end(), 0.0,
                                        [](double sum, std::uint64_t n) { return sum + static_cast<double>(n); });
     if (saved < kWorthAnAttempt * all) return {};
   }
-  for (const PatchId p : found) {
+  IdVector<SurfaceId, std::uint8_t> is_found(totals.size(), 0);
+  for (const PatchId p : found.patches) {
     const SurfaceId s = curved.of(p)->surface;
-    if (allowed_[s]) continue;
-    allowed_[s] = totals[s].joined - totals[s].boundary;
-    ++left_;
+    if (std::exchange(is_found[s], 1) == 0) found.allowed.emplace_back(s, totals[s].joined - totals[s].boundary);
   }
   return found;
 }
 
-std::vector<SurfaceId> CoarserFacets::find_finer(const IdVector<PatchId, SurfaceId>& of_patch,
-                                                 const std::vector<std::uint64_t>& triangles,
-                                                 const std::vector<std::uint8_t>& is_left) {
-  left_ = 0;
-  IdVector<SurfaceId, double> of_facets(allowed_.size());
+std::vector<SurfaceId> find_finer(const IdVector<PatchId, SurfaceId>& of_patch,
+                                  const std::vector<std::uint64_t>& triangles, const std::vector<std::uint8_t>& is_left,
+                                  const IdVector<SurfaceId, std::optional<double>>& allowed) {
+  IdVector<SurfaceId, double> of_facets(allowed.size());
   for (PatchId p(0); p.value < of_patch.size(); ++p.value)
-    if (is_left[p.value] != 0) of_facets[of_patch[p]] += static_cast<double>(triangles[p.value]);
+    if (is_left[p.value] != 0 && of_patch[p].value < of_facets.size())
+      of_facets[of_patch[p]] += static_cast<double>(triangles[p.value]);
   std::vector<SurfaceId> found;
-  for (SurfaceId s(0); s.value < allowed_.size(); ++s.value)
-    if (allowed_[s] && of_facets[s] > *allowed_[s]) found.push_back(s);
+  for (SurfaceId s(0); s.value < allowed.size(); ++s.value)
+    if (allowed[s] && of_facets[s] > *allowed[s]) found.push_back(s);
   return found;
 }
 

@@ -1,9 +1,9 @@
 /// Decides which curved surfaces keep their facets because these are coarser than what would take their place.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "core/base/ids.h"
@@ -41,20 +41,18 @@ class CoarserFacets {
   void count_boundaries(const Adjacency& adjacency, const Partition& joined, const CurvedPatches& curved,
                         const CurveCuts* cuts, RunControl& control);
 
-  /// Finds surfaces whose facets may be coarser than their joined patches, and remembers what the latter cost.
-  /// Input:  the number of triangles that each patch has, after refinement.
+  /// Facets that should be left, and how many triangles the facets of their surfaces may have then.
+  struct Coarser {
+    std::vector<PatchId> patches;
+    std::vector<std::pair<SurfaceId, double>> allowed;
+  };
+  /// Finds surfaces whose facets may be coarser than their joined patches.
+  /// Input:  the number of triangles that each patch has, after refinement; and what is allowed to surfaces that were
+  ///         found before.
   /// Output: their curved patches. No surface is found twice. After the first time, none is found if hardly any faces
   ///         would be saved, since all is refined again for that.
-  std::vector<PatchId> find_coarser(const CurvedPatches& curved, const std::vector<std::uint64_t>& triangles,
-                                    const CurvedGoals& goals);
-  /// Finds those surfaces that were found before, but whose facets have more triangles after refinement than the
-  /// joined patches had.
-  /// Input:  the surface of each patch, and the number of its triangles; `is_left` tells whether it is a facet that
-  ///         was left.
-  std::vector<SurfaceId> find_finer(const IdVector<PatchId, SurfaceId>& of_patch,
-                                    const std::vector<std::uint64_t>& triangles,
-                                    const std::vector<std::uint8_t>& is_left);
-  bool is_any_left() const { return left_ > 0; }
+  Coarser find_coarser(const CurvedPatches& curved, const std::vector<std::uint64_t>& triangles,
+                       const IdVector<SurfaceId, std::optional<double>>& allowed, const CurvedGoals& goals) const;
 
  private:
   /// Counts of one joined patch.
@@ -63,10 +61,14 @@ class CoarserFacets {
     double joined = 0;  ///< expected of the joined patch by its limits
     std::uint64_t boundary_before = 0, boundary_after = 0;
   };
-  /// How many triangles the facets of a surface that was found may have. Nothing is known of others.
-  IdVector<SurfaceId, std::optional<double>> allowed_;
-  std::size_t left_ = 0;  ///< surfaces whose facets were left, and have not been compared yet
   IdVector<PatchId, Cost> costs_;
 };
+
+/// Finds those surfaces whose facets were left, but have more triangles after refinement than they are allowed.
+/// Input:  the surface of each patch, and the number of its triangles; `is_left` tells whether it is a facet that was
+///         left.
+std::vector<SurfaceId> find_finer(const IdVector<PatchId, SurfaceId>& of_patch,
+                                  const std::vector<std::uint64_t>& triangles, const std::vector<std::uint8_t>& is_left,
+                                  const IdVector<SurfaceId, std::optional<double>>& allowed);
 
 }  // namespace remesh

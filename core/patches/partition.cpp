@@ -21,7 +21,7 @@ std::vector<PatchId> find_patches_with_thin_faces(const FaceGeometries& geometry
 
 }  // namespace
 
-Partition make_partition(Prepared& prepared, double plane_tolerance, const Options& options, Ladder& ladder,
+Partition make_partition(Prepared& prepared, double plane_tolerance, const Options& options, const SurfaceRungs& rungs,
                          Regions& regions, Stopwatch& watch, RunControl& control) {
   const Surface& surface = prepared.surface;
   const double tolerance = plane_tolerance / surface.unit;
@@ -29,10 +29,10 @@ Partition make_partition(Prepared& prepared, double plane_tolerance, const Optio
   Partition result;
   // Section 2: find faces that lie in one plane.
   watch.enter(Stage::kRegions);
-  coplanar_regions(surface, adjacency, prepared.geometry(control),
-                   {tolerance, options.normal_tolerance, &ladder.zone(), &ladder.rung(),
-                    (1 / surface.unit) * prepared.printed_steps},
-                   regions, control);
+  coplanar_regions(
+      surface, adjacency, prepared.geometry(control),
+      {tolerance, options.normal_tolerance, &rungs.zone, &rungs.rung, (1 / surface.unit) * prepared.printed_steps},
+      regions, control);
   // Section 3: find the connected pieces of these.
   watch.enter(Stage::kPatches);
   result.patches = patches(surface, adjacency, regions, control);
@@ -44,15 +44,15 @@ Partition make_partition(Prepared& prepared, double plane_tolerance, const Optio
   watch.enter(Stage::kLoops);
   result.loops = boundary_loops(surface, adjacency, result.patches, control);
   watch.enter(Stage::kEssentialVertices);
-  result.essential = essential_vertices(surface, adjacency, result.loops, ladder.forced(), prepared.pinched(control),
+  result.essential = essential_vertices(surface, adjacency, result.loops, rungs.is_forced, prepared.pinched(control),
                                         tolerance, control);
   result.summaries =
-      summarise_patches(surface, adjacency, areas, result.patches, result.loops, result.essential, ladder, control);
+      summarise_patches(surface, adjacency, areas, result.patches, result.loops, result.essential, rungs, control);
   return result;
 }
 
 PatchSet take_joined_patches(Partition& partition, Prepared& prepared, CurvedPatches& joined, double plane_tolerance,
-                             Ladder& ladder, RunControl& control) {
+                             const SurfaceRungs& rungs, RunControl& control) {
   const Surface& surface = prepared.surface;
   const Adjacency& adjacency = prepared.adjacency(control);
   const double tolerance = plane_tolerance / surface.unit;
@@ -66,10 +66,10 @@ PatchSet take_joined_patches(Partition& partition, Prepared& prepared, CurvedPat
   for (std::size_t p = 0; p < now.count(); ++p)
     if (joined.of(PatchId(p)) != nullptr) partition.with_thin_faces.push_back(PatchId(p));
   partition.loops = boundary_loops(surface, adjacency, now, control);
-  partition.essential = essential_vertices(surface, adjacency, partition.loops, ladder.forced(),
+  partition.essential = essential_vertices(surface, adjacency, partition.loops, rungs.is_forced,
                                            prepared.pinched(control), tolerance, control);
   partition.summaries =
-      summarise_patches(surface, adjacency, areas, now, partition.loops, partition.essential, ladder, control);
+      summarise_patches(surface, adjacency, areas, now, partition.loops, partition.essential, rungs, control);
   return before;
 }
 

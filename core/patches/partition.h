@@ -8,16 +8,23 @@
 #include "core/base/run_control.h"
 #include "core/base/stopwatch.h"
 #include "core/geometry/patch_mesh.h"
+#include "core/geometry/patch_reason.h"
 #include "core/geometry/patch_set.h"
 #include "core/mending/preparation.h"
 #include "core/patches/boundary_loops.h"
 #include "core/patches/coplanar_regions.h"
 #include "core/patches/curved_patches.h"
 #include "core/patches/essential_vertices.h"
-#include "core/patches/ladder.h"
+#include "core/patches/face_rungs.h"
 #include "core/patches/patch_summary.h"
 
 namespace remesh {
+
+/// A patch whose triangulation or verification failed, and the reason.
+struct FailedPatch {
+  PatchId patch;
+  PatchReason reason;
+};
 
 /// A surface divided into patches, with their boundary loops and the vertices on these that stay.
 struct Partition {
@@ -26,22 +33,16 @@ struct Partition {
   EssentialVertices essential;
   PatchSummaries summaries;
   std::vector<PatchId> with_thin_faces;  ///< patches with faces that may be turned over; listed once per such face
-
-  std::uint64_t face_count_of(const std::vector<FailedPatch>& failed) const {
-    std::uint64_t faces = 0;
-    for (const FailedPatch& f : failed) faces += patches.faces_of(f.patch).size();
-    return faces;
-  }
 };
 
 /// Splits a surface into patches, as in sections 2 to 4 of J. Vermaak, The Surface Remeshing Module in ChiTech, 2018.
 /// Input:   `plane_tolerance` is in model units. `regions` are those of an earlier partition, or empty. Faces that the
-///          ladder has taken out of their region get a new one.
+///          rungs have taken out of their region get a new one.
 /// Output:  the partition, and the `regions` of all faces.
 /// Holds:   the result is the same for any number of threads.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:    O(n log n).
-Partition make_partition(Prepared& prepared, double plane_tolerance, const Options& options, Ladder& ladder,
+Partition make_partition(Prepared& prepared, double plane_tolerance, const Options& options, const SurfaceRungs& rungs,
                          Regions& regions, Stopwatch& watch, RunControl& control);
 
 /// Takes patches that were joined from those of a partition in their place, and finds their boundaries.
@@ -49,7 +50,7 @@ Partition make_partition(Prepared& prepared, double plane_tolerance, const Optio
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:    O(n log n).
 PatchSet take_joined_patches(Partition& partition, Prepared& prepared, CurvedPatches& joined, double plane_tolerance,
-                             Ladder& ladder, RunControl& control);
+                             const SurfaceRungs& rungs, RunControl& control);
 
 /// Returns which patches cover nothing twice in their plane: their loops do not cross, and none of their faces is so
 /// thin that it may be turned over.

@@ -21,12 +21,12 @@
 namespace remesh {
 namespace {
 
-PatchReason reason_for(Outcome outcome) {
+PatchReason reason_for(TriangulationOutcome outcome) {
   switch (outcome) {
-    case Outcome::kDone: return PatchReason::kNone;
-    case Outcome::kCrossingConstraints: return PatchReason::kSelfIntersectingLoop;
-    case Outcome::kInconsistentLoops: return PatchReason::kOverlappingFaces;
-    case Outcome::kDegenerate: return PatchReason::kNotPlanar;
+    case TriangulationOutcome::kDone: return PatchReason::kNone;
+    case TriangulationOutcome::kCrossingConstraints: return PatchReason::kSelfIntersectingLoop;
+    case TriangulationOutcome::kInconsistentLoops: return PatchReason::kOverlappingFaces;
+    case TriangulationOutcome::kDegenerate: return PatchReason::kNotPlanar;
   }
   return PatchReason::kNotPlanar;
 }
@@ -55,14 +55,14 @@ class Mesher {
     result.loops = outlines_.loops.patch_begin[p.value + 1] - outlines_.loops.patch_begin[p.value];
     collect_vertices(p);
     collect_sides(p);
-    Outcome outcome = Outcome::kDegenerate;
+    TriangulationOutcome outcome = TriangulationOutcome::kDegenerate;
     if (vertices_.size() >= 3) {
       outcome = attempt(p, kPatchGrid, result);
-      if (outcome != Outcome::kDone) outcome = attempt(p, kFineGrid, result);
+      if (outcome != TriangulationOutcome::kDone) outcome = attempt(p, kFineGrid, result);
     }
-    if (outcome != Outcome::kDone && is_triangle(p)) {
+    if (outcome != TriangulationOutcome::kDone && is_triangle(p)) {
       lay_out_triangle(p, result);
-      outcome = Outcome::kDone;
+      outcome = TriangulationOutcome::kDone;
     }
     result.reason = reason_for(outcome);
     return result;
@@ -133,7 +133,7 @@ class Mesher {
     }
   }
 
-  Outcome attempt(PatchId p, double grid, PatchMesh& result) {
+  TriangulationOutcome attempt(PatchId p, double grid, PatchMesh& result) {
     points_.clear();
     for (const VertexId v : vertices_.ids()) points_.push_back(surface_.positions[v]);
     edges_.clear();
@@ -154,7 +154,7 @@ class Mesher {
     for (std::uint32_t k = 0; k < n; ++k) {
       check();
       const auto& [uv, i] = order_[k];
-      if (k > 0 && uv == order_[k - 1].uv) return Outcome::kCrossingConstraints;
+      if (k > 0 && uv == order_[k - 1].uv) return TriangulationOutcome::kCrossingConstraints;
       rank_[i] = k;
       result.vertices[k] = vertices_[i];
       result.uv[k] = uv;
@@ -168,8 +168,8 @@ class Mesher {
     result.has_rulings = chart.curved() != nullptr && triangulate_strips(*chart.curved(), result, triangulation);
     if (!result.has_rulings) triangulation = triangulate_patch(result.uv, segments_, control_);
     result.mesh = std::move(triangulation.mesh);
-    if (triangulation.outcome == Outcome::kDone && result.mesh.triangle_count() == 0)
-      return Outcome::kInconsistentLoops;
+    if (triangulation.outcome == TriangulationOutcome::kDone && result.mesh.triangle_count() == 0)
+      return TriangulationOutcome::kInconsistentLoops;
     return triangulation.outcome;
   }
 
@@ -191,7 +191,7 @@ class Mesher {
       edges.push_back({b, a});
     }
     triangulation = triangulate_patch(patch.uv, edges, control_);
-    if (triangulation.outcome != Outcome::kDone) return false;
+    if (triangulation.outcome != TriangulationOutcome::kDone) return false;
     const Triangulation2d& mesh = triangulation.mesh;
     for (std::uint32_t h = 0; h < mesh.half_edge_count(); ++h) {
       check();

@@ -29,14 +29,14 @@ class Summariser {
  public:
   Summariser(const Surface& surface, const Adjacency& adjacency, const std::vector<double>& areas,
              const PatchSet& patches, const BoundaryLoops& loops, const EssentialVertices& essential,
-             const Ladder& ladder, RunControl& control)
+             const SurfaceRungs& rungs, RunControl& control)
       : surface_(surface),
         adjacency_(adjacency),
         areas_(areas),
         patches_(patches),
         loops_(loops),
         essential_(essential),
-        ladder_(ladder),
+        rungs_(rungs),
         control_(control) {}
 
   PatchSummary of(PatchId p) {
@@ -46,10 +46,10 @@ class Summariser {
     PatchSummary s;
     s.normal = plane.normal;
     s.offset = dot(surface_.centre, plane.normal) + surface_.unit * dot(plane.origin, plane.normal);
-    s.status = ladder_.is_kept(first)      ? PatchStatus::kKept
-               : ladder_.rung()[first] > 0 ? PatchStatus::kReduced
-                                           : PatchStatus::kRemeshed;
-    s.reason = ladder_.reason(first);
+    s.status = rungs_.is_face_kept(first) ? PatchStatus::kKept
+               : rungs_.rung[first] > 0   ? PatchStatus::kReduced
+                                          : PatchStatus::kRemeshed;
+    s.reason = rungs_.reason_of(first);
     surface_.for_each_source(patches_.faces_of(p), [&](FaceId) { ++s.input_faces; });
     s.loops = loops_.patch_begin[p.value + 1] - loops_.patch_begin[p.value];
 
@@ -92,7 +92,7 @@ class Summariser {
   const PatchSet& patches_;
   const BoundaryLoops& loops_;
   const EssentialVertices& essential_;
-  const Ladder& ladder_;
+  const SurfaceRungs& rungs_;
   RunControl& control_;
   // The following is scratch memory for one patch.
   std::vector<VertexId> rim_;      ///< essential vertices of its loops
@@ -135,11 +135,11 @@ std::vector<double> patch_areas(const PatchSet& patches, const FaceGeometries& g
 
 PatchSummaries summarise_patches(const Surface& surface, const Adjacency& adjacency, const std::vector<double>& areas,
                                  const PatchSet& patches, const BoundaryLoops& loops,
-                                 const EssentialVertices& essential, const Ladder& ladder, RunControl& control) {
+                                 const EssentialVertices& essential, const SurfaceRungs& rungs, RunControl& control) {
   PatchSummaries result;
   result.patches.resize(patches.count());
   for_blocks(patches.count(), kPatchesPerBlock, control, [&](std::size_t p, std::size_t end) {
-    Summariser summariser(surface, adjacency, areas, patches, loops, essential, ladder, control);
+    Summariser summariser(surface, adjacency, areas, patches, loops, essential, rungs, control);
     for (; p < end; ++p) result.patches[p] = summariser.of(PatchId(p));
   });
   for (const PatchSummary& s : result.patches) {

@@ -5,9 +5,10 @@
 
 #include "core/geometry/patch_reason.h"
 #include "core/geometry/patch_set.h"
+#include "core/mesh/face_geometry.h"
 #include "core/patches/boundary_loops.h"
 #include "core/patches/essential_vertices.h"
-#include "core/patches/ladder.h"
+#include "core/patches/face_rungs.h"
 
 namespace remesh {
 
@@ -49,6 +50,6 @@ std::vector<double> patch_areas(const PatchSet& patches, const FaceGeometries& g
 /// formula gives.
 PatchSummaries summarise_patches(const Surface& surface, const Adjacency& adjacency, const std::vector<double>& areas,
                                  const PatchSet& patches, const BoundaryLoops& loops,
-                                 const EssentialVertices& essential, const Ladder& ladder, RunControl& control);
+                                 const EssentialVertices& essential, const SurfaceRungs& rungs, RunControl& control);
 
 }  // namespace remesh

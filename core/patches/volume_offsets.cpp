@@ -203,17 +203,17 @@ SurfaceMap offset_map(const SurfaceMap& map, double offset, double unit) {
 
 }  // namespace
 
-bool VolumeOffsets::move_outside(const CutPatches& cut, CurvedPatches& curved, Surface& with_cuts,
-                                 RunControl& control) {
-  is_left_.resize(curved.surfaces.surfaces.size(), 0);
-  set_goals(cut, curved, control);
+bool VolumeOffsets::move_outside(const CutPatches& cut, const OffsetChoices& choices, CurvedPatches& curved,
+                                 Surface& with_cuts, RunControl& control) {
+  set_goals(cut, choices, curved, control);
   set_scales(curved);
   moves_ = SiteFinder(cut, curved, control).run();
   find_anchored(cut, curved, control);
-  is_known_.resize(is_left_.size(), 0);
-  offsets_.resize(is_left_.size(), 0);
-  for (SurfaceId s(0); s.value < offsets_.size(); ++s.value)
-    if (is_known_[s.value] == 0 || !goals_[s].is_wanted) offsets_[s] = is_anchored(s) ? 0 : scales_[s];
+  offsets_.assign(goals_.size(), 0);
+  for (SurfaceId s(0); s.value < offsets_.size(); ++s.value) {
+    const bool is_known = s.value < choices.known.size() && choices.known[s] && goals_[s].is_wanted;
+    offsets_[s] = is_known ? *choices.known[s] : is_anchored(s) ? 0 : scales_[s];
+  }
   StopCheck check(control);
   with_cuts.positions.change([&](std::vector<Vec3>& positions) {
     for (std::size_t i = 0; i < moves_.size(); ++i) {
@@ -240,7 +240,8 @@ bool VolumeOffsets::move_outside(const CutPatches& cut, CurvedPatches& curved, S
   return std::any_of(goals_.begin(), goals_.end(), [](const OffsetGoal& goal) { return goal.is_wanted; });
 }
 
-void VolumeOffsets::set_goals(const CutPatches& cut, const CurvedPatches& curved, RunControl& control) {
+void VolumeOffsets::set_goals(const CutPatches& cut, const OffsetChoices& choices, const CurvedPatches& curved,
+                              RunControl& control) {
   goals_.assign(curved.surfaces.surfaces.size(), {});
   IdVector<SurfaceId, double> volumes(goals_.size(), 0), areas(goals_.size(), 0);
   StopCheck check(control);
@@ -248,7 +249,7 @@ void VolumeOffsets::set_goals(const CutPatches& cut, const CurvedPatches& curved
     check();
     const PatchId p(i);
     const CurvedPatch* const patch = curved.of(p);
-    if (patch == nullptr || is_left_[patch->surface.value] != 0) continue;
+    if (patch == nullptr || choices.is_left(patch->surface)) continue;
     OffsetGoal& goal = goals_[patch->surface];
     const AnalyticSurface& shape = curved.surfaces.surfaces[patch->surface].shape;
     // All patches of a cylinder are measured from the same point of its axis.

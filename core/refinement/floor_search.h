@@ -17,15 +17,27 @@ namespace remesh {
 /// Source: experiments.md, Floor of a default answer.
 class FloorSearch {
  public:
-  /// Input: the goals as they were asked for. `found` is a floor that was found for the same input before; 0: none.
-  explicit FloorSearch(const Goals& goals, double found = 0)
-      : lowest_(goals.lowest_floor),
+  /// Input: the goals as they were asked for.
+  explicit FloorSearch(const Goals& goals)
+      : asked_(goals.min_edge_length),
+        lowest_(goals.lowest_floor),
         faces_(goals.faces_without_floor),
-        floor_(std::max(goals.min_edge_length, found)),
-        is_settled_(found > goals.min_edge_length) {}
+        floor_(goals.min_edge_length) {}
+
+  /// Returns a search that begins with the floor of this one, for another surface that was made of the same input.
+  FloorSearch again() const {
+    FloorSearch search = *this;
+    search.too_low_ = search.fits_ = 0;
+    search.means_left_ = kMaxMeans;
+    search.is_settled_ = floor_ > asked_;
+    return search;
+  }
+  bool operator==(const FloorSearch&) const = default;
 
   /// Returns the floor for the next attempt, in model units.
   double floor() const { return floor_; }
+  /// Returns the floor that was asked for, in model units.
+  double asked() const { return asked_; }
   /// Returns whether there is another floor to be tried if there are too many faces with this one.
   bool may_go_on() const { return fits_ > 0 || floor_ < kHighest * lowest_; }
   /// Returns whether the floor is one between one that was too low and one that fits.
@@ -68,13 +80,14 @@ class FloorSearch {
     is_settled_ = true;
   }
 
+  double asked_;
   double lowest_;
   std::uint64_t faces_;  ///< no more than these are in proportion
   double floor_;
   double too_low_ = 0;  ///< the highest floor that was too low; 0: none was
   double fits_ = 0;     ///< the lowest floor that fits, while others are still tried
   int means_left_ = kMaxMeans;
-  bool is_settled_;  ///< the floor is raised if it turns out to be too low, but no other one is looked for
+  bool is_settled_ = false;  ///< the floor is raised if it turns out to be too low, but no other one is looked for
 };
 
 }  // namespace remesh

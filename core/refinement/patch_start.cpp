@@ -49,7 +49,7 @@ std::optional<Triangulated> triangulate(const std::vector<Vec2>& points, std::ve
   loop_edges.reserve(pieces.size());
   for (const Piece& piece : pieces) loop_edges.push_back({rank[piece.from], rank[piece.to]});
   PatchTriangulation made = triangulate_patch(sorted, loop_edges, control);
-  if (made.outcome != Outcome::kDone) return std::nullopt;
+  if (made.outcome != TriangulationOutcome::kDone) return std::nullopt;
 
   // The constrained half-edges of the sides are found again by their ends.
   sort_stoppable(pieces.begin(), pieces.end(), control,

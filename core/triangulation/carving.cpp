@@ -13,7 +13,7 @@ enum Mark : std::uint8_t { kUnknown = 2, kInside = 1, kOutside = 0 };
 
 }  // namespace
 
-Outcome carving(std::span<const Segment> loop_edges, Triangulation2d& mesh, RunControl& control) {
+TriangulationOutcome carving(std::span<const Segment> loop_edges, Triangulation2d& mesh, RunControl& control) {
   // Sort the loop edges by their tail, and those of one tail by their head, so that a directed edge can be looked up.
   const std::uint32_t half_edges = mesh.half_edge_count();
   std::uint32_t points = 0;
@@ -65,11 +65,11 @@ Outcome carving(std::span<const Segment> loop_edges, Triangulation2d& mesh, RunC
     }
     flood();
   }
-  if (!consistent) return Outcome::kInconsistentLoops;
+  if (!consistent) return TriangulationOutcome::kInconsistentLoops;
   // Every triangle has a mark now. Without constraints, all of them were reached from the hull. With constraints, each
   // region has at least one constrained edge or hull edge, from which it was marked.
   mesh.compact(mark);
-  return Outcome::kDone;
+  return TriangulationOutcome::kDone;
 }
 
 }  // namespace remesh

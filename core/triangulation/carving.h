@@ -17,6 +17,6 @@ namespace remesh {
 ///         removed.
 /// Cost:   O(n).
 /// Source: rules.md, Carving.
-Outcome carving(std::span<const Segment> loop_edges, Triangulation2d& mesh, RunControl& control);
+TriangulationOutcome carving(std::span<const Segment> loop_edges, Triangulation2d& mesh, RunControl& control);
 
 }  // namespace remesh

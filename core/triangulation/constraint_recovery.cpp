@@ -27,17 +27,17 @@ class Recovery {
     return start.is_segment;
   }
 
-  Outcome insert(std::uint32_t u, std::uint32_t v) {
+  TriangulationOutcome insert(std::uint32_t u, std::uint32_t v) {
     const Start start = leave(u, v);
-    if (start.half_edge == kNoHalfEdge) return Outcome::kCrossingConstraints;
+    if (start.half_edge == kNoHalfEdge) return TriangulationOutcome::kCrossingConstraints;
     if (start.is_segment) {
       mesh_.constrain(start.half_edge);
-      return Outcome::kDone;
+      return TriangulationOutcome::kDone;
     }
-    if (!dig(start.half_edge, u, v)) return Outcome::kCrossingConstraints;
+    if (!dig(start.half_edge, u, v)) return TriangulationOutcome::kCrossingConstraints;
     fill();
     delaunay_flips(points_, mesh_, changed_, control_);
-    return Outcome::kDone;
+    return TriangulationOutcome::kDone;
   }
 
  private:
@@ -245,7 +245,7 @@ std::vector<std::uint32_t> scattered(std::size_t n) {
 
 }  // namespace
 
-Outcome constraint_recovery(std::span<const Vec2> points, std::span<const Segment> segments, Triangulation2d& mesh,
+TriangulationOutcome constraint_recovery(std::span<const Vec2> points, std::span<const Segment> segments, Triangulation2d& mesh,
                             RunControl& control) {
   Recovery recovery(points, mesh, control);
   // A segment is looked for around the end where fewer segments meet. Around the other end it could be slow: at a hub
@@ -267,10 +267,10 @@ Outcome constraint_recovery(std::span<const Vec2> points, std::span<const Segmen
   for (std::size_t i = 0; i < order.size(); ++i) {
     if (i % 256 == 0) control.check_and_move();
     const auto& [u, v] = missing[order[i]];
-    const Outcome outcome = recovery.insert(u, v);
-    if (outcome != Outcome::kDone) return outcome;
+    const TriangulationOutcome outcome = recovery.insert(u, v);
+    if (outcome != TriangulationOutcome::kDone) return outcome;
   }
-  return Outcome::kDone;
+  return TriangulationOutcome::kDone;
 }
 
 }  // namespace remesh

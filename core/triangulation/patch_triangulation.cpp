@@ -24,7 +24,7 @@ PatchTriangulation single_triangle(std::span<const Vec2> points, std::span<const
   PatchTriangulation result;
   const int orientation = orient2d(points[edges[0][0]], points[edges[1][0]], points[edges[2][0]]);
   if (orientation <= 0) {
-    result.outcome = orientation == 0 ? Outcome::kDegenerate : Outcome::kInconsistentLoops;
+    result.outcome = orientation == 0 ? TriangulationOutcome::kDegenerate : TriangulationOutcome::kInconsistentLoops;
     return result;
   }
   const std::uint32_t h = result.mesh.add_triangle(edges[0][0], edges[1][0], edges[2][0]);
@@ -47,12 +47,12 @@ PatchTriangulation triangulate_patch(std::span<const Vec2> points, std::span<con
   PatchTriangulation result;
   Triangulation2d mesh = triangulate_points(points, control);
   if (mesh.triangle_count() == 0) {
-    result.outcome = Outcome::kDegenerate;
+    result.outcome = TriangulationOutcome::kDegenerate;
     return result;
   }
   result.outcome = constraint_recovery(points, loop_edges, mesh, control);
-  if (result.outcome == Outcome::kDone) result.outcome = carving(loop_edges, mesh, control);
-  if (result.outcome == Outcome::kDone) result.mesh = std::move(mesh);
+  if (result.outcome == TriangulationOutcome::kDone) result.outcome = carving(loop_edges, mesh, control);
+  if (result.outcome == TriangulationOutcome::kDone) result.mesh = std::move(mesh);
   return result;
 }
 

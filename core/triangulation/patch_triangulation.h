@@ -12,7 +12,7 @@
 namespace remesh {
 
 struct PatchTriangulation {
-  Outcome outcome = Outcome::kDone;
+  TriangulationOutcome outcome = TriangulationOutcome::kDone;
   Triangulation2d mesh;  ///< indexes the input points; empty unless the outcome is kDone
 };
 

@@ -285,7 +285,7 @@ TEST(random_polygons, the_triangles_are_those_of_the_oracle_where_no_tie_is_brok
       const polygons::PatchInput input = polygons::patch_input(polygon);
       RunControl control;
       const PatchTriangulation ours = triangulate_patch(input.points, input.edges, control);
-      ASSERT_EQ(ours.outcome, Outcome::kDone);
+      ASSERT_EQ(ours.outcome, TriangulationOutcome::kDone);
       std::vector<Corners> theirs;
       for (const Corners& t : cgal_cdt(input.points, input.edges))
         if (is_inside(polygon, (1.0 / 3) * (input.points[t[0]] + input.points[t[1]] + input.points[t[2]])))

@@ -156,11 +156,11 @@ class PatchFigures {
     Panel flips("delaunay_flips", "red: loop edges that are not there yet");
     draw_triangles(mesh, flips);
     draw_missing(mesh, flips);
-    if (constraint_recovery(points_, segments_, mesh, control_) != Outcome::kDone)
+    if (constraint_recovery(points_, segments_, mesh, control_) != TriangulationOutcome::kDone)
       throw std::runtime_error("the part's loops cross");
     Panel recovery("constraint_recovery", "every loop edge is an edge");
     draw_triangles(mesh, recovery);
-    if (carving(segments_, mesh, control_) != Outcome::kDone)
+    if (carving(segments_, mesh, control_) != TriangulationOutcome::kDone)
       throw std::runtime_error("the part's loops contradict each other");
     Panel carved("carving", count(mesh.triangle_count()) + " triangles, inside the loops only");
     draw_triangles(mesh, carved);

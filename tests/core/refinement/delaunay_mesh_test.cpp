@@ -29,7 +29,7 @@ class MeshSubject {
     }
     RunControl control;
     const PatchTriangulation made = triangulate_patch(input.points, edges, control);
-    EXPECT_EQ(made.outcome, Outcome::kDone);
+    EXPECT_EQ(made.outcome, TriangulationOutcome::kDone);
     std::vector<std::uint32_t> sides;
     std::map<Segment, std::uint32_t> side_of;
     for (std::uint32_t h = 0; h < made.mesh.half_edge_count(); ++h)
@@ -113,7 +113,7 @@ class MeshSubject {
     }
     RunControl control;
     const PatchTriangulation fresh = triangulate_patch(points, edges, control);
-    ASSERT_EQ(fresh.outcome, Outcome::kDone);
+    ASSERT_EQ(fresh.outcome, TriangulationOutcome::kDone);
 
     std::vector<Corners> ours;
     std::uint32_t live = 0;
@@ -306,7 +306,7 @@ TEST(delaunay_mesh, a_constraint_that_is_no_side_gives_way) {
   const std::vector<Segment> edges{{0, 1}, {1, 3}, {3, 2}, {2, 0}, {0, 3}, {3, 0}};
   RunControl control;
   const PatchTriangulation made = triangulate_patch(points, edges, control);
-  ASSERT_EQ(made.outcome, Outcome::kDone);
+  ASSERT_EQ(made.outcome, TriangulationOutcome::kDone);
   std::vector<std::uint32_t> rim;
   for (std::uint32_t h = 0; h < made.mesh.half_edge_count(); ++h)
     if (made.mesh.twin(h) == Triangulation2d::kNoHalfEdge) rim.push_back(h);

@@ -37,7 +37,7 @@ Region region(const polygons::Polygon& polygon, const PlaneSizes& sizes) {
   const polygons::PatchInput input = polygons::patch_input(cut);
   RunControl control;
   const PatchTriangulation made = triangulate_patch(input.points, input.edges, control);
-  EXPECT_EQ(made.outcome, Outcome::kDone);
+  EXPECT_EQ(made.outcome, TriangulationOutcome::kDone);
   for (std::uint32_t h = 0; h < made.mesh.half_edge_count(); h += 3)
     result.triangles.push_back(
         {input.points[made.mesh.from(h)], input.points[made.mesh.from(h + 1)], input.points[made.mesh.from(h + 2)]});

@@ -23,13 +23,13 @@ Triangulation2d delaunay(const std::vector<Vec2>& points) {
 }
 
 struct Recovered {
-  Outcome outcome;
+  TriangulationOutcome outcome;
   Triangulation2d mesh;
 };
 
 Recovered recovered(const std::vector<Vec2>& points, const std::vector<Segment>& segments) {
   RunControl control;
-  Recovered result{Outcome::kDone, delaunay(points)};
+  Recovered result{TriangulationOutcome::kDone, delaunay(points)};
   result.outcome = constraint_recovery(points, segments, result.mesh, control);
   return result;
 }
@@ -63,7 +63,7 @@ TEST(constraint_recovery, an_edge_that_is_there_is_only_marked) {
   const std::vector<Vec2> points = polygons::grid(3, 3);
   const auto before = triangles_of(delaunay(points));
   const Recovered result = recovered(points, {{0, 1}, {1, 0}, {4, 1}});
-  EXPECT_EQ(result.outcome, Outcome::kDone);
+  EXPECT_EQ(result.outcome, TriangulationOutcome::kDone);
   EXPECT_EQ(triangles_of(result.mesh), before);
   expect_holds(points, {{0, 1}, {1, 4}}, result.mesh);
 }
@@ -71,7 +71,7 @@ TEST(constraint_recovery, an_edge_that_is_there_is_only_marked) {
 TEST(constraint_recovery, a_diagonal_is_forced_in) {
   const std::vector<Vec2> points = {{0, 0}, {4, -1}, {4, 1}, {8, 0}};
   const Recovered result = recovered(points, {{3, 0}});
-  EXPECT_EQ(result.outcome, Outcome::kDone);
+  EXPECT_EQ(result.outcome, TriangulationOutcome::kDone);
   EXPECT_EQ(triangles_of(result.mesh), (std::vector<Corners>{{0, 1, 3}, {0, 3, 2}}));
 }
 
@@ -84,7 +84,7 @@ TEST(constraint_recovery, an_edge_that_hangs_in_the_cavity_is_kept) {
   ASSERT_TRUE(before.count({1, 3}) && before.count({3, 4})) << "the triangles beside it are crossed";
   const std::vector<Segment> segments = {{0, 5}};
   const Recovered result = recovered(points, segments);
-  ASSERT_EQ(result.outcome, Outcome::kDone);
+  ASSERT_EQ(result.outcome, TriangulationOutcome::kDone);
   expect_holds(points, segments, result.mesh);
   EXPECT_EQ(triangles_of(result.mesh), cgal_cdt(points, segments));
 }
@@ -97,7 +97,7 @@ TEST(constraint_recovery, a_segment_across_many_triangles_is_forced_in) {
   points = polygons::sorted_unique(points);
   const std::vector<Segment> segments = {{static_cast<std::uint32_t>(points.size() - 1), 0}};
   const Recovered result = recovered(points, segments);
-  ASSERT_EQ(result.outcome, Outcome::kDone);
+  ASSERT_EQ(result.outcome, TriangulationOutcome::kDone);
   expect_holds(points, segments, result.mesh);
   EXPECT_EQ(triangles_of(result.mesh), cgal_cdt(points, segments));
 }
@@ -108,7 +108,7 @@ TEST(constraint_recovery, random_segments_give_the_triangles_of_the_oracle) {
     const auto points = polygons::scattered(seed, 5 + static_cast<int>(seed) * 2);
     const auto segments = random_segments(points, 200, seed);
     const Recovered result = recovered(points, segments);
-    ASSERT_EQ(result.outcome, Outcome::kDone);
+    ASSERT_EQ(result.outcome, TriangulationOutcome::kDone);
     expect_holds(points, segments, result.mesh);
     EXPECT_EQ(triangles_of(result.mesh), cgal_cdt(points, segments));
   }
@@ -120,7 +120,7 @@ TEST(constraint_recovery, the_order_and_direction_of_the_segments_do_not_matter)
                                polygons::nearly_cocircular(60)}) {
       auto segments = random_segments(points, 300, seed);
       const Recovered first = recovered(points, segments);
-      ASSERT_EQ(first.outcome, Outcome::kDone);
+      ASSERT_EQ(first.outcome, TriangulationOutcome::kDone);
       expect_holds(points, segments, first.mesh);
       Random random(seed);
       for (int round = 0; round < 4; ++round) {
@@ -136,7 +136,7 @@ TEST(constraint_recovery, the_order_and_direction_of_the_segments_do_not_matter)
 TEST(constraint_recovery, segments_that_cross_are_told_and_leave_a_valid_triangulation) {
   const std::vector<Vec2> points = polygons::sorted_unique({{0, 0}, {4, 0}, {4, 4}, {0, 4}, {1, 2}, {3, 1}});
   const Recovered result = recovered(points, {{0, 5}, {1, 4}});  // the diagonals of the square
-  EXPECT_EQ(result.outcome, Outcome::kCrossingConstraints);
+  EXPECT_EQ(result.outcome, TriangulationOutcome::kCrossingConstraints);
   expect_valid(points, result.mesh);
   EXPECT_EQ(result.mesh.triangle_count(), 2 * points.size() - 2 - hull_size(points));
 }
@@ -145,7 +145,7 @@ TEST(constraint_recovery, a_point_inside_a_segment_is_told) {
   const std::vector<Vec2> points = polygons::grid(3, 3);
   for (const Segment& s : {Segment{0, 2}, Segment{0, 8}, Segment{8, 0}, Segment{3, 5}, Segment{1, 7}}) {
     const Recovered result = recovered(points, {s});
-    EXPECT_EQ(result.outcome, Outcome::kCrossingConstraints) << s[0] << '-' << s[1];
+    EXPECT_EQ(result.outcome, TriangulationOutcome::kCrossingConstraints) << s[0] << '-' << s[1];
     expect_valid(points, result.mesh);
   }
 }

@@ -21,7 +21,7 @@ PatchTriangulation triangulated(const polygons::PatchInput& input) {
 void expect_holds(const polygons::Polygon& polygon) {
   const polygons::PatchInput input = polygons::patch_input(polygon);
   const PatchTriangulation result = triangulated(input);
-  ASSERT_EQ(result.outcome, Outcome::kDone);
+  ASSERT_EQ(result.outcome, TriangulationOutcome::kDone);
   expect_valid(input.points, result.mesh);
   expect_locally_delaunay(input.points, result.mesh);
   EXPECT_EQ(result.mesh.triangle_count(), input.points.size() + 2 * polygon.holes.size() - 2);
@@ -50,7 +50,7 @@ TEST(patch_triangulation, small_and_large_polygons_are_triangulated) {
 TEST(patch_triangulation, one_triangle_is_itself) {
   const polygons::PatchInput input = polygons::patch_input({{{0, 0}, {1, 0}, {0, 1}}, {}});
   const PatchTriangulation result = triangulated(input);
-  ASSERT_EQ(result.outcome, Outcome::kDone);
+  ASSERT_EQ(result.outcome, TriangulationOutcome::kDone);
   EXPECT_EQ(triangles_of(result.mesh), (std::vector<Corners>{{0, 2, 1}}));
   EXPECT_EQ(constrained_edges_of(result.mesh).size(), 3u);
 }
@@ -73,17 +73,17 @@ TEST(patch_triangulation, points_on_one_line_are_degenerate) {
   RunControl control;
   const std::vector<Vec2> points = polygons::grid(4, 1);
   const std::vector<Segment> edges = {{0, 1}, {1, 2}, {2, 3}, {3, 0}};
-  EXPECT_EQ(triangulate_patch(points, edges, control).outcome, Outcome::kDegenerate);
+  EXPECT_EQ(triangulate_patch(points, edges, control).outcome, TriangulationOutcome::kDegenerate);
   const std::vector<Vec2> three = polygons::grid(3, 1);
   EXPECT_EQ(triangulate_patch(three, std::vector<Segment>{{0, 1}, {1, 2}, {2, 0}}, control).outcome,
-            Outcome::kDegenerate);
+            TriangulationOutcome::kDegenerate);
 }
 
 TEST(patch_triangulation, a_triangle_turned_over_is_inconsistent) {
   RunControl control;
   const std::vector<Vec2> points = {{0, 0}, {0, 1}, {1, 0}};
   EXPECT_EQ(triangulate_patch(points, std::vector<Segment>{{0, 1}, {1, 2}, {2, 0}}, control).outcome,
-            Outcome::kInconsistentLoops);
+            TriangulationOutcome::kInconsistentLoops);
 }
 
 TEST(patch_triangulation, a_loop_that_crosses_itself_is_told) {
@@ -91,7 +91,7 @@ TEST(patch_triangulation, a_loop_that_crosses_itself_is_told) {
   const std::vector<Vec2> points = polygons::grid(2, 2);
   const PatchTriangulation result =
       triangulate_patch(points, std::vector<Segment>{{0, 3}, {3, 1}, {1, 2}, {2, 0}}, control);
-  EXPECT_EQ(result.outcome, Outcome::kCrossingConstraints);
+  EXPECT_EQ(result.outcome, TriangulationOutcome::kCrossingConstraints);
   EXPECT_EQ(result.mesh.triangle_count(), 0u);
 }
 
