@@ -13,9 +13,8 @@
 
 #include "core/base/work_bound.h"
 #include "core/io/obj.h"
-#include "core/patches/ladder.h"
 #include "core/refinement/gap_search.h"
-#include "core/refinement/goal_refinement.h"
+#include "core/refinement/surface_refinement.h"
 #include "tests/support/hostile_families.h"
 #include "tests/support/random.h"
 #include "tests/support/refined_checks.h"
@@ -147,12 +146,15 @@ TEST(effort, when_attempts_have_taken_all_the_work_nothing_is_refined_and_all_is
   const Goals goals = goals_of(options, std::sqrt(3));
   const std::size_t before = chain.meshes[PatchId(0)].mesh.triangle_count();
   const PatchedSurface on{chain.surface, chain.adjacency, chain.patches, 1e-6};
-  GoalRefinement spent(goals, chain.control, {.triangles = kWorkOfAttempts.steps(0, goals.max_faces)});
-  const Refinement refinement = spent.refine(on, Ladder(chain.surface, {}), {}, chain.triangulated);
+  const Effort spent{.triangles = kWorkOfAttempts.steps(0, goals.max_faces)};
+  const Refinement refinement =
+      SurfaceRefinement(goals, {}, chain.control)
+          .refine(on, RefinementChoices(FloorSearch(goals)), spent,
+                  IdVector<PatchId, std::uint8_t>(chain.patches.count(), 0), chain.triangulated)
+          .refinement;
   EXPECT_EQ(chain.meshes[PatchId(0)].mesh.triangle_count(), before);
   ASSERT_EQ(refinement.reason.size(), 12u);
   for (const UnrefinedReason reason : refinement.reason) EXPECT_EQ(reason, UnrefinedReason::kEffort);
-  EXPECT_FALSE(spent.goes_on_with_the_rest());
 }
 
 TEST(effort, where_gaps_ask_for_far_more_than_is_allowed_sizes_are_as_coarse_as_the_limit) {
@@ -185,24 +187,21 @@ TEST(effort, when_half_of_the_work_was_in_vain_patches_that_have_not_failed_are_
   options.max_output_faces = 4000;
   const Goals goals = goals_of(options, std::sqrt(3));
   const PatchedSurface on{chain.surface, chain.adjacency, chain.patches, 1e-6};
-  GoalRefinement nearly(goals, chain.control, {.triangles = kWorkOfAttempts.steps(0, goals.max_faces) - 1100});
-  const Ladder ladder(chain.surface, {});
-  // The first attempt is to show whether a result passes at all.
-  nearly.begin_attempt();
-  EXPECT_FALSE(nearly.has_goals());
-  ASSERT_TRUE(nearly.goes_on_with_the_rest());
-  // The second one leaves out what has failed. It makes no more faces than half of the work that is left allows.
+  const Effort nearly{.triangles = kWorkOfAttempts.steps(0, goals.max_faces) - 1100, .wrong = 1};
+  EXPECT_TRUE(nearly.is_in_vain(goals.max_faces)) << "so an attempt is to show whether a result passes at all";
+  // The attempt after that leaves out what has failed. It makes no more faces than half of the work that is left allows.
+  RefinementChoices choices{FloorSearch(goals)};
+  choices.part = RefinedPart::kRest;
+  choices.has_budget = true;
   const PatchId failed(0);
-  nearly.freeze({failed}, chain.patches.count());
+  IdVector<PatchId, std::uint8_t> frozen(chain.patches.count(), 0);
+  frozen[failed] = 1;
   const std::size_t before = chain.meshes[failed].mesh.triangle_count();
-  nearly.begin_attempt();
-  EXPECT_TRUE(nearly.has_goals());
-  const Refinement little = nearly.refine(on, ladder, {}, chain.triangulated);
+  const Refinement little =
+      SurfaceRefinement(goals, {}, chain.control).refine(on, choices, nearly, frozen, chain.triangulated).refinement;
   EXPECT_EQ(chain.meshes[failed].mesh.triangle_count(), before);
   EXPECT_GT(little.reason.size(), 100u);
   EXPECT_LE(little.reason.size(), 1100u / 2);
-  // If that passes, it is the result.
-  EXPECT_FALSE(nearly.goes_on_with_the_rest());
 }
 
 // Each of very many patches makes few triangles in a round. Together they make millions if they are counted only when

@@ -33,7 +33,7 @@ constexpr double kSteep = 0.604;
 /// A value that is nearer than this to a limit may be on either side of it without being a fault.
 constexpr double kRelativeSlack = 1e-6;
 
-using Corners = std::array<Vec3, 3>;
+using TrianglePlaces = std::array<Vec3, 3>;
 
 Vec3 nearest_on_line(const Vec3& p, const Vec3& a, const Vec3& b) {
   const Vec3 side = b - a;
@@ -41,7 +41,7 @@ Vec3 nearest_on_line(const Vec3& p, const Vec3& a, const Vec3& b) {
   return squared > 0 ? a + std::clamp(dot(p - a, side) / squared, 0.0, 1.0) * side : a;
 }
 
-Vec3 nearest(const Vec3& p, const Corners& t) {
+Vec3 nearest(const Vec3& p, const TrianglePlaces& t) {
   const Vec3 normal = normalized(cross(t[1] - t[0], t[2] - t[0]));
   bool is_over = true;
   for (std::size_t k = 0; k < 3; ++k) is_over = is_over && dot(cross(t[(k + 1) % 3] - t[k], p - t[k]), normal) >= 0;
@@ -79,7 +79,7 @@ class Facets {
       const PatchId p = patch_[FaceId(f)];
       faces_[p.value].push_back(f);
       const Triangle& t = mesh_.faces[FaceId(f)];
-      const Corners c = corners(f);
+      const TrianglePlaces c = corners(f);
       centre_.push_back((1.0 / 3) * (c[0] + c[1] + c[2]));
       radius_.push_back(std::max({norm(c[0] - centre_[f]), norm(c[1] - centre_[f]), norm(c[2] - centre_[f])}));
       for (std::size_t k = 0; k < 3; ++k) {
@@ -105,7 +105,7 @@ class Facets {
       if (open.count(b) != 0) b = kOpen;
   }
 
-  Corners corners(std::uint32_t f) const {
+  TrianglePlaces corners(std::uint32_t f) const {
     const Triangle& t = mesh_.faces[FaceId(f)];
     return {mesh_.positions[t[0]], mesh_.positions[t[1]], mesh_.positions[t[2]]};
   }
@@ -180,7 +180,7 @@ struct Measured {
   std::array<Vec3, 3> middle;
   Vec3 centroid;
 
-  explicit Measured(const Corners& t) : centroid((1.0 / 3) * (t[0] + t[1] + t[2])) {
+  explicit Measured(const TrianglePlaces& t) : centroid((1.0 / 3) * (t[0] + t[1] + t[2])) {
     for (std::size_t k = 0; k < 3; ++k) {
       length[k] = norm(t[(k + 1) % 3] - t[k]);
       middle[k] = 0.5 * (t[(k + 1) % 3] + t[k]);

@@ -5,18 +5,18 @@
 #include <cmath>
 #include <limits>
 
+#include "core/mesh/face_marks.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"
 
 namespace remesh {
 namespace {
 
-PatchSummaries summarised(const StageChain& chain, const Ladder& ladder) {
+PatchSummaries summarised(const StageChain& chain, const FaceRungs& rungs = {}) {
   const std::vector<double> areas = patch_areas(chain.patches, chain.geometry, chain.control);
-  return summarise_patches(chain.surface, chain.adjacency, areas, chain.patches, chain.loops, chain.essential, ladder,
-                           chain.control);
+  return summarise_patches(chain.surface, chain.adjacency, areas, chain.patches, chain.loops, chain.essential,
+                           SurfaceRungs(chain.surface, chain.adjacency, {}, rungs, false), chain.control);
 }
-PatchSummaries summarised(const StageChain& chain) { return summarised(chain, Ladder(chain.surface)); }
 
 TEST(patch_summary, the_ring_of_section_1_1) {
   const PatchSummaries s = summarised(StageChain(shapes::ring(4)));
@@ -85,10 +85,9 @@ TEST(patch_summary, the_deviation_is_the_largest_distance_from_the_plane_and_bou
 
 TEST(patch_summary, a_patch_that_climbed_the_ladder_is_reduced_and_says_why) {
   StageChain chain(shapes::box({1, 1, 1}, 2));
-  Ladder ladder(chain.surface);
-  ladder.step(chain.patches, chain.loops, chain.adjacency, {{PatchId(3), PatchReason::kOverlappingFaces}},
-              chain.regions);
-  const PatchSummaries s = summarised(chain, ladder);
+  const FailedFaces failed{covered_by(chain.surface, chain.patches.faces_of(PatchId(3))),
+                           PatchReason::kOverlappingFaces};
+  const PatchSummaries s = summarised(chain, one_rung_up({}, std::vector{failed}, chain.surface.face_count()));
   EXPECT_EQ(s.patches[3].status, PatchStatus::kReduced);
   EXPECT_EQ(s.patches[3].reason, PatchReason::kOverlappingFaces);
   EXPECT_EQ(s.patches[2].status, PatchStatus::kRemeshed);

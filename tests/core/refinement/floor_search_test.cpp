@@ -85,8 +85,10 @@ TEST(floor_search, takes_larger_steps_where_attempts_are_long) {
 }
 
 TEST(floor_search, does_not_look_again_below_a_floor_that_was_found_before) {
-  const Found found = search(FloorSearch(goals_with(kAllowed), 0.25), kAllowed, [](double) { return 10u; });
-  EXPECT_EQ(found.floor, 0.25);
+  FloorSearch before(goals_with(kAllowed));
+  for (int i = 0; i < 10; ++i) before.note_too_many();
+  const Found found = search(before.again(), kAllowed, [](double) { return 10u; });
+  EXPECT_EQ(found.floor, before.floor());
   EXPECT_EQ(found.attempts, 1);
 }
 

@@ -8,8 +8,7 @@
 #include <map>
 #include <vector>
 
-#include "core/patches/ladder.h"
-#include "core/refinement/goal_refinement.h"
+#include "core/refinement/surface_refinement.h"
 #include "core/remesh.h"
 #include "tests/support/refined_checks.h"
 #include "tests/support/remeshed.h"
@@ -25,9 +24,12 @@ class RefinedSheets {
   explicit RefinedSheets(const PolygonMesh& sheets, double max_edge_length = 0.5) : chain_(sheets, 1e-9) {
     Options options;
     options.max_edge_length = max_edge_length;
-    GoalRefinement refiner(goals_of(options, std::sqrt(18)), chain_.control);
-    refinement_ = refiner.refine({chain_.surface, chain_.adjacency, chain_.patches, 1e-9}, Ladder(chain_.surface, {}),
-                                 {}, chain_.triangulated);
+    const Goals goals = goals_of(options, std::sqrt(18));
+    refinement_ =
+        SurfaceRefinement(goals, {}, chain_.control)
+            .refine({chain_.surface, chain_.adjacency, chain_.patches, 1e-9}, RefinementChoices(FloorSearch(goals)), {},
+                    IdVector<PatchId, std::uint8_t>(chain_.patches.count(), 0), chain_.triangulated)
+            .refinement;
     std::fill(refinement_.reason.begin(), refinement_.reason.end(), UnrefinedReason::kInputAngle);
   }
 

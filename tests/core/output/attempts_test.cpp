@@ -1,0 +1,94 @@
+// An attempt is a function of the decisions: made for the last decisions of a run alone, it gives the run's result.
+
+#include "core/output/attempts.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <vector>
+
+#include "core/output/learn.h"
+#include "core/output/run_report.h"
+#include "core/remesh.h"
+#include "tests/support/hostile_families.h"
+#include "tests/support/shapes.h"
+
+namespace remesh {
+namespace {
+
+struct Case {
+  std::string name;
+  PolygonMesh mesh;
+  Options options;
+};
+
+std::vector<Case> cases() {
+  std::vector<Case> cases;
+  Options fine, small_details, curved;
+  fine.proximity = 1;
+  small_details.defeature_size = 0.3;
+  curved.elements_per_circle = 12;
+  curved.circle_fit = CircleFit::kVolume;
+  cases.push_back({"box", shapes::box({1, 1, 1}, 2), {}});
+  cases.push_back({"thin", shapes::box({1, 1, 0.01}), fine});
+  cases.push_back({"details",
+                   shapes::joined(shapes::box({4, 4, 4}), shapes::moved(shapes::box({0.1, 0.1, 0.1}), {9, 0, 0})),
+                   small_details});
+  cases.push_back({"cylinder", shapes::cylinder(48, 1, 2), curved});
+  for (const hostile::Family& family : hostile::families())
+    cases.push_back({std::string(family.name), family.make(120), {}});
+  return cases;
+}
+
+/// Makes attempts until one is the answer, and returns the decisions for it.
+std::pair<Decisions, Effort> decide(const Case& of, std::vector<std::string>& trace) {
+  RunControl control;
+  Attempts attempts(of.mesh, of.options, Storage::kDouble, {}, control);
+  Decisions decisions = attempts.first_decisions();
+  Effort effort;
+  for (;;) {
+    const Outcome outcome = attempts.attempt(decisions, effort);
+    const Effort after = spent(effort, decisions, outcome);
+    const std::optional<Decisions> next = learn(decisions, outcome, after);
+    trace.push_back(line_of_trace(decisions, outcome, next));
+    if (!next) return {decisions, effort};
+    effort = next->mending == decisions.mending ? after : for_another_surface(after);
+    decisions = *next;
+  }
+}
+
+TEST(attempts, an_attempt_depends_on_its_decisions_alone) {
+  std::size_t most_attempts = 0;
+  for (const Case& of : cases()) {
+    std::vector<std::string> trace;
+    const auto [decisions, effort] = decide(of, trace);
+    most_attempts = std::max(most_attempts, trace.size());
+    RunControl control;
+    Attempts alone(of.mesh, of.options, Storage::kDouble, {}, control);
+    alone.first_decisions();
+    ASSERT_EQ(alone.attempt(decisions, effort).end, Outcome::End::kVerified) << of.name;
+    const Result result = make_result(alone.take_products(), {});
+    const Result of_run = remesh_surface(of.mesh, of.options, {}, control);
+    EXPECT_EQ(result.mesh.positions, of_run.mesh.positions) << of.name;
+    EXPECT_EQ(result.mesh.faces, of_run.mesh.faces) << of.name;
+  }
+  EXPECT_GT(most_attempts, 3u) << "some of these take several attempts";
+}
+
+TEST(attempts, a_run_tells_each_attempt_in_a_line) {
+  Options options;
+  options.defeature_size = 0.3;
+  const PolygonMesh mesh =
+      shapes::joined(shapes::box({4, 4, 4}), shapes::moved(shapes::box({0.1, 0.1, 0.1}), {9, 0, 0}));
+  std::vector<std::string> lines;
+  RunSettings settings;
+  settings.trace = [&](const std::string& line) { lines.push_back(line); };
+  RunControl control;
+  const Result result = remesh_surface(mesh, options, settings, control);
+  ASSERT_GE(lines.size(), 2u);
+  EXPECT_EQ(lines.front(), "details_removed -> the surface without these details is divided");
+  EXPECT_EQ(lines.back(), "verified, " + std::to_string(result.mesh.faces.size()) + " faces");
+}
+
+}  // namespace
+}  // namespace remesh

@@ -1,0 +1,127 @@
+#include "core/refinement/refinement_choices.h"
+
+#include <gtest/gtest.h>
+
+#include "core/geometry/self_intersections.h"
+
+namespace remesh {
+namespace {
+
+constexpr std::uint64_t kAllowed = 20'000;
+
+RefinementChoices first_choices(std::uint64_t in_proportion = Goals::kNoLimit) {
+  Goals goals{};
+  goals.faces_without_floor = in_proportion;
+  goals.lowest_floor = 0x1p-10;
+  return RefinementChoices(FloorSearch(goals));
+}
+
+RefinementFacts facts_with(std::uint64_t max_faces, std::uint64_t in_proportion = Goals::kNoLimit) {
+  RefinementFacts facts;
+  facts.are_goals_set = facts.is_any_refined = true;
+  facts.is_floor_automatic = in_proportion != Goals::kNoLimit;
+  facts.max_faces = max_faces;
+  facts.faces_without_floor = in_proportion;
+  facts.predicted = 1e6;
+  return facts;
+}
+
+/// Returns after how many attempts the effort is spent.
+/// Input: the triangles of each attempt, and the steps of the search in its check.
+int attempts_until_spent(std::uint64_t triangles, std::uint64_t steps) {
+  Effort effort;
+  int attempts = 0;
+  for (; !effort.is_spent(kAllowed); ++attempts) {
+    effort.triangles += triangles;
+    effort.largest = triangles;
+    effort.search_steps += steps;
+  }
+  return attempts;
+}
+
+TEST(effort_of_attempts, searches_of_the_usual_length_do_not_count) {
+  EXPECT_EQ(attempts_until_spent(2000, 250 * 2000), 26);
+  EXPECT_EQ(attempts_until_spent(2000, 0), 26);
+}
+
+TEST(effort_of_attempts, long_searches_leave_room_for_a_few_attempts) {
+  EXPECT_EQ(attempts_until_spent(2000, SearchLimits::few_steps_for(kAllowed)), 5);
+}
+
+TEST(effort_of_attempts, two_failures_that_are_large_for_the_mesh_are_enough) {
+  for (const bool is_small_mesh : {false, true}) {
+    Effort effort;
+    effort.max_in_vain = kWorkInVain.steps(is_small_mesh ? 500 : 10'000, 0);
+    for (int failures = 1; failures <= 2; ++failures) {
+      effort.triangles += 50'000;
+      ++effort.wrong;
+      EXPECT_EQ(effort.is_in_vain(200'000), failures == 2 && is_small_mesh) << failures;
+    }
+  }
+}
+
+TEST(effort_of_attempts, searches_for_gaps_share_a_bound) {
+  constexpr std::uint64_t kOne = 1'000'000;
+  EXPECT_EQ(work_of_sizes_after(0, kOne), kOne);
+  EXPECT_EQ(work_of_sizes_after(kOne / 2, kOne), kOne / 4 * 3);
+  EXPECT_EQ(work_of_sizes_after(100 * kOne, kOne), kOne / 8);
+  EXPECT_EQ(work_of_sizes_after(100 * kOne, WorkBound::kNone), WorkBound::kNone);
+}
+
+TEST(refinement_choices, a_result_with_few_faces_changes_nothing) {
+  const RefinementChoices now = first_choices();
+  const AfterFaces after = after_faces(now, kAllowed, false, facts_with(kAllowed));
+  EXPECT_FALSE(after.is_repeated);
+  EXPECT_EQ(after.choices, now);
+}
+
+TEST(refinement_choices, the_first_result_with_too_many_faces_costs_nothing_and_brings_a_budget) {
+  const AfterFaces after = after_faces(first_choices(), kAllowed + 1, false, facts_with(kAllowed));
+  EXPECT_TRUE(after.is_repeated);
+  EXPECT_FALSE(after.counts);
+  EXPECT_TRUE(after.choices.has_budget);
+  EXPECT_LT(budget_of(after.choices, kAllowed), kAllowed);
+  EXPECT_GT(budget_of(after.choices, kAllowed), kAllowed / 100 * 99);
+}
+
+TEST(refinement_choices, budgets_shrink_until_nothing_is_refined) {
+  RefinementChoices choices = first_choices();
+  std::uint64_t last = kAllowed;
+  int attempts = 0;
+  for (; !is_budget_too_small(choices); ++attempts) {
+    const AfterFaces after = after_faces(choices, kAllowed + kAllowed / 4, false, facts_with(kAllowed));
+    ASSERT_TRUE(after.is_repeated);
+    EXPECT_LE(budget_of(after.choices, kAllowed), last);
+    last = budget_of(after.choices, kAllowed);
+    choices = after.choices;
+  }
+  EXPECT_LE(attempts, 5) << "retries that save nothing count more";
+  EXPECT_FALSE(after_faces(choices, kAllowed * 2, false, facts_with(kAllowed)).is_repeated);
+}
+
+TEST(refinement_choices, a_floor_is_raised_where_faces_are_out_of_proportion_or_angles_get_worse) {
+  const RefinementFacts facts = facts_with(1'000'000, kAllowed);
+  const RefinementChoices now = first_choices(kAllowed);
+  for (const bool are_angles_worse : {false, true}) {
+    const AfterFaces after = after_faces(now, are_angles_worse ? 100 : kAllowed + 1, are_angles_worse, facts);
+    EXPECT_TRUE(after.is_repeated);
+    EXPECT_FALSE(after.counts);
+    EXPECT_GT(after.choices.floors.floor(), now.floors.floor());
+    EXPECT_EQ(after.choices.too_many_predicted, facts.predicted);
+  }
+}
+
+TEST(refinement_choices, when_no_floor_is_left_there_is_a_budget) {
+  const RefinementFacts facts = facts_with(1'000'000, kAllowed);
+  RefinementChoices choices = first_choices(kAllowed);
+  int floors = 0;
+  for (; !choices.has_budget; ++floors) {
+    ASSERT_LT(floors, 100);
+    choices = after_too_many_made(choices, facts);
+  }
+  EXPECT_GT(floors, 10);
+  EXPECT_TRUE(choices.is_thinning_quick);
+}
+
+}  // namespace
+}  // namespace remesh
