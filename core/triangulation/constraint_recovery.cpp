@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/geometry/predicates.h"
+#include "core/geometry/exact/predicates.h"
 #include "core/triangulation/delaunay_flips.h"
 
 namespace remesh {

@@ -15,13 +15,13 @@
 
 #include "core/base/ids.h"
 #include "core/base/run_control.h"
-#include "core/geometry/analytic_surface.h"
-#include "core/geometry/frame.h"
+#include "core/geometry/planes/frame.h"
+#include "core/geometry/surfaces/analytic_surface.h"
 #include "core/mesh/mesh.h"
 #include "core/mesh/surface.h"
-#include "core/refinement/goals.h"
-#include "core/refinement/unrefined_reason.h"
-#include "core/verify/verdict.h"
+#include "core/refinement/goals/goals.h"
+#include "core/refinement/goals/unrefined_reason.h"
+#include "core/verify/claim/verdict.h"
 
 namespace remesh {
 
@@ -116,13 +116,13 @@ struct Claim {
 ///   bound for the volume. For each patch it is the larger of its input and output area, plus the area between the
 ///   loops, times the largest difference of their heights; rounding is added.
 /// - The faces that were made of an input polygon cover it once, if the polygon does not cross itself.
-/// - The faces that were made to close holes fill these and nothing else (verify/caps.h).
+/// - The faces that were made to close holes fill these and nothing else (verify/polygons/caps.h).
 ///
 /// `conforming`:
 /// - Every output edge has the same faces in the same directions as the input's edges under it.
 /// - There is no zero-area or inverted triangle except the input's own, no repeated face, no new non-manifold edge,
 ///   and no T-junction.
-/// - Faces intersect (geometry/patch_intersections.h) only where their patches do in the input. If the input's
+/// - Faces intersect (patch_intersections.h) only where their patches do in the input. If the input's
 ///   intersections are all known, this is tested for all faces, however many intersections there are. If the search in
 ///   the input was cut short, it is not tested, since any intersection of the output may be one of the input;
 ///   `are_all_intersections_known` tells.
@@ -141,7 +141,7 @@ struct Claim {
 ///   stay) that meet in a vertex; the ends are equally far from that vertex to 1e-9, and nearer to each other than to
 ///   it, which means an angle under 60 degrees. For kBoundaryLocked, boundaries are not to be split, or the patch or
 ///   one beside it is frozen.
-/// - The sizes that gaps and short edges ask for are measured anew (verify/varying_sizes.h).
+/// - The sizes that gaps and short edges ask for are measured anew (verify/goals/varying_sizes.h).
 /// - Edges that refinement made are at least min_edge_length long.
 ///
 /// Holds:   the verdict does not depend on the number of threads.

@@ -22,6 +22,7 @@ PURPOSE = {
     "core/geometry": "predicates, trees, planes",
     "core/io": "mesh files",
     "core/triangulation": "a polygon's triangles",
+    "core/patch_types": "what a patch is",
     "core/mending": "welding and repair",
     "core/patches": "planes, patches, loops",
     "core/refinement": "angles and sizes",

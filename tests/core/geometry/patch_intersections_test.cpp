@@ -1,4 +1,4 @@
-#include "core/geometry/patch_intersections.h"
+#include "core/geometry/intersections/patch_intersections.h"
 
 #include <gtest/gtest.h>
 

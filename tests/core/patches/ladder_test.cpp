@@ -1,4 +1,4 @@
-#include "core/patches/ladder.h"
+#include "core/patches/planar/ladder.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/refinement/attempt_effort.h"
+#include "core/refinement/attempts/attempt_effort.h"
 
 #include <gtest/gtest.h>
 

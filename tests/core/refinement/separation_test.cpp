@@ -1,4 +1,4 @@
-#include "core/refinement/separation.h"
+#include "core/refinement/adjustment/separation.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <map>
 #include <vector>
 
-#include "core/patches/ladder.h"
-#include "core/refinement/goal_refinement.h"
+#include "core/patches/planar/ladder.h"
+#include "core/refinement/attempts/goal_refinement.h"
 #include "core/remesh.h"
 #include "tests/support/refined_checks.h"
 #include "tests/support/remeshed.h"
