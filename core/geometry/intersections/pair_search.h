@@ -14,7 +14,7 @@
 #include "core/base/blocks.h"
 #include "core/base/run_control.h"
 #include "core/base/stoppable.h"
-#include "core/geometry/intersections/self_intersections.h"
+#include "core/geometry/intersections/search_limits.h"
 #include "core/geometry/trees/oriented_boxes.h"
 #include "core/geometry/trees/triangle_tree.h"
 

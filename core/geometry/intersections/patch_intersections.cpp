@@ -15,6 +15,7 @@
 #include "core/base/stoppable.h"
 #include "core/geometry/exact/predicates_3d.h"
 #include "core/geometry/intersections/pair_search.h"
+#include "core/geometry/intersections/self_intersections.h"
 #include "core/geometry/trees/triangle_tree.h"
 #include "core/geometry/triangles/triangle_intersection.h"
 

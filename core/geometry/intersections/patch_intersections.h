@@ -10,7 +10,7 @@
 #include "core/base/ids.h"
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
-#include "core/geometry/intersections/self_intersections.h"
+#include "core/geometry/intersections/search_limits.h"
 #include "core/mesh/mesh.h"
 
 namespace remesh {

@@ -447,9 +447,4 @@ SelfIntersections self_intersections(std::span<const Vec3> positions, std::span<
   return Search(positions, faces, pieces, limits, control).run();
 }
 
-std::uint64_t SearchLimits::steps_for(std::size_t faces) {
-  constexpr std::uint64_t kFewSteps = 1 << 25, kStepsPerFace = 128;
-  return kFewSteps + kStepsPerFace * faces * std::bit_width(faces);
-}
-
 }  // namespace remesh

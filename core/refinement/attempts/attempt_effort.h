@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "core/base/work_bound.h"
-#include "core/geometry/intersections/self_intersections.h"
+#include "core/geometry/intersections/search_limits.h"
 
 namespace remesh {
 
