@@ -2,6 +2,7 @@
 
 #include "core/base/error.h"
 #include "core/io/format_spec.h"
+#include "core/io/formats.h"
 
 namespace remesh {
 

@@ -6,9 +6,9 @@
 #include <string_view>
 
 #include "core/base/run_control.h"
+#include "core/io/common/format.h"
 #include "core/io/common/read_errors.h"
 #include "core/io/common/text.h"
-#include "core/io/formats.h"
 #include "core/mesh/mesh.h"
 
 namespace remesh {

@@ -1,7 +1,6 @@
 #include "core/io/common/read_errors.h"
 
 #include "core/io/common/text.h"
-#include "core/io/common/text_lines.h"
 
 namespace remesh {
 namespace {

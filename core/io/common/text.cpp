@@ -36,6 +36,11 @@ bool is_nonfinite_suffix(std::string_view text) {
 
 }  // namespace
 
+std::string_view without_padding(std::string_view text) {
+  constexpr std::string_view kPadding("\0\x1a", 2);
+  return text.substr(0, text.find_last_not_of(kPadding) + 1);
+}
+
 std::size_t utf8_length(std::string_view text) {
   const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
   const auto is_tail = [&](std::size_t i) { return (byte(i) & 0xC0u) == 0x80u; };

@@ -67,6 +67,9 @@ struct Real {
 /// Cost:  O(length).
 Real parse_real(std::string_view token);
 
+/// Returns `text` without its padding: NUL bytes at its end, and Ctrl-Z, by which DOS marked the end of a text.
+std::string_view without_padding(std::string_view text);
+
 /// Appends the shortest text that reads back to the same double.
 void append_real(std::string& out, double value);
 /// Appends a decimal integer.

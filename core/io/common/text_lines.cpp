@@ -37,11 +37,6 @@ std::optional<std::string_view> wide_encoding(std::string_view text) {
   return std::nullopt;
 }
 
-std::string_view without_padding(std::string_view text) {
-  constexpr std::string_view kPadding("\0\x1a", 2);
-  return text.substr(0, text.find_last_not_of(kPadding) + 1);
-}
-
 TextLines::TextLines(std::string_view text) : text_(text) {
   if (const auto encoding = wide_encoding(text)) {
     throw read_error(Place::line(1), Code::kInvalidMesh,

@@ -11,9 +11,6 @@ namespace remesh {
 /// The byte-order mark of UTF-8.
 inline constexpr std::string_view kUtf8Mark = "\xef\xbb\xbf";
 
-/// Returns `text` without its padding: NUL bytes at its end, and Ctrl-Z, by which DOS marked the end of a text.
-std::string_view without_padding(std::string_view text);
-
 /// Visits the lines of a text once, in order.
 /// Input:   a text that must outlive this object. Its lines may end in LF, CRLF or CR, even mixed. A UTF-8 byte-order
 ///          mark and padding are skipped.

@@ -5,7 +5,8 @@
 #include <vector>
 
 #include "core/base/ids.h"
-#include "core/io/formats.h"
+#include "core/base/run_control.h"
+#include "core/io/common/format.h"
 
 namespace remesh {
 

@@ -5,7 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "core/io/formats.h"
+#include "core/base/run_control.h"
+#include "core/io/common/format.h"
 
 namespace remesh {
 

@@ -5,7 +5,8 @@
 #include <optional>
 #include <string_view>
 
-#include "core/io/formats.h"
+#include "core/base/run_control.h"
+#include "core/io/common/format.h"
 
 namespace remesh {
 
