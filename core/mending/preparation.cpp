@@ -17,6 +17,7 @@
 #include "core/mending/faces/input_defects.h"
 #include "core/mending/faces/winding.h"
 #include "core/mending/polygons/covered_polygons.h"
+#include "core/mending/polygons/faces_without_area.h"
 #include "core/mending/polygons/mend_faces.h"
 #include "core/mending/polygons/triangulated.h"
 #include "core/mending/weld/bending_noise.h"

@@ -8,7 +8,7 @@
 
 #include "core/base/vec.h"
 #include "core/mending/details/detail_complex.h"
-#include "core/mending/details/remove_details.h"
+#include "core/mending/details/rules.h"
 
 namespace remesh {
 

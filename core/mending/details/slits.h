@@ -10,7 +10,7 @@
 #include "core/base/work_bound.h"
 #include "core/mending/details/detail_complex.h"
 #include "core/mending/details/detail_shapes.h"
-#include "core/mending/details/remove_details.h"
+#include "core/mending/details/rules.h"
 
 namespace remesh {
 

@@ -11,7 +11,7 @@
 #include "core/base/ids.h"
 #include "core/base/run_control.h"
 #include "core/geometry/triangles/distances.h"
-#include "core/mending/details/remove_details.h"
+#include "core/mending/details/rules.h"
 
 namespace remesh {
 

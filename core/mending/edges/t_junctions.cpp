@@ -15,7 +15,7 @@
 #include "core/geometry/exact/expansion.h"
 #include "core/geometry/trees/box_tree.h"
 #include "core/mending/edges/sides.h"
-#include "core/mending/polygons/mend_faces.h"
+#include "core/mending/polygons/faces_without_area.h"
 #include "core/mesh/face_geometry.h"
 
 namespace remesh {

@@ -10,6 +10,7 @@
 #include "core/base/stoppable.h"
 #include "core/geometry/exact/predicates.h"
 #include "core/mending/polygons/degenerate_faces.h"
+#include "core/mending/polygons/faces_without_area.h"
 #include "core/mending/polygons/polygon_cuts.h"
 #include "core/mending/polygons/polygon_spikes.h"
 #include "core/mending/polygons/polygon_split.h"
@@ -332,23 +333,6 @@ class Mending {
 };
 
 }  // namespace
-
-bool is_collinear(const Vec3& a, const Vec3& b, const Vec3& c) {
-  return orient2d({a.x, a.y}, {b.x, b.y}, {c.x, c.y}) == 0 && orient2d({a.y, a.z}, {b.y, b.z}, {c.y, c.z}) == 0 &&
-         orient2d({a.z, a.x}, {b.z, b.x}, {c.z, c.x}) == 0;
-}
-
-bool is_without_area(const Surface& surface, FaceId f) {
-  const auto loop = surface.face(f);
-  // Original coordinates, scaled exactly, so that a line of the input is a line here.
-  const auto exact = [&](int i) { return (1 / surface.unit) * surface.positions[loop[i]]; };
-  return loop.size() == 3 && is_collinear(exact(0), exact(1), exact(2));
-}
-
-std::vector<FaceId> faces_without_area(const Surface& surface, RunControl& control) {
-  return select_ids<FaceId>(surface.face_count(), kItemsPerBlock, control,
-                            [&](std::size_t f) { return is_without_area(surface, FaceId(f)); });
-}
 
 bool clean_faces(Surface& surface, const std::vector<std::uint8_t>& keep_verbatim, Mend degenerate,
                  std::vector<Diagnostic>& diagnostics, RunControl& control) {

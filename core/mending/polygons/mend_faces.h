@@ -44,12 +44,4 @@ bool mend_faces(Surface& surface, double plane_tolerance, const std::vector<std:
                 Mend degenerate, std::vector<Diagnostic>& diagnostics, RunControl& control,
                 double possible_rounding = 0);
 
-/// Returns whether a face is a triangle with exactly collinear corners. After mend_faces there are few such faces, or
-/// none.
-bool is_without_area(const Surface& surface, FaceId f);
-std::vector<FaceId> faces_without_area(const Surface& surface, RunControl& control);
-
-/// Returns whether three points are exactly on one line (or coincide).
-bool is_collinear(const Vec3& a, const Vec3& b, const Vec3& c);
-
 }  // namespace remesh

@@ -6,7 +6,7 @@
 
 #include "core/base/stoppable.h"
 #include "core/geometry/planes/projection.h"
-#include "core/mending/polygons/mend_faces.h"
+#include "core/mending/polygons/faces_without_area.h"
 
 namespace remesh {
 namespace {

@@ -11,12 +11,13 @@
 
 #include "core/base/stoppable.h"
 #include "core/geometry/intersections/self_intersections.h"
-#include "core/mending/polygons/mend_faces.h"
+#include "core/mending/polygons/faces_without_area.h"
 #include "core/output/result/face_labels.h"
 #include "core/output/result/face_source.h"
 #include "core/refinement/adjustment/lifting.h"
 #include "core/refinement/goals/unrefined_reason.h"
 #include "core/refinement/rounds/chords.h"
+#include "core/refinement/rounds/rounds.h"
 #include "core/verify/detail_check.h"
 
 namespace remesh {

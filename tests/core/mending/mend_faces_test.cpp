@@ -8,6 +8,7 @@
 #include <map>
 #include <thread>
 
+#include "core/mending/polygons/faces_without_area.h"
 #include "core/mending/weld/weld.h"
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"
