@@ -12,10 +12,10 @@
 #include "core/patch_types/patch_set.h"
 #include "core/patches/charts/curved_patches.h"
 #include "core/patches/planar/boundary_loops.h"
-#include "core/patches/planar/coplanar_regions.h"
 #include "core/patches/planar/essential_vertices.h"
 #include "core/patches/planar/ladder.h"
 #include "core/patches/planar/patch_summary.h"
+#include "core/patches/planar/regions.h"
 
 namespace remesh {
 

@@ -333,12 +333,6 @@ class Growth {
 
 }  // namespace
 
-double tolerance_at_rung(double tolerance, std::uint8_t rung, double floor) {
-  if (rung == 0) return tolerance;
-  const double tighter = kLadderFactor * tolerance;
-  return rung == 1 ? tighter : std::min(kLadderFactor * tighter, floor);
-}
-
 void coplanar_regions(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry,
                       const CoplanarityRule& rule, Regions& regions, RunControl& control) {
   if (const std::size_t n = surface.face_count(); regions.of_face.size() != n) {

@@ -13,6 +13,12 @@ constexpr double kPrinted = 0.51;
 
 }  // namespace
 
+double tolerance_at_rung(double tolerance, std::uint8_t rung, double floor) {
+  if (rung == 0) return tolerance;
+  const double tighter = kLadderFactor * tolerance;
+  return rung == 1 ? tighter : std::min(kLadderFactor * tighter, floor);
+}
+
 Coplanarity::Coplanarity(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry,
                          const CoplanarityRule& rule, RunControl& control)
     : surface_(surface), adjacency_(adjacency), geometry_(geometry), rule_(rule) {

@@ -6,8 +6,12 @@
 #include <cmath>
 #include <cstdint>
 
+#include "core/base/run_control.h"
 #include "core/base/tolerance.h"
-#include "core/patches/planar/coplanar_regions.h"
+#include "core/mesh/adjacency.h"
+#include "core/mesh/face_geometry.h"
+#include "core/mesh/surface.h"
+#include "core/patches/planar/regions.h"
 
 namespace remesh {
 
@@ -18,6 +22,9 @@ inline constexpr double kBand = 0.5;
 
 /// The part of a fitted plane's root mean square distance that may be rounding, in local units.
 inline constexpr double kFitRounding = 1e-7;
+
+/// The plane tolerance on a rung of the ladder, in the units of `tolerance`. `floor` is kToleranceFloor in these units.
+double tolerance_at_rung(double tolerance, std::uint8_t rung, double floor);
 
 /// The rule of coplanarity, applied to the faces of one surface. Lengths are in local units.
 class Coplanarity {

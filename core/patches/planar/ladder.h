@@ -4,10 +4,12 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/mesh/adjacency.h"
+#include "core/mesh/surface.h"
 #include "core/patch_types/patch_reason.h"
 #include "core/patch_types/patch_set.h"
 #include "core/patches/planar/boundary_loops.h"
-#include "core/patches/planar/coplanar_regions.h"
+#include "core/patches/planar/regions.h"
 
 namespace remesh {
 

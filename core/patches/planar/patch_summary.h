@@ -3,6 +3,10 @@
 
 #include <vector>
 
+#include "core/base/run_control.h"
+#include "core/mesh/adjacency.h"
+#include "core/mesh/face_geometry.h"
+#include "core/mesh/surface.h"
 #include "core/patch_types/patch_reason.h"
 #include "core/patch_types/patch_set.h"
 #include "core/patches/planar/boundary_loops.h"

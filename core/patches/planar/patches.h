@@ -5,8 +5,11 @@
 #include <span>
 #include <vector>
 
+#include "core/base/run_control.h"
+#include "core/mesh/adjacency.h"
+#include "core/mesh/surface.h"
 #include "core/patch_types/patch_set.h"
-#include "core/patches/planar/coplanar_regions.h"
+#include "core/patches/planar/regions.h"
 
 namespace remesh {
 

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <span>
 
-#include "core/patches/planar/coplanar_regions.h"
 #include "core/patches/planar/coplanarity.h"
+#include "core/patches/planar/regions.h"
 
 namespace remesh {
 

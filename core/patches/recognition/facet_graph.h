@@ -10,7 +10,7 @@
 #include "core/base/ids.h"
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
-#include "core/patches/recognition/surface_recognition.h"
+#include "core/patches/recognition/facets.h"
 
 namespace remesh {
 

@@ -3,8 +3,8 @@
 
 #include "core/base/run_control.h"
 #include "core/patches/recognition/facet_graph.h"
+#include "core/patches/recognition/facets.h"
 #include "core/patches/recognition/recognised_surfaces.h"
-#include "core/patches/recognition/surface_recognition.h"
 
 namespace remesh {
 

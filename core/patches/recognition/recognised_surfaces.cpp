@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "core/base/stoppable.h"
+#include "core/patch_types/patch_set.h"
 
 namespace remesh {
 

@@ -10,9 +10,10 @@
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
 #include "core/geometry/surfaces/analytic_surface.h"
-#include "core/patch_types/patch_set.h"
 
 namespace remesh {
+
+struct PatchSet;
 
 /// The reason why the facets of a free region belong to no surface.
 enum class FreeReason : std::uint8_t {

@@ -5,9 +5,9 @@
 
 #include "core/base/run_control.h"
 #include "core/patches/recognition/facet_graph.h"
+#include "core/patches/recognition/facets.h"
 #include "core/patches/recognition/recognised_surfaces.h"
 #include "core/patches/recognition/surface_claims.h"
-#include "core/patches/recognition/surface_recognition.h"
 
 namespace remesh {
 
