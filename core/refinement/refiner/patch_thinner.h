@@ -10,19 +10,12 @@
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
 #include "core/refinement/goals/min_spacing.h"
+#include "core/refinement/goals/thinning.h"
 #include "core/refinement/refiner/patch_sizes.h"
 #include "core/refinement/refiner/refiner_scratch.h"
 #include "core/refinement/refiner/working_patch.h"
 
 namespace remesh {
-
-/// Tells what is tried for a point that the bounds may not need.
-enum class Thinning {
-  kFull,
-  /// A point is only left out, and no point takes the place of two. That takes half the time. It is enough where the
-  /// limit on faces ends refinement before its bounds are met, so that there is no smallest result.
-  kQuick,
-};
 
 /// Thins out a patch that is done. Points inside that the bounds do not need in the end are removed one by one, or one
 /// point takes the place of two. It goes on around every place where it succeeds. Each step leaves fewer points, so it

@@ -10,7 +10,8 @@
 #include "core/patch_types/patch_mesh.h"
 #include "core/refinement/refiner/patch_refiner.h"
 #include "core/refinement/rounds/patches_aside.h"
-#include "core/refinement/rounds/rounds.h"
+#include "core/refinement/rounds/refinement.h"
+#include "core/refinement/rounds/refinement_input.h"
 #include "core/refinement/segments/segment_cuts.h"
 #include "core/refinement/segments/segment_table.h"
 

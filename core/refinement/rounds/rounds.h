@@ -3,49 +3,17 @@
 
 #include <cstdint>
 #include <optional>
-#include <vector>
 
 #include "core/base/ids.h"
 #include "core/base/run_control.h"
 #include "core/mesh/surface.h"
 #include "core/patches/meshing/triangulated_patches.h"
-#include "core/refinement/goals/goals.h"
 #include "core/refinement/goals/unrefined_reason.h"
-#include "core/refinement/prediction/prediction.h"
-#include "core/refinement/refiner/patch_thinner.h"
-#include "core/refinement/rounds/patches_aside.h"
+#include "core/refinement/rounds/refinement.h"
+#include "core/refinement/rounds/refinement_input.h"
 #include "core/refinement/segments/segment_table.h"
-#include "core/refinement/sizes/size_field.h"
 
 namespace remesh {
-
-/// This is the result of a refinement.
-struct Refinement {
-  std::vector<Vec3> new_positions;  ///< positions of the vertices from surface.vertex_count() on
-  std::size_t first_inner = 0;      ///< new vertices from here on are inside patches
-  /// There is one entry per triangle, patch after patch: the reason why it misses a goal. For triangles that meet the
-  /// goals it may have any value.
-  std::vector<UnrefinedReason> reason;
-  /// There is one entry per triangle, which is not 0 if the triangle is larger than gaps or short edges ask for, or may
-  /// be (size_misses.h). It is empty if all are 0.
-  std::vector<std::uint8_t> misses_sizes;
-  std::uint32_t rounds = 0;
-  PatchesAside before;  ///< the patches that have changed, as they were before
-};
-
-/// The input of a refinement. It refers to these objects.
-struct RefinementInput {
-  const Surface& surface;
-  /// There is one entry per patch. Frozen patches get no points, neither inside nor on their boundaries.
-  const IdVector<PatchId, std::uint8_t>& is_frozen;
-  const Goals& goals;  ///< `max_faces` is the budget
-  const SizeField& sizes;
-  const Prediction& prediction;  ///< used for the progress, and for sharing out a budget at first
-  /// Refinement ends as soon as it is clear that there will at some time be more triangles than this.
-  std::uint64_t max_made;
-  /// Tells how patches are thinned out where the budget ends refinement before the goals are met.
-  Thinning thinning_in_budget = Thinning::kFull;
-};
 
 /// Refines in rounds. In a round, every patch that has something to do is refined alone, in parallel with the others.
 /// Between rounds, the cuts that patches made in their boundaries go to all other patches there. The rounds end when no

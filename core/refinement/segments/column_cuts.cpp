@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "core/base/stoppable.h"
-#include "core/refinement/refiner/column_fill.h"
+#include "core/refinement/segments/column_grid.h"
 
 namespace remesh {
 namespace {

@@ -13,6 +13,7 @@
 #include "core/base/ids.h"
 #include "core/base/pages.h"
 #include "core/base/stoppable.h"
+#include "core/patches/meshing/triangulated_patches.h"
 #include "core/refinement/goals/min_spacing.h"
 #include "core/refinement/segments/column_cuts.h"
 #include "core/refinement/segments/segment_depths.h"

@@ -16,7 +16,6 @@
 #include "core/mesh/surface.h"
 #include "core/patch_types/patch_mesh.h"
 #include "core/patches/charts/boundary_curve.h"
-#include "core/patches/meshing/triangulated_patches.h"
 #include "core/refinement/goals/goals.h"
 #include "core/refinement/segments/corner_shells.h"
 #include "core/refinement/segments/segment_end.h"
@@ -24,6 +23,8 @@
 #include "core/refinement/sizes/size_field.h"
 
 namespace remesh {
+
+struct TriangulatedPatches;
 
 /// A segment is first divided into these equal parts, if it is cut at all. The parts are then halved.
 struct EvenParts {

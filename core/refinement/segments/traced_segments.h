@@ -8,7 +8,7 @@
 #include "core/base/ids.h"
 #include "core/base/run_control.h"
 #include "core/patches/charts/boundary_curve.h"
-#include "core/patches/meshing/triangulated_patches.h"
+#include "core/patches/charts/patch_chart.h"
 #include "core/refinement/segments/segment_end.h"
 
 namespace remesh {

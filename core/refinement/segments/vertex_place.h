@@ -5,7 +5,7 @@
 #include <cstdint>
 
 #include "core/refinement/goals/min_spacing.h"
-#include "core/refinement/segments/segment_table.h"
+#include "core/refinement/segments/segment_end.h"
 
 namespace remesh {
 

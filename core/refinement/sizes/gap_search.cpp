@@ -17,6 +17,7 @@
 #include "core/geometry/triangles/distances.h"
 #include "core/geometry/triangles/triangle_intersection.h"
 #include "core/mending/polygons/polygon_split.h"
+#include "core/patches/meshing/triangulated_patches.h"
 #include "core/refinement/sizes/patch_contacts.h"
 #include "core/refinement/sizes/patch_slabs.h"
 #include "core/refinement/sizes/steepness.h"

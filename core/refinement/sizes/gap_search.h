@@ -14,9 +14,10 @@
 #include "core/mesh/mesh.h"
 #include "core/mesh/surface.h"
 #include "core/patch_types/patch_set.h"
-#include "core/patches/meshing/triangulated_patches.h"
 
 namespace remesh {
+
+struct TriangulatedPatches;
 
 /// Answers, for places on the surface, how far away the nearest other patch is - across a thin wall, a slot, a shell.
 ///
