@@ -13,7 +13,7 @@
 #include "core/base/vec.h"
 #include "core/mesh/mesh.h"
 #include "core/refinement/goals/unrefined_reason.h"
-#include "core/verify/verify.h"
+#include "core/verify/claim/claim.h"
 
 namespace remesh {
 

@@ -6,7 +6,7 @@
 #include "core/geometry/shells/shells.h"
 #include "core/refinement/goals/goals.h"
 #include "core/refinement/goals/unrefined.h"
-#include "core/verify/verify.h"
+#include "core/verify/claim/claim.h"
 
 namespace remesh {
 

@@ -7,6 +7,7 @@
 #include "core/base/drop.h"
 #include "core/base/stoppable.h"
 #include "core/mending/polygons/triangulated.h"
+#include "core/verify/verify.h"
 
 namespace remesh {
 namespace {

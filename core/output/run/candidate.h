@@ -19,9 +19,9 @@
 #include "core/patches/planar/input_intersections.h"
 #include "core/refinement/goals/goals.h"
 #include "core/refinement/goals/unrefined.h"
-#include "core/refinement/rounds/rounds.h"
+#include "core/refinement/rounds/refinement.h"
+#include "core/verify/claim/claim.h"
 #include "core/verify/claim/verdict.h"
-#include "core/verify/verify.h"
 
 namespace remesh {
 

@@ -19,8 +19,8 @@
 #include "core/output/run/candidate.h"
 #include "core/patch_types/patch_set.h"
 #include "core/patches/meshing/triangulated_patches.h"
+#include "core/verify/claim/claim.h"
 #include "core/verify/claim/verdict.h"
-#include "core/verify/verify.h"
 
 namespace remesh {
 

@@ -9,11 +9,11 @@
 
 #include "core/base/run_control.h"
 #include "core/geometry/trees/box_tree.h"
+#include "core/verify/claim/claim.h"
 #include "core/verify/goals/facing_facets.h"
 #include "core/verify/goals/straight_lines.h"
 #include "core/verify/model/boundary_graph.h"
 #include "core/verify/model/model.h"
-#include "core/verify/verify.h"
 
 namespace remesh::verification {
 

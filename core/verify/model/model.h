@@ -9,10 +9,10 @@
 
 #include "core/base/grouping.h"
 #include "core/base/largest_coordinate.h"
+#include "core/verify/claim/claim.h"
 #include "core/verify/claim/verification_faults.h"
 #include "core/verify/model/curved_shape.h"
 #include "core/verify/model/edge_table.h"
-#include "core/verify/verify.h"
 
 namespace remesh::verification {
 

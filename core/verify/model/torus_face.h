@@ -4,7 +4,7 @@
 #include <span>
 
 #include "core/base/vec.h"
-#include "core/verify/model/curved_shape.h"
+#include "core/verify/model/curved_face.h"
 
 namespace remesh::verification {
 

@@ -40,7 +40,7 @@
 #include "core/verify/claim/verification_faults.h"
 #include "core/verify/model/edge_table.h"
 #include "core/verify/model/model.h"
-#include "core/verify/patches/patch_shape.h"
+#include "core/verify/patches/shape_sums.h"
 
 namespace remesh::verification {
 

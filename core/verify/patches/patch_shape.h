@@ -24,15 +24,9 @@
 #include "core/verify/claim/verification_faults.h"
 #include "core/verify/model/edge_table.h"
 #include "core/verify/model/model.h"
+#include "core/verify/patches/shape_sums.h"
 
 namespace remesh::verification {
-
-/// Totals over the patches, summed in patch order.
-struct ShapeSums {
-  double deviation = 0;      ///< largest distance between input and output
-  double volume_change = 0;  ///< volume of the output minus that of the input, meaningful for closed surfaces
-  double volume_bound = 0;   ///< the part of it that deviations and rounding explain
-};
 
 /// Reports kNoFaces, kDeviation, kFacingAway, kArea, kZeroArea, kInverted, kFrame, kPlaneCoordinates.
 /// A triangle that the input has too, in the same patch, is not compared with the plane, because it has not changed.

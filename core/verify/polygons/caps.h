@@ -2,10 +2,10 @@
 #pragma once
 
 #include "core/base/run_control.h"
+#include "core/verify/claim/claim.h"
 #include "core/verify/claim/verification_faults.h"
 #include "core/verify/model/edge_table.h"
 #include "core/verify/model/model.h"
-#include "core/verify/verify.h"
 
 namespace remesh::verification {
 

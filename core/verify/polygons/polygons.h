@@ -5,9 +5,9 @@
 #include <cstdint>
 
 #include "core/base/run_control.h"
+#include "core/verify/claim/claim.h"
 #include "core/verify/claim/verification_faults.h"
 #include "core/verify/model/model.h"
-#include "core/verify/verify.h"
 
 namespace remesh::verification {
 
