@@ -15,7 +15,7 @@ constexpr double kRounding = 0x1p-44;
 constexpr double kAngleRounding = 0x1p-44;
 
 /// The number of faces between two checks for cancellation.
-constexpr std::size_t kFacesBetweenChecks = 1 << 14;
+constexpr std::size_t kFacesPerCheck = 1 << 14;
 
 constexpr AxialBounds::Arc kEverything{0, 1};
 
@@ -50,7 +50,7 @@ AxialBounds::AxialBounds(const TriangleTree& tree, std::span<const Vec3> positio
   std::size_t faces_seen = 0;
   arcs_ = tree.joined<Arc>(
       [&](std::size_t slot) {
-        if (++faces_seen % kFacesBetweenChecks == 0) control.check_and_move();
+        if (++faces_seen % kFacesPerCheck == 0) control.check_and_move();
         return arc_of(faces[tree.face(slot).value]);
       },
       joined, control);

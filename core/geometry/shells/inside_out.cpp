@@ -70,7 +70,7 @@ class LabelsOfShells {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs_;
 };
 
-bool contains(const Box3& outer, const Box3& inner) {
+bool encloses(const Box3& outer, const Box3& inner) {
   for (int axis = 0; axis < 3; ++axis)
     if (inner.min[axis] < outer.min[axis] || inner.max[axis] > outer.max[axis]) return false;
   return true;
@@ -86,7 +86,7 @@ class OpenPieces {
   /// Returns whether the open pieces wind around a closed shell more, or less, than around the one that it lies in.
   bool are_between(std::uint32_t shell, std::optional<std::uint32_t> outer) {
     if (ends_.empty()) prepare();
-    if (!number_ || !contains(number_->box(), shells_.all[shell].box)) return false;
+    if (!number_ || !encloses(number_->box(), shells_.all[shell].box)) return false;
     // From the middle of a box, each of its sides covers about a sixth of all directions. This threshold is above
     // rounding and below one side.
     constexpr double kClearly = 0.1;

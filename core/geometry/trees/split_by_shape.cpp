@@ -13,7 +13,7 @@ namespace remesh {
 namespace {
 
 /// If there are more triangles, the direction is found from about this many of them.
-constexpr std::size_t kSamples = 64;
+constexpr std::size_t kShapeSamples = 64;
 
 /// The number of triangles between two checks for cancellation.
 constexpr std::size_t kItemsBetweenChecks = 1 << 16;
@@ -106,7 +106,7 @@ Vec3 reach_of(const Triangle& face, std::span<const Vec3> positions) {
 
 void split_by_shape(std::span<ShapedItem> items, std::size_t middle, RunControl& control) {
   control.check();
-  const std::size_t step = std::max<std::size_t>(1, items.size() / kSamples);
+  const std::size_t step = std::max<std::size_t>(1, items.size() / kShapeSamples);
   const double scale = scale_of(items);
   Covariance places(scale * items[0].centre), reaches(scale * items[0].reach);
   Matrix<3> lengths{};

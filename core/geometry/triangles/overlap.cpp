@@ -11,7 +11,7 @@ namespace {
 
 using Corners = std::array<Vec3, 3>;
 
-Corners corners(const Triangle& t, std::span<const Vec3> positions) {
+Corners corners_of(const Triangle& t, std::span<const Vec3> positions) {
   return {positions[t[0].value], positions[t[1].value], positions[t[2].value]};
 }
 
@@ -36,7 +36,7 @@ bool is_in_plane_of(const Corners& a, const Corners& b, double scale, double tol
 }  // namespace
 
 bool do_overlap(const Triangle& f, const Triangle& g, std::span<const Vec3> positions, double tolerance) {
-  const Corners a = corners(f, positions), b = corners(g, positions);
+  const Corners a = corners_of(f, positions), b = corners_of(g, positions);
   double largest = 0;
   for (const Corners* t : {&a, &b})
     for (const Vec3& p : *t) largest = std::max({largest, norm(p - a[0])});
@@ -60,8 +60,8 @@ bool do_overlap(const Triangle& f, const Triangle& g, std::span<const Vec3> posi
 
 Vec3 meeting_place(const Triangle& f, const Triangle& g, std::span<const Vec3> positions) {
   Box3 a, b;
-  for (const Vec3& p : corners(f, positions)) a.add(p);
-  for (const Vec3& p : corners(g, positions)) b.add(p);
+  for (const Vec3& p : corners_of(f, positions)) a.add(p);
+  for (const Vec3& p : corners_of(g, positions)) b.add(p);
   Vec3 middle;
   for (int axis = 0; axis < 3; ++axis)
     middle[axis] = 0.5 * std::max(a.min[axis], b.min[axis]) + 0.5 * std::min(a.max[axis], b.max[axis]);

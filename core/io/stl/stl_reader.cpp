@@ -20,7 +20,7 @@ constexpr std::size_t kBeginOfRecords = kHeader + 4;
 constexpr std::size_t kRecord = 50;  // a normal, three vertices, two bytes of attributes
 constexpr std::size_t kVector = 3 * sizeof(float);
 /// Number of faces between two checks for cancellation.
-constexpr std::size_t kProgressStep = 1 << 14;
+constexpr std::size_t kTriangleStep = 1 << 14;
 
 struct Corner {
   Vec3 position;
@@ -83,7 +83,7 @@ ReadResult read_binary(std::string_view content, const ReadLimits& limits, RunCo
   std::vector<Vec3> positions;
   positions.reserve(static_cast<std::size_t>(3 * count));
   for (std::uint64_t f = 0; f < count; ++f) {
-    if (f % kProgressStep == 0) control.progress(static_cast<double>(f) / static_cast<double>(count));
+    if (f % kTriangleStep == 0) control.progress(static_cast<double>(f) / static_cast<double>(count));
     const std::size_t record = kBeginOfRecords + kRecord * static_cast<std::size_t>(f);
     const char* at = content.data() + record + kVector;
     for (int corner = 0; corner < 3; ++corner) {
@@ -136,7 +136,7 @@ class TextReader {
 
   bool next_line() {
     if (!lines_.next()) return false;
-    if (++ticks_ % kProgressStep == 0) {
+    if (++ticks_ % kTriangleStep == 0) {
       control_.progress(static_cast<double>(lines_.offset()) / static_cast<double>(content_.size()));
     }
     return true;

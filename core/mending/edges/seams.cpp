@@ -81,10 +81,10 @@ class Clusters {
   std::vector<Cluster> clusters_;
 };
 
-class Closing {
+class SeamClosing {
  public:
-  Closing(const Surface& surface, const Adjacency& edges, const OpenEdges& open, const SeamRules& rules,
-          const JoinedPlaces& joined, RunControl& control)
+  SeamClosing(const Surface& surface, const Adjacency& edges, const OpenEdges& open, const SeamRules& rules,
+              const JoinedPlaces& joined, RunControl& control)
       : surface_(surface), edges_(edges), open_(open), rules_(rules), joined_(joined), control_(control) {}
 
   /// Finds which vertices become one. Output: false if none do.
@@ -367,7 +367,7 @@ bool Seams::close(Surface& surface, const Adjacency& edges, Mend mend, RunContro
       if (open[i].is_open) add(left_, open[i].face);
     return false;
   }
-  Closing closing(surface, edges, open, rules_, places_, control);
+  SeamClosing closing(surface, edges, open, rules_, places_, control);
   const bool is_any = !partners.pairs.empty() && closing.run(std::move(partners.pairs));
   // If the edges beside an edge were joined without it, it still counts as an edge that has others beside it.
   std::vector<Ends> left_ends;

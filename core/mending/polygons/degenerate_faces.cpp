@@ -14,7 +14,7 @@ namespace remesh {
 namespace {
 
 /// Loops with a few nanoseconds per item check for cancellation once in this many items.
-constexpr std::uint32_t kBetweenChecks = 1 << 14;
+constexpr std::uint32_t kItemsBetweenChecks = 1 << 14;
 
 /// Drops the clusters of one surface.
 class ClusterDrop {
@@ -51,7 +51,7 @@ class ClusterDrop {
 
   void find_clusters() {
     for (std::size_t e = 0; e < edges_.edge_count(); ++e) {
-      if (e % kBetweenChecks == 0) control_.check_and_move();
+      if (e % kItemsBetweenChecks == 0) control_.check_and_move();
       std::uint32_t first = kNone;
       for (const std::uint32_t h : edges_.half_edges(EdgeId(e))) {
         const std::uint32_t f = edges_.face_of(h).value;
@@ -65,7 +65,7 @@ class ClusterDrop {
   /// Lists the vertices of each cluster along its line.
   void sort_vertices() {
     for (std::uint32_t f = 0; f < surface_.face_count(); ++f) {
-      if (f % kBetweenChecks == 0) control_.check_and_move();
+      if (f % kItemsBetweenChecks == 0) control_.check_and_move();
       if (is_degenerate_[f])
         for (const VertexId v : surface_.face(FaceId(f))) on_line_.push_back({clusters_.find(f), v});
     }
@@ -80,7 +80,7 @@ class ClusterDrop {
   void find_staying() {
     stays_.assign(surface_.face_count(), 0);
     for (std::uint32_t f = 0; f < surface_.face_count(); ++f) {
-      if (f % kBetweenChecks == 0) control_.check_and_move();
+      if (f % kItemsBetweenChecks == 0) control_.check_and_move();
       if (keep_verbatim_.empty() || keep_verbatim_[surface_.face_source[FaceId(f)].value] == 0) continue;
       for (std::uint32_t h = surface_.face_begin[f]; h < surface_.face_begin[f + 1]; ++h)
         if (const std::uint32_t cluster = cluster_beyond(h); cluster != kNone) stays_[cluster] = 1;
@@ -95,7 +95,7 @@ class ClusterDrop {
     for (std::uint32_t f = 0; f < surface_.face_count(); ++f) {
       if (is_degenerate_[f] && !stays_[clusters_.find(f)]) continue;
       for (std::uint32_t h = surface_.face_begin[f]; h < surface_.face_begin[f + 1]; ++h) {
-        if (h % kBetweenChecks == 0) control_.check_and_move();
+        if (h % kItemsBetweenChecks == 0) control_.check_and_move();
         out.corners.push_back(surface_.corners[h]);
         const std::uint32_t cluster = cluster_beyond(h);
         if (cluster == kNone || stays_[cluster]) continue;

@@ -12,10 +12,10 @@
 namespace remesh {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
+constexpr double kHalfTurn = std::numbers::pi;
 
 /// Edges turn by at most this angle whatever is allowed, so that a small circle keeps its shape.
-constexpr double kMaxTurn = kPi / 3;
+constexpr double kMaxTurn = kHalfTurn / 3;
 
 /// At least this share of the tolerance is for the depth of edges.
 constexpr double kDepthShare = 0.9;
@@ -86,7 +86,7 @@ std::vector<CurvedLimits> curved_limits(const Surface& surface, const PatchSet& 
     // Facets that are hardly off their surface are known to the plane tolerance only.
     const double own = std::max(s.input_chord_height, plane_tolerance);
     const double excused = std::max(s.explained_height, plane_tolerance);
-    const double turn = elements ? 2 * kPi / *elements : kMaxTurn;
+    const double turn = elements ? 2 * kHalfTurn / *elements : kMaxTurn;
     double tolerance = asked.value_or(excused);
     if (elements) tolerance += radii[i] * (1 - std::cos(turn / 2));
     if (tolerance < own) continue;

@@ -17,7 +17,7 @@ constexpr double kSameLine = 1e-4;
 
 /// A surface does not move a vertex if the plane there leaves no more than this sine of the angle between plane and
 /// surface: about 3 degrees.
-constexpr double kMinSine = 0.05;
+constexpr double kMinFreeSine = 0.05;
 
 /// Two surfaces that meet at a small angle, and move by different offsets, would move a vertex far along them. The
 /// length of the way counts this much against its distances from where it should be.
@@ -78,7 +78,7 @@ void add_offset_moves(const Vec3& at, const OffsetSite& site, const RecognisedSu
   for (const SurfaceId s : site.surfaces) {
     const AnalyticSurface& shape = surfaces.surfaces[s].shape;
     const Vec3 free_part = freedom.part(shape.normal(at));
-    if (norm(free_part) > kMinSine && offset_lever(shape, at) > 0) moves.push_back({s, free_part});
+    if (norm(free_part) > kMinFreeSine && offset_lever(shape, at) > 0) moves.push_back({s, free_part});
   }
   // The way x makes the sum of the squares of (u x - offset), over the free parts u of the normals, plus the weighted
   // square of its length, as small as possible.

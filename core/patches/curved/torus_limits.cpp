@@ -11,7 +11,7 @@ namespace {
 
 /// Facets and result together take up this share of the tolerance in depth, unless the facets alone take up half of it.
 /// The rest is for the way of boundaries along the surface.
-constexpr double kDepthShare = 0.9;
+constexpr double kDepthOfBoth = 0.9;
 
 /// A torus may end where its tube is highest. The edges there are outside of it by less than this part of the distance
 /// of facets inside.
@@ -60,7 +60,7 @@ void fit_limits_of_tori(const TorusFacets& input, const CurvedGoals& goals, std:
       of_surface.max_height = std::max(of_surface.max_height, of_surface.boundary_tolerance);
       if (!goals.is_refined && of_surface.tightened().max_height < own) of_surface = {};
     } else if (!goals.may_have_elements()) {
-      const double depth = kDepthShare * of_surface.tolerance - own;
+      const double depth = kDepthOfBoth * of_surface.tolerance - own;
       if (depth >= own) {
         of_surface.max_height = std::min(of_surface.max_height, depth);
       } else if (!goals.is_refined) {

@@ -14,7 +14,7 @@ namespace remesh {
 namespace {
 
 /// No patch's share is larger than this, so it is always a number that can be computed with.
-constexpr double kMaxOfPatch = 0x1p62;
+constexpr double kMaxShare = 0x1p62;
 
 /// Predicts the faces of a patch whose boundary may be cut for angles, from the lengths of edges that are expected.
 class PatchWithCuts {
@@ -203,7 +203,7 @@ Prediction predict_closely(const TriangulatedPatches& triangulated, const Goals&
         for (; p < end; ++p) {
           const double faces = PatchWithCuts(triangulated, PatchId(p), lengths, goals, sizes).run(control);
           block.expected += faces;
-          block.of_patch.push_back(static_cast<float>(std::min(faces, kMaxOfPatch)));
+          block.of_patch.push_back(static_cast<float>(std::min(faces, kMaxShare)));
         }
         return block;
       });

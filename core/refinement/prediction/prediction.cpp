@@ -43,16 +43,16 @@ double largest_area(const Goals& goals, const SizeField& sizes) {
   return std::min(goals.max_area, equilateral_area(sizes.largest()));
 }
 
-double tangent_of(double degrees) { return std::tan(degrees * std::numbers::pi / 180); }
+double tangent_of_degrees(double degrees) { return std::tan(degrees * std::numbers::pi / 180); }
 
 /// Holds the goals and what follows from them for all patches.
 struct Asked {
   Asked(const Goals& its_goals, const SizeField& its_sizes)
       : goals(its_goals),
         sizes(its_sizes),
-        tangent(tangent_of(goals.min_angle_deg)),
+        tangent(tangent_of_degrees(goals.min_angle_deg)),
         strip_tangent(goals.min_angle_deg > 0 && goals.split_boundaries
-                          ? tangent_of(std::max(goals.min_angle_deg, least_strip_angle_deg(sizes)))
+                          ? tangent_of_degrees(std::max(goals.min_angle_deg, least_strip_angle_deg(sizes)))
                           : 0),
         rows(rows_to_read(sizes)) {}
 

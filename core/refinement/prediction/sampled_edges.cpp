@@ -37,7 +37,7 @@ struct Use {
   }
 };
 
-double length_of(Vec2 way) { return std::sqrt(dot(way, way)); }
+double length_of_way(Vec2 way) { return std::sqrt(dot(way, way)); }
 
 /// Adds places around one of them, from 0 to 1. The first ones are about one step away from it. The distances are the
 /// same for all steps, so that places coincide where several things ask for them.
@@ -114,7 +114,7 @@ void SampledEdges::add_versines(std::uint32_t first, const Vec2 (&p)[3]) {
   Vec2 direction[3];
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec2 side = p[(k + 1) % 3] - p[k];
-    const double length = length_of(side);
+    const double length = length_of_way(side);
     direction[k] = length > 0 ? (1 / length) * side : Vec2{};
   }
   for (std::uint32_t k = 0; k < 3; ++k) {
@@ -128,7 +128,7 @@ void SampledEdges::add_edge(EdgeSide side, bool is_constrained) {
   const PatchMesh& patch = meshes_[side.patch];
   const Vec2 way = patch.uv[patch.mesh.to(side.half_edge)] - patch.uv[patch.mesh.from(side.half_edge)];
   const auto first = static_cast<std::uint32_t>(sides_.size());
-  edges_.push_back({first, 0, 0, 0, length_of(way) * scale(side), is_constrained});
+  edges_.push_back({first, 0, 0, 0, length_of_way(way) * scale(side), is_constrained});
 }
 
 /// Adds a side to the last edge.

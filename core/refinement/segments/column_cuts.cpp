@@ -20,7 +20,7 @@ constexpr double kMinRows = 0.7;
 /// if it has at least this many columns.
 constexpr double kManyColumns = 6;
 /// A patch never asks for more cuts of one segment than this.
-constexpr double kMaxRows = 1 << 20;
+constexpr double kMaxCuts = 1 << 20;
 
 bool is_ruled(const AnalyticSurface& shape) {
   return shape.kind == SurfaceKind::kCylinder || shape.kind == SurfaceKind::kCone;
@@ -37,7 +37,7 @@ std::vector<double> cuts_in_rows(const SegmentTable& table, SegmentId s, const S
   const double begin = (from.way - grid.low) / grid.row, end = (to.way - grid.low) / grid.row;
   const double low = std::min(begin, end) + kMinRows, high = std::max(begin, end) - kMinRows;
   // Segments that end at the apex of a cone get no cuts. The apex is far below the lowest row.
-  if (!(low > -1) || !(high - low < kMaxRows)) return {};
+  if (!(low > -1) || !(high - low < kMaxCuts)) return {};
   const double shift = std::fmod(std::fabs(nearest), 2);
   std::vector<double> cuts;
   for (double i = 2 * std::ceil((low - shift) / 2) + shift; i <= high; i += 2) {

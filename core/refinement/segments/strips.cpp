@@ -15,7 +15,7 @@ namespace remesh {
 namespace {
 
 /// The angle that is aimed at is larger than the bound by this number of degrees.
-constexpr double kMargin = 0.02;
+constexpr double kRowAngleMargin = 0.02;
 /// If there were more parts, their ends could not be told apart.
 constexpr double kMaxParts = 0x1p40;
 /// These are limits for the two sides of a strip: the factor by which its width may change along it, and how far beyond
@@ -37,8 +37,8 @@ constexpr double kMaxRows = 12;
 /// more.
 constexpr double kEven = 1.02;
 
-using Pair = std::array<SegmentId, 2>;
-using Pairs = std::vector<Pair, DefaultInit<Pair>>;
+using SidePair = std::array<SegmentId, 2>;
+using Pairs = std::vector<SidePair, DefaultInit<SidePair>>;
 
 /// Returns whether two half-edges of a patch face each other all along.
 bool do_face(const PatchMesh& patch, std::uint32_t h, std::uint32_t other) {
@@ -68,28 +68,30 @@ std::uint32_t facing(const PatchMesh& patch, std::uint32_t h) {
 /// are ascending.
 Pairs facing_segments(const PatchMeshes& meshes, const SegmentTable& table, const std::vector<double>& wanted,
                       RunControl& control) {
-  const auto blocks = map_blocks<std::vector<Pair>>(meshes.size(), 256, control, [&](std::size_t p, std::size_t end) {
-    std::vector<Pair> pairs;
-    std::vector<std::pair<std::uint32_t, SegmentId>> segment_of;  // segments of half-edges
-    for (; p < end; ++p) {
-      segment_of.clear();
-      for (const std::uint32_t i : table.sides_of_patch(PatchId(p))) {
-        const SegmentSide& side = table.all_sides()[i];
-        if (wanted[side.segment.value] > 0) segment_of.emplace_back(side.half_edge, side.segment);
-      }
-      std::sort(segment_of.begin(), segment_of.end());
-      for (const auto& [h, s] : segment_of) {
-        const std::uint32_t other = facing(meshes[PatchId(p)], h);
-        const auto there = std::lower_bound(segment_of.begin(), segment_of.end(), std::pair(other, SegmentId(0)));
-        if (there == segment_of.end() || there->first != other || there->second == s) continue;
-        pairs.push_back({s, there->second});
-        pairs.push_back({there->second, s});
-      }
-    }
-    return pairs;
-  });
+  const auto blocks =
+      map_blocks<std::vector<SidePair>>(meshes.size(), 256, control, [&](std::size_t p, std::size_t end) {
+        std::vector<SidePair> pairs;
+        std::vector<std::pair<std::uint32_t, SegmentId>> segment_of;  // segments of half-edges
+        for (; p < end; ++p) {
+          segment_of.clear();
+          for (const std::uint32_t i : table.sides_of_patch(PatchId(p))) {
+            const SegmentSide& side = table.all_sides()[i];
+            if (wanted[side.segment.value] > 0) segment_of.emplace_back(side.half_edge, side.segment);
+          }
+          std::sort(segment_of.begin(), segment_of.end());
+          for (const auto& [h, s] : segment_of) {
+            const std::uint32_t other = facing(meshes[PatchId(p)], h);
+            const auto there = std::lower_bound(segment_of.begin(), segment_of.end(), std::pair(other, SegmentId(0)));
+            if (there == segment_of.end() || there->first != other || there->second == s) continue;
+            pairs.push_back({s, there->second});
+            pairs.push_back({there->second, s});
+          }
+        }
+        return pairs;
+      });
   Pairs pairs = sorted_by_key(
-      concatenate<Pair>(blocks, control), table.size(), [](const Pair& pair) { return pair[0].value; }, control);
+      concatenate<SidePair>(blocks, control), table.size(), [](const SidePair& pair) { return pair[0].value; },
+      control);
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   return pairs;
 }
@@ -141,7 +143,7 @@ double wanted_parts(const SegmentTable& table, SegmentId s, double feature, doub
 
 /// Returns whether there is an odd number of rows of triangles across a strip, between two of its sides. One of the
 /// sides is in `parts` parts. Returns nothing if there are too many rows, or if the strip is wider than long.
-std::optional<bool> is_odd_across(const SegmentTable& table, const Pair& sides, double parts, const Goals& goals,
+std::optional<bool> is_odd_across(const SegmentTable& table, const SidePair& sides, double parts, const Goals& goals,
                                   const SizeField& sizes) {
   if (!is_behind_walls(goals, sizes)) return true;
   const Vec3 here = table.position(sides[0], 0.5);
@@ -167,7 +169,7 @@ std::vector<EvenParts> parts_along_strips(const PatchMeshes& meshes, const Segme
                                           RunControl& control) {
   std::vector<EvenParts> parts(table.size());
   if (goals.min_angle_deg == 0) return parts;
-  const double angle = std::max(goals.min_angle_deg, least_strip_angle_deg(sizes)) + kMargin;
+  const double angle = std::max(goals.min_angle_deg, least_strip_angle_deg(sizes)) + kRowAngleMargin;
   const double tangent = std::tan(angle * std::numbers::pi / 180);
   const auto wanted_by = [&](SegmentId s) { return wanted_parts(table, s, feature[s.value], tangent, goals, sizes); };
   std::vector<double> wanted(table.size());
@@ -186,7 +188,8 @@ std::vector<EvenParts> parts_along_strips(const PatchMeshes& meshes, const Segme
       for (; i < end; ++i)
         if (i == 0 || pairs[i][0] != pairs[i - 1][0]) wanted[pairs[i][0].value] = wanted_by(pairs[i][0]);
     });
-    std::erase_if(pairs, [&](const Pair& pair) { return wanted[pair[0].value] == 0 || wanted[pair[1].value] == 0; });
+    std::erase_if(pairs,
+                  [&](const SidePair& pair) { return wanted[pair[0].value] == 0 || wanted[pair[1].value] == 0; });
   }
 
   // Go from side to side over all strips that are alike, beginning with the smallest id.
@@ -200,7 +203,7 @@ std::vector<EvenParts> parts_along_strips(const PatchMeshes& meshes, const Segme
     double most = of_seed;
     for (std::size_t k = 0; k < alike.size(); ++k) {
       const SegmentId s = alike[k];
-      for (auto pair = std::lower_bound(pairs.begin(), pairs.end(), Pair{s, SegmentId(0)});
+      for (auto pair = std::lower_bound(pairs.begin(), pairs.end(), SidePair{s, SegmentId(0)});
            pair != pairs.end() && (*pair)[0] == s; ++pair) {
         const SegmentId next = (*pair)[1];
         const double of_next = wanted[next.value];

@@ -10,7 +10,7 @@
 namespace remesh::verification {
 namespace {
 
-constexpr double kInfinite = std::numeric_limits<double>::infinity();
+constexpr double kUnbounded = std::numeric_limits<double>::infinity();
 constexpr int kMaxDepth = 5;
 
 /// A piece of the polygon.
@@ -81,9 +81,9 @@ struct Quadratic {
 
 /// The ranges in which the measures of a piece lie.
 struct Bounds {
-  Range distance{-kInfinite, kInfinite};
+  Range distance{-kUnbounded, kUnbounded};
   Range facing{-1, 1};
-  Range covered{0, kInfinite};
+  Range covered{0, kUnbounded};
 };
 
 /// Bounds the distance over a piece that lies in a ball around `centre`. Three bounds hold, and the narrowest counts.
@@ -155,7 +155,7 @@ Bounds bound_piece(const CentredTorus& torus, const Piece& piece, const Vec3& no
   const double around = depth / to_axis, minor = torus.minor_radius;
   const bool is_sure = bounds.facing.low * bounds.facing.high > 0;
   bounds.covered.low = is_sure ? std::max(0.0, area * smallest * (1 - around) * minor / (minor + depth)) : 0;
-  bounds.covered.high = depth < minor ? area * (1 + around) * minor / (minor - depth) : kInfinite;
+  bounds.covered.high = depth < minor ? area * (1 + around) * minor / (minor - depth) : kUnbounded;
   return bounds;
 }
 
