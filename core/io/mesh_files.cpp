@@ -2,7 +2,6 @@
 
 #include "core/base/error.h"
 #include "core/io/format_spec.h"
-#include "core/io/formats.h"
 
 namespace remesh {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/base/run_control.h"
-#include "core/io/common/format.h"
+#include "core/io/formats.h"
 
 namespace remesh {
 

@@ -10,6 +10,7 @@
 #include "core/base/tolerance.h"
 #include "core/base/union_find.h"
 #include "core/mending/weld/weld.h"
+#include "core/patches/planar/coplanarity.h"
 #include "tests/support/invariance.h"
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"
