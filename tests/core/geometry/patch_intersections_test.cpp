@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/geometry/intersections/self_intersections.h"
 #include "core/mesh/triangle_corners.h"
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"
