@@ -224,10 +224,11 @@ MAX_CIRCLES, MAX_DEPTH, MAX_FILES = 1, 18, 40
 def find_circles(graph):
     """The groups of more than one room that reach each other."""
     def reach(start):
-        found, waiting = set(), [start]
+        found, waiting = {start}, [start]
         while waiting:
-            waiting += graph[waiting[-1]] - found if waiting[-1] not in found else ()
-            found.add(waiting.pop())
+            new = graph[waiting.pop()] - found
+            found |= new
+            waiting += new
         return found
 
     reached = {room: reach(room) for room in graph}
