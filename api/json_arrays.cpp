@@ -7,8 +7,8 @@
 #include <cstdint>
 #include <system_error>
 
-#include "core/io/digits.h"
-#include "core/io/text.h"
+#include "core/io/common/digits.h"
+#include "core/io/common/text.h"
 
 namespace remesh::api {
 namespace {

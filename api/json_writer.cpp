@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/io/text.h"
+#include "core/io/common/text.h"
 
 namespace remesh::api {
 

@@ -12,7 +12,7 @@
 #include "api/request_code.h"
 #include "api/text.h"
 #include "core/base/error.h"
-#include "core/refinement/goals.h"
+#include "core/refinement/goals/goals.h"
 #include "core/remesh.h"
 
 namespace remesh::api {

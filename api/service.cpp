@@ -14,7 +14,7 @@
 #include "core/io/gzip.h"
 #include "core/io/mesh_files.h"
 #include "core/mesh/quality.h"
-#include "core/output/output_form.h"
+#include "core/output/result/output_form.h"
 
 namespace remesh::api {
 namespace {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/output/report.h"
+#include "core/output/report/report.h"
 
 namespace remesh::api {
 

@@ -11,7 +11,7 @@
 #include <utility>
 
 #include "api/text.h"
-#include "core/output/surface_words.h"
+#include "core/output/report/surface_words.h"
 
 namespace remesh::api {
 namespace {

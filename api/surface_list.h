@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "core/patches/recognised_surfaces.h"
+#include "core/patches/recognition/recognised_surfaces.h"
 
 namespace remesh::api {
 

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include "core/io/text.h"
+#include "core/io/common/text.h"
 
 namespace remesh::api {
 

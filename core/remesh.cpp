@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "core/output/attempts.h"
-#include "core/output/learn.h"
-#include "core/output/run_report.h"
+#include "core/output/run/attempts.h"
+#include "core/output/run/learn.h"
+#include "core/output/run/run_report.h"
 
 namespace remesh {
 namespace {

@@ -8,7 +8,7 @@
 #include "core/base/run_control.h"
 #include "core/base/version.h"
 #include "core/mesh/mesh.h"
-#include "core/output/result.h"
+#include "core/output/result/result.h"
 
 namespace remesh {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "api/surface_list.h"
-#include "core/output/surface_words.h"
+#include "core/output/report/surface_words.h"
 
 namespace remesh::cli {
 namespace {

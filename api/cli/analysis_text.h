@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "core/output/report.h"
+#include "core/output/report/report.h"
 
 namespace remesh::cli {
 

@@ -1,7 +1,5 @@
 #include "core/base/error.h"
 
-#include "core/base/run_control.h"
-
 namespace remesh {
 
 std::string_view code_name(Code code) {
@@ -44,11 +42,6 @@ std::string_view stage_name(Stage stage) {
     case Stage::kWrite: return "write";
   }
   return "unknown";
-}
-
-void RunControl::throw_stopped(Reason reason) const {
-  if (reason == Reason::kTimeout) throw Error(Code::kTimeout, stage(), "the time allowed for this request is over");
-  throw Error(Code::kCancelled, stage(), "the request was cancelled");
 }
 
 }  // namespace remesh

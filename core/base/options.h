@@ -84,7 +84,7 @@ struct Options {
   double weld_tolerance = 0;  ///< 0: only equal coordinates are one vertex
   Repair repair;
   /// Holes whose rims have at most so many edges are closed, if `repair` has `holes`. Empty: those smaller than
-  /// defeature_size, or without such a size those that are small by themselves (core/mending/holes.h).
+  /// defeature_size, or without such a size those that are small by themselves (core/mending/edges/holes.h).
   std::optional<std::uint64_t> max_hole_edges;
   Barriers barriers;
   /// If the output format cannot hold the result otherwise, write it relative to an origin near the mesh.

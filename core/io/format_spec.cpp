@@ -4,13 +4,13 @@
 #include <array>
 #include <cstddef>
 
-#include "core/io/msh.h"
-#include "core/io/obj.h"
-#include "core/io/off.h"
-#include "core/io/ply.h"
-#include "core/io/stl.h"
-#include "core/io/text.h"
-#include "core/io/vtu.h"
+#include "core/io/common/text.h"
+#include "core/io/msh/msh.h"
+#include "core/io/obj/obj.h"
+#include "core/io/off/off.h"
+#include "core/io/ply/ply.h"
+#include "core/io/stl/stl.h"
+#include "core/io/vtu/vtu.h"
 
 namespace remesh {
 namespace {

@@ -7,7 +7,8 @@
 
 #include "core/base/ids.h"
 #include "core/base/options.h"
-#include "core/io/formats.h"
+#include "core/base/run_control.h"
+#include "core/io/common/format.h"
 #include "core/mesh/mesh.h"
 
 namespace remesh {

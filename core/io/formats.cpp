@@ -5,9 +5,9 @@
 #include <cstddef>
 
 #include "core/base/options.h"
+#include "core/io/common/text.h"
 #include "core/io/format_spec.h"
-#include "core/io/stl.h"
-#include "core/io/text.h"
+#include "core/io/stl/stl.h"
 
 namespace remesh {
 namespace {

@@ -8,7 +8,7 @@
 #include <new>
 #include <vector>
 
-#include "core/io/read_errors.h"
+#include "core/io/common/read_errors.h"
 
 namespace remesh {
 namespace {

@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "core/base/run_control.h"
-#include "core/io/formats.h"
+#include "core/io/common/format.h"
 
 namespace remesh {
 

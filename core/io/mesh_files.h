@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/run_control.h"
 #include "core/io/formats.h"
 
 namespace remesh {

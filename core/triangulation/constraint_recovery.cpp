@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/geometry/predicates.h"
+#include "core/geometry/exact/predicates.h"
 #include "core/triangulation/delaunay_flips.h"
 
 namespace remesh {
@@ -245,8 +245,8 @@ std::vector<std::uint32_t> scattered(std::size_t n) {
 
 }  // namespace
 
-TriangulationOutcome constraint_recovery(std::span<const Vec2> points, std::span<const Segment> segments, Triangulation2d& mesh,
-                            RunControl& control) {
+TriangulationOutcome constraint_recovery(std::span<const Vec2> points, std::span<const Segment> segments,
+                                         Triangulation2d& mesh, RunControl& control) {
   Recovery recovery(points, mesh, control);
   // A segment is looked for around the end where fewer segments meet. Around the other end it could be slow: at a hub
   // where many segments meet, every search would turn past all of them.

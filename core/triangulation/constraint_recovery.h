@@ -7,8 +7,8 @@
 
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
-#include "core/geometry/outcome.h"
-#include "core/geometry/triangulation_2d.h"
+#include "core/triangulation/outcome.h"
+#include "core/triangulation/triangulation_2d.h"
 
 namespace remesh {
 
@@ -21,7 +21,7 @@ using Segment = std::array<std::uint32_t, 2>;
 /// Holds:  The result does not depend on the order of the segments.
 /// Cost:   In practice it is near-linear in the number of edges that the segments cross.
 /// Source: S. W. Sloan, A fast algorithm for generating constrained Delaunay triangulations, 1993.
-TriangulationOutcome constraint_recovery(std::span<const Vec2> points, std::span<const Segment> segments, Triangulation2d& mesh,
-                            RunControl& control);
+TriangulationOutcome constraint_recovery(std::span<const Vec2> points, std::span<const Segment> segments,
+                                         Triangulation2d& mesh, RunControl& control);
 
 }  // namespace remesh

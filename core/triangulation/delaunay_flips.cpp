@@ -1,6 +1,6 @@
 #include "core/triangulation/delaunay_flips.h"
 
-#include "core/geometry/predicates.h"
+#include "core/geometry/exact/predicates.h"
 
 namespace remesh {
 namespace {

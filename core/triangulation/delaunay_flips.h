@@ -7,7 +7,7 @@
 
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
-#include "core/geometry/triangulation_2d.h"
+#include "core/triangulation/triangulation_2d.h"
 
 namespace remesh {
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/geometry/predicates.h"
+#include "core/geometry/exact/predicates.h"
 
 namespace remesh {
 namespace {

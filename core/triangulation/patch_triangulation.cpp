@@ -2,9 +2,9 @@
 
 #include <utility>
 
-#include "core/geometry/delaunay_divide_conquer.h"
-#include "core/geometry/predicates.h"
+#include "core/geometry/exact/predicates.h"
 #include "core/triangulation/carving.h"
+#include "core/triangulation/delaunay_divide_conquer.h"
 #include "core/triangulation/delaunay_flips.h"
 #include "core/triangulation/lexicographic_triangulation.h"
 

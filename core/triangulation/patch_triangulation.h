@@ -5,9 +5,9 @@
 
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
-#include "core/geometry/outcome.h"
-#include "core/geometry/triangulation_2d.h"
 #include "core/triangulation/constraint_recovery.h"
+#include "core/triangulation/outcome.h"
+#include "core/triangulation/triangulation_2d.h"
 
 namespace remesh {
 

@@ -7,7 +7,7 @@
 #include "core/base/ids.h"
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
-#include "core/mending/detail_map.h"
+#include "core/mending/details/detail_map.h"
 #include "core/mesh/mesh.h"
 
 namespace remesh {

@@ -12,12 +12,12 @@
 #include "core/base/largest_coordinate.h"
 #include "core/base/rounded_to_float.h"
 #include "core/base/stoppable.h"
-#include "core/geometry/patch_intersections.h"
-#include "core/geometry/predicates.h"
-#include "core/geometry/self_intersections.h"
+#include "core/geometry/exact/predicates.h"
+#include "core/geometry/intersections/patch_intersections.h"
+#include "core/geometry/intersections/self_intersections.h"
 #include "core/mesh/triangle_corners.h"
-#include "core/verify/exact.h"
-#include "core/verify/goal_check.h"
+#include "core/verify/goals/goal_check.h"
+#include "core/verify/model/exact.h"
 
 namespace remesh {
 namespace {

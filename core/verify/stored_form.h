@@ -12,8 +12,8 @@
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
 #include "core/mesh/mesh.h"
-#include "core/refinement/unrefined_reason.h"
-#include "core/verify/verify.h"
+#include "core/refinement/goals/unrefined_reason.h"
+#include "core/verify/claim/claim.h"
 
 namespace remesh {
 
@@ -82,7 +82,7 @@ struct StoredVerdict {
 ///            in that list are in `unrefined_before` too, because they are larger than gaps or short edges ask for. A
 ///            face with the reason kOutputRounding is not in `unrefined_before`. Every other reason is the one that the
 ///            face has there.
-///          - Faces intersect (geometry/patch_intersections.h) only where their patches do in the verified mesh.
+///          - Faces intersect (patch_intersections.h) only where their patches do in the verified mesh.
 /// Holds:   the verdict does not depend on the number of threads. If no vertex moved, only the first two tests are
 ///          made.
 /// Errors:  kCancelled, kTimeout - through `control`.

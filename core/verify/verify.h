@@ -5,95 +5,13 @@
 /// for gaps.
 #pragma once
 
-#include <algorithm>
-#include <cstdint>
 #include <memory>
-#include <optional>
-#include <span>
-#include <utility>
-#include <vector>
 
-#include "core/base/ids.h"
 #include "core/base/run_control.h"
-#include "core/geometry/analytic_surface.h"
-#include "core/geometry/frame.h"
-#include "core/mesh/mesh.h"
-#include "core/mesh/surface.h"
-#include "core/refinement/goals.h"
-#include "core/refinement/unrefined_reason.h"
-#include "core/verify/verdict.h"
+#include "core/verify/claim/claim.h"
+#include "core/verify/claim/verdict.h"
 
 namespace remesh {
-
-/// Refinement's claim about what it has reached.
-struct RefinementClaim {
-  Goals goals;
-  /// The output faces that do not meet the goals, ascending: faces with an angle below the bound, or with an edge or
-  /// an area above it, or above the size that gaps or short edges ask for there.
-  std::span<const FaceId> unrefined;
-  std::span<const UnrefinedReason> reasons;  ///< one per entry of `unrefined`
-  /// For each patch, true if refinement had to leave it and its boundary unchanged. Empty means that no patch is
-  /// frozen.
-  std::span<const std::uint8_t> frozen = {};
-};
-
-/// The pairs of patches that intersect in the input, sorted, with the smaller patch first. (p, p) means an
-/// intersection within a patch.
-struct InputIntersections {
-  std::vector<std::pair<PatchId, PatchId>> patches;
-  bool is_complete = true;  ///< false: there are so many intersections that some pairs may be missing
-
-  bool has(PatchId p, PatchId q) const {
-    return std::binary_search(patches.begin(), patches.end(), std::pair(std::min(p, q), std::max(p, q)));
-  }
-};
-
-/// The pipeline's claim that a patch samples a curved surface.
-struct CurvedClaim {
-  AnalyticSurface shape;  ///< model units; kCylinder, kCone, kSphere or kTorus
-  /// Model units. Input and output of the patch may be this far apart, plus the plane tolerance, and each of them may
-  /// be this far from the surface. What exceeds half of the radius of a cylinder, sphere or tube has no effect.
-  double tolerance = 0;
-  /// The surface tolerance that the options allow, in model units. If there is none, the tolerance must be what the
-  /// input's own facets explain, with what the number of edges per full turn adds.
-  std::optional<double> surface_tolerance = {};
-  std::optional<double> elements_per_circle = {};
-  /// Facets that turn by more than this, in degrees, do not belong to one surface.
-  double feature_angle_deg = 30;
-};
-
-/// The pipeline's claim that it has moved a vertex of the surface.
-struct MovedVertex {
-  VertexId output, of_surface;
-};
-
-/// The pipeline's claim about what it has done. This class is larger than the bound because it is a list of arguments.
-struct Claim {
-  const Surface& surface;                  ///< the surface that was remeshed
-  std::span<const PatchId> surface_patch;  ///< patch of each face of `surface`
-  const IdVector<PatchId, Frame>& frames;
-  std::span<const Vec3> positions;                    ///< output vertices
-  std::span<const Triangle> faces;                    ///< output faces
-  std::span<const PatchId> face_patch;                ///< patch of each output face
-  std::span<const Vec2> corner_uv;                    ///< stored plane coordinates, 3 per output face
-  double plane_tolerance = 0;                         ///< model units
-  bool has_new_vertices = false;                      ///< made by refinement, or required by the chord rule
-  const RefinementClaim* refinement = nullptr;        ///< null if nothing was refined
-  const InputIntersections* intersections = nullptr;  ///< null if there are none
-  /// The corners of `surface`, sorted by (smaller vertex, larger vertex, corner) of the edge that begins there. If
-  /// this is empty or wrong, the checker sorts them itself.
-  std::span<const std::uint32_t> surface_edge_order = {};
-  /// The mesh as it was read. `surface` was made from it by welding within `weld_tolerance` and by mending. Null if
-  /// it is not known.
-  const PolygonMesh* input = nullptr;
-  double weld_tolerance = 0;  ///< model units
-  /// For each patch, the index of its surface in `curved`, or kNone for a plane. Empty means that all patches are
-  /// planes. The frame and the plane coordinates of a curved patch are not read.
-  std::span<const std::uint32_t> curved_of_patch = {};
-  std::span<const CurvedClaim> curved = {};
-  /// The vertices on boundaries of curved patches that are elsewhere in the output, ascending in both numbers.
-  std::span<const MovedVertex> moved = {};
-};
 
 /// Tests the promises 1 to 3 of README.md.
 /// Output:  a verdict. `failed_patches` lists every patch on which a test failed. Each flag is true if the following
@@ -116,13 +34,13 @@ struct Claim {
 ///   bound for the volume. For each patch it is the larger of its input and output area, plus the area between the
 ///   loops, times the largest difference of their heights; rounding is added.
 /// - The faces that were made of an input polygon cover it once, if the polygon does not cross itself.
-/// - The faces that were made to close holes fill these and nothing else (verify/caps.h).
+/// - The faces that were made to close holes fill these and nothing else (verify/polygons/caps.h).
 ///
 /// `conforming`:
 /// - Every output edge has the same faces in the same directions as the input's edges under it.
 /// - There is no zero-area or inverted triangle except the input's own, no repeated face, no new non-manifold edge,
 ///   and no T-junction.
-/// - Faces intersect (geometry/patch_intersections.h) only where their patches do in the input. If the input's
+/// - Faces intersect (patch_intersections.h) only where their patches do in the input. If the input's
 ///   intersections are all known, this is tested for all faces, however many intersections there are. If the search in
 ///   the input was cut short, it is not tested, since any intersection of the output may be one of the input;
 ///   `are_all_intersections_known` tells.
@@ -141,7 +59,7 @@ struct Claim {
 ///   stay) that meet in a vertex; the ends are equally far from that vertex to 1e-9, and nearer to each other than to
 ///   it, which means an angle under 60 degrees. For kBoundaryLocked, boundaries are not to be split, or the patch or
 ///   one beside it is frozen.
-/// - The sizes that gaps and short edges ask for are measured anew (verify/varying_sizes.h).
+/// - The sizes that gaps and short edges ask for are measured anew (verify/goals/varying_sizes.h).
 /// - Edges that refinement made are at least min_edge_length long.
 ///
 /// Holds:   the verdict does not depend on the number of threads.

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/output/surface_words.h"
+#include "core/output/report/surface_words.h"
 
 namespace remesh::api {
 namespace {

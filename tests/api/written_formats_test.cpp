@@ -15,9 +15,9 @@
 
 #include "api/job.h"
 #include "api/service.h"
-#include "core/io/obj.h"
-#include "core/io/stl.h"
-#include "core/output/output_form.h"
+#include "core/io/obj/obj.h"
+#include "core/io/stl/stl.h"
+#include "core/output/result/output_form.h"
 #include "tests/support/cgal_space.h"
 #include "tests/support/errors.h"
 #include "tests/support/random.h"

@@ -22,9 +22,9 @@
 
 #include "api/json_reader.h"
 #include "api/service.h"
-#include "core/geometry/delaunay_divide_conquer.h"
-#include "core/io/obj.h"
+#include "core/io/obj/obj.h"
 #include "core/remesh.h"
+#include "core/triangulation/delaunay_divide_conquer.h"
 #include "core/triangulation/patch_triangulation.h"
 #include "tests/bench/inputs.h"
 #include "tests/bench/json_text.h"

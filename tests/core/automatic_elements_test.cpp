@@ -15,7 +15,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/io/obj.h"
+#include "core/io/obj/obj.h"
 #include "core/remesh.h"
 #include "tests/support/own_meshes.h"
 #include "tests/support/primitives.h"

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/geometry/predicates.h"
+#include "core/geometry/exact/predicates.h"
 #include "core/remesh.h"
 #include "tests/support/polygons.h"
 #include "tests/support/random.h"

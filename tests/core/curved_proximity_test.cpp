@@ -8,7 +8,7 @@
 #include <numbers>
 #include <optional>
 
-#include "core/refinement/goals.h"
+#include "core/refinement/goals/goals.h"
 #include "core/remesh.h"
 #include "tests/support/primitives.h"
 #include "tests/support/refined_checks.h"

@@ -17,7 +17,7 @@
 
 #include "core/io/gzip.h"
 #include "core/io/mesh_files.h"
-#include "core/io/obj.h"
+#include "core/io/obj/obj.h"
 #include "core/remesh.h"
 #include "tests/support/claims.h"
 #include "tests/support/hausdorff.h"

@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/geometry/distances.h"
-#include "core/geometry/self_intersections.h"
+#include "core/geometry/intersections/self_intersections.h"
+#include "core/geometry/triangles/distances.h"
 #include "core/remesh.h"
 #include "tests/support/hausdorff.h"
 #include "tests/support/invariance.h"

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include "core/geometry/distances.h"
-#include "core/geometry/self_intersections.h"
+#include "core/geometry/intersections/self_intersections.h"
+#include "core/geometry/triangles/distances.h"
 #include "core/mesh/adjacency.h"
 #include "core/remesh.h"
 #include "tests/support/hausdorff.h"

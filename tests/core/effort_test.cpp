@@ -12,9 +12,9 @@
 #include <vector>
 
 #include "core/base/work_bound.h"
-#include "core/io/obj.h"
-#include "core/refinement/gap_search.h"
-#include "core/refinement/surface_refinement.h"
+#include "core/io/obj/obj.h"
+#include "core/refinement/attempts/surface_refinement.h"
+#include "core/refinement/sizes/gap_search.h"
 #include "tests/support/hostile_families.h"
 #include "tests/support/random.h"
 #include "tests/support/refined_checks.h"

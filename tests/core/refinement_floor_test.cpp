@@ -8,7 +8,7 @@
 #include <numbers>
 #include <vector>
 
-#include "core/refinement/goals.h"
+#include "core/refinement/goals/goals.h"
 #include "core/remesh.h"
 #include "tests/support/invariance.h"
 #include "tests/support/random.h"

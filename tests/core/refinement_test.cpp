@@ -12,7 +12,7 @@
 #include <set>
 #include <string>
 
-#include "core/io/obj.h"
+#include "core/io/obj/obj.h"
 #include "core/remesh.h"
 #include "tests/support/invariance.h"
 #include "tests/support/polygons.h"

@@ -9,7 +9,7 @@
 #include <sstream>
 #include <string>
 
-#include "core/io/obj.h"
+#include "core/io/obj/obj.h"
 #include "tests/support/errors.h"
 #include "tests/support/invariance.h"
 #include "tests/support/random.h"

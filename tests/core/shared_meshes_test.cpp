@@ -15,9 +15,9 @@
 #include <string>
 #include <vector>
 
-#include "core/geometry/triangle_tree.h"
+#include "core/geometry/trees/triangle_tree.h"
 #include "core/io/mesh_files.h"
-#include "core/io/obj.h"
+#include "core/io/obj/obj.h"
 #include "core/remesh.h"
 #include "tests/support/refined_checks.h"
 #include "tests/support/shared_meshes.h"

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "core/refinement/unrefined_reason.h"
+#include "core/refinement/goals/unrefined_reason.h"
 #include "core/remesh.h"
 #include "tests/support/invariance.h"
 #include "tests/support/primitives.h"

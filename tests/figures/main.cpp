@@ -13,11 +13,11 @@
 #include <utility>
 #include <vector>
 
-#include "core/geometry/projection.h"
-#include "core/io/obj.h"
+#include "core/geometry/planes/projection.h"
+#include "core/io/obj/obj.h"
 #include "core/mesh/pinched_vertices.h"
-#include "core/patches/boundary_loops.h"
-#include "core/patches/essential_vertices.h"
+#include "core/patches/planar/boundary_loops.h"
+#include "core/patches/planar/essential_vertices.h"
 #include "core/remesh.h"
 #include "core/triangulation/carving.h"
 #include "core/triangulation/constraint_recovery.h"

@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "core/base/options.h"
-#include "core/mending/mend_faces.h"
-#include "core/mending/weld.h"
+#include "core/mending/polygons/mend_faces.h"
+#include "core/mending/weld/weld.h"
 #include "core/mesh/face_geometry.h"
-#include "core/output/report.h"
-#include "core/patches/coplanar_regions.h"
+#include "core/output/report/report.h"
+#include "core/patches/planar/coplanar_regions.h"
 
 namespace remesh::figures {
 

@@ -5,7 +5,7 @@
 #include "core/mesh/adjacency.h"
 #include "core/mesh/mesh.h"
 #include "core/mesh/surface.h"
-#include "core/patches/patches.h"
+#include "core/patches/planar/patches.h"
 
 namespace remesh::figures {
 

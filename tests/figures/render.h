@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/base/vec.h"
-#include "core/output/result.h"
+#include "core/output/result/result.h"
 #include "tests/figures/svg.h"
 
 namespace remesh::figures {

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/output/surface_words.h"
+#include "core/output/report/surface_words.h"
 #include "core/remesh.h"
 #include "tests/figures/curved_parts.h"
 #include "tests/figures/render.h"

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "core/io/obj_readers.h"
+#include "core/io/obj/obj_readers.h"
 #include "tests/fuzz/fuzz.h"
 #include "tests/support/same_reading.h"
 

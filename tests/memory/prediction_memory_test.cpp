@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/refinement/prediction.h"
+#include "core/refinement/prediction/prediction.h"
 #include "core/remesh.h"
 #include "tests/memory/counted_new.h"
 #include "tests/support/hostile_families.h"

@@ -7,8 +7,8 @@
 #include <cstddef>
 #include <span>
 
-#include "core/geometry/triangle_intersection.h"
-#include "core/geometry/triangle_tree.h"
+#include "core/geometry/trees/triangle_tree.h"
+#include "core/geometry/triangles/triangle_intersection.h"
 
 namespace remesh {
 

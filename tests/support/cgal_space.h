@@ -7,7 +7,7 @@
 #include <span>
 
 #include "core/base/vec.h"
-#include "core/geometry/distances.h"
+#include "core/geometry/triangles/distances.h"
 #include "core/mesh/mesh.h"
 
 namespace remesh {

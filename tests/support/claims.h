@@ -6,7 +6,7 @@
 
 #include "core/base/run_control.h"
 #include "core/mesh/mesh.h"
-#include "core/output/report.h"
+#include "core/output/report/report.h"
 #include "tests/support/plain_surfaces.h"
 
 namespace remesh::test {

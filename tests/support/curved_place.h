@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "core/geometry/analytic_surface.h"
+#include "core/geometry/surfaces/analytic_surface.h"
 #include "tests/support/shapes.h"
 
 namespace remesh::test {

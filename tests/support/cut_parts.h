@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "core/mesh/pinched_vertices.h"
-#include "core/patches/curve_cuts.h"
+#include "core/patches/chains/curve_cuts.h"
 #include "tests/support/primitives.h"
 #include "tests/support/shapes.h"
 

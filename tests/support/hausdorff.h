@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "core/geometry/distances.h"
+#include "core/geometry/triangles/distances.h"
 
 namespace remesh::test {
 

@@ -4,12 +4,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/refinement/criteria.h"
-#include "core/refinement/goals.h"
-#include "core/refinement/patch_to_refine.h"
-#include "core/refinement/segment_cuts.h"
-#include "core/refinement/segment_table.h"
-#include "core/refinement/size_field.h"
+#include "core/refinement/goals/goals.h"
+#include "core/refinement/refiner/patch_to_refine.h"
+#include "core/refinement/segments/segment_cuts.h"
+#include "core/refinement/segments/segment_table.h"
+#include "core/refinement/sizes/criteria.h"
+#include "core/refinement/sizes/size_field.h"
 #include "tests/support/stage_chain.h"
 
 namespace remesh {

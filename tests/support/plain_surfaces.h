@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "core/base/vec.h"
-#include "core/geometry/analytic_surface.h"
-#include "core/patches/recognised_surfaces.h"
+#include "core/geometry/surfaces/analytic_surface.h"
+#include "core/patches/recognition/recognised_surfaces.h"
 
 namespace remesh::test {
 

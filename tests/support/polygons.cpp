@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/geometry/predicates.h"
+#include "core/geometry/exact/predicates.h"
 
 namespace remesh::polygons {
 namespace {

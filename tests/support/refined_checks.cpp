@@ -10,10 +10,10 @@
 #include <set>
 #include <string>
 
-#include "core/geometry/patch_intersections.h"
-#include "core/geometry/self_intersections.h"
+#include "core/geometry/intersections/patch_intersections.h"
+#include "core/geometry/intersections/self_intersections.h"
 #include "core/mesh/triangle_corners.h"
-#include "core/patches/input_intersections.h"
+#include "core/patches/planar/input_intersections.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"
 

@@ -5,10 +5,10 @@
 #include <stdexcept>
 #include <string>
 
-#include "core/mending/mend_faces.h"
-#include "core/mending/weld.h"
+#include "core/mending/polygons/mend_faces.h"
+#include "core/mending/weld/weld.h"
 #include "core/mesh/pinched_vertices.h"
-#include "core/patches/essential_vertices.h"
+#include "core/patches/planar/essential_vertices.h"
 
 namespace remesh {
 

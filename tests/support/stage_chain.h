@@ -9,12 +9,12 @@
 #include "core/mesh/face_geometry.h"
 #include "core/mesh/mesh.h"
 #include "core/mesh/surface.h"
-#include "core/output/report.h"
-#include "core/patches/boundary_loops.h"
-#include "core/patches/coplanar_regions.h"
-#include "core/patches/essential_vertices.h"
-#include "core/patches/patch_meshing.h"
-#include "core/patches/patches.h"
+#include "core/output/report/report.h"
+#include "core/patches/meshing/patch_meshing.h"
+#include "core/patches/planar/boundary_loops.h"
+#include "core/patches/planar/coplanar_regions.h"
+#include "core/patches/planar/essential_vertices.h"
+#include "core/patches/planar/patches.h"
 
 namespace remesh {
 

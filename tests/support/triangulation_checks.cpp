@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "core/geometry/predicates.h"
+#include "core/geometry/exact/predicates.h"
 
 namespace remesh {
 namespace {

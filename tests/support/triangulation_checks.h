@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "core/base/vec.h"
-#include "core/geometry/triangulation_2d.h"
 #include "core/triangulation/constraint_recovery.h"
+#include "core/triangulation/triangulation_2d.h"
 
 namespace remesh {
 

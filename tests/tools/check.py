@@ -13,6 +13,9 @@ The checks are these; without a name all are made.
   preposition and a pronoun alone, as in "of both". No suite of tests has a capital letter in its name.
 - include_order: includes between folders go down only, in the order of include_order.txt, and the words of seams.txt are
   used only in the files named there.
+- include_shape: in the core, with x.h and x.cpp as one room, there are at most so many circles (rooms that include each
+  other, however indirectly) as MAX_CIRCLES says; no chain of includes is longer than MAX_DEPTH files; and no folder has
+  more than MAX_FILES sources. The circles and the longest chain are printed.
 - class_sizes: a class of the core has at most 15 data members and 350 lines, unless the comment above it says why, in a
   sentence that begins with "This class is larger than the bound because". The lines are those of the definition and of
   the functions that are defined outside of it, with blank lines and comments. Static members do not count, and the
@@ -213,6 +216,65 @@ def include_faults(root):
                     yield f"{path}:{number}: only {', '.join(seams[word])} may use {word} (tests/tools/seams.txt)"
 
 
+# Circles, the longest chain of includes, and large folders.
+
+MAX_CIRCLES, MAX_DEPTH, MAX_FILES = 1, 18, 40
+
+
+def find_circles(graph):
+    """The groups of more than one room that reach each other."""
+    def reach(start):
+        found, waiting = {start}, [start]
+        while waiting:
+            new = graph[waiting.pop()] - found
+            found |= new
+            waiting += new
+        return found
+
+    reached = {room: reach(room) for room in graph}
+    circles = {frozenset(other for other in reached[room] if room in reached[other]) for room in graph}
+    return sorted(sorted(circle) for circle in circles if len(circle) > 1)
+
+
+def include_shape(root):
+    """The circles of rooms of the core, and the longest chain of includes, from its top to its bottom."""
+    included = {path: set() for path in files(root, CODE, ("core",))}
+    for path, _, header in includes(root, ["core"]):
+        included[path].add(header)
+    graph = {}
+    for path, headers in included.items():
+        graph.setdefault(os.path.splitext(path)[0], set()).update(os.path.splitext(header)[0] for header in headers)
+    longest = {}
+
+    def chain(path):
+        if path not in longest:
+            longest[path] = []  # headers that include each other end here; the guard ends them in the compiler, too
+            longest[path] = [path, *max((chain(header) for header in sorted(included[path])), key=len, default=[])]
+        return longest[path]
+
+    return find_circles(graph), max(map(chain, included), key=len, default=[])
+
+
+def include_shape_faults(root):
+    circles, longest = include_shape(root)
+    if len(circles) > MAX_CIRCLES:
+        for circle in circles:
+            yield f"core: {len(circles)} circles, at most {MAX_CIRCLES} may be: {', '.join(circle)}"
+    if len(longest) > MAX_DEPTH:
+        yield f"core: includes go {len(longest)} files deep, at most {MAX_DEPTH} may be: {', '.join(longest)}"
+    folders = [os.path.dirname(path) for path in files(root, CODE, ("core",))]
+    for folder in sorted(set(folders)):
+        if folders.count(folder) > MAX_FILES:
+            yield f"{folder}: {folders.count(folder)} files, at most {MAX_FILES} may be; sub-folders make them findable"
+
+
+def print_include_shape(root):
+    circles, longest = include_shape(root)
+    print(f"core: circles of rooms: {len(circles)}; includes go {len(longest)} files deep, below {longest[0]}")
+    for circle in circles:
+        print(f"  circle: {', '.join(circle)}")
+
+
 # The sizes of classes. What clang-format leaves in one form only is read by its indentation.
 
 MAX_MEMBERS, MAX_LINES = 15, 350
@@ -311,7 +373,8 @@ def class_faults(root):
                    f"at most {MAX_MEMBERS} and {MAX_LINES} are usual, and the comment above it does not say why it has more")
 
 
-CHECKS = {"links": link_faults, "english": english_faults, "include_order": include_faults, "class_sizes": class_faults}
+CHECKS = {"links": link_faults, "english": english_faults, "include_order": include_faults,
+          "include_shape": include_shape_faults, "class_sizes": class_faults}
 
 
 def main():
@@ -321,6 +384,8 @@ def main():
     faults = [fault for name in sys.argv[1:] or CHECKS for fault in CHECKS[name](ROOT)]
     for fault in faults:
         print(fault)
+    if "include_shape" in (sys.argv[1:] or CHECKS):
+        print_include_shape(ROOT)
     return 1 if faults else 0
 
 

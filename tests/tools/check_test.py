@@ -102,6 +102,15 @@ class CheckTest(unittest.TestCase):
         self.assertEqual([fault.split(": ")[0] for fault in check.include_faults(root)],
                          ["core/base/a.h:1", "core/base/a.h:2"])
 
+    def test_rooms_that_include_each_other_and_long_chains_are_found(self):
+        # Two ways around lead through b: they are one circle.
+        root = self.repository({
+            "core/a.h": '#include "core/b.h"\n', "core/b.h": '#include "core/c.h"\n', "core/c.h": "",
+            "core/b.cpp": '#include "core/b.h"\n#include "core/a.h"\n#include "core/d.h"\n',
+            "core/c.cpp": '#include "core/c.h"\n', "core/d.h": '#include "core/b.h"\n'})
+        self.assertEqual(check.include_shape(root),
+                         ([["core/a", "core/b", "core/d"]], ["core/b.cpp", "core/a.h", "core/b.h", "core/c.h"]))
+
 
 if __name__ == "__main__":
     unittest.main()

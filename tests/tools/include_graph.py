@@ -22,6 +22,7 @@ PURPOSE = {
     "core/geometry": "predicates, trees, planes",
     "core/io": "mesh files",
     "core/triangulation": "a polygon's triangles",
+    "core/patch_types": "what a patch is",
     "core/mending": "welding and repair",
     "core/patches": "planes, patches, loops",
     "core/refinement": "angles and sizes",
@@ -40,7 +41,9 @@ def count_includes(root, order):
 
 
 def draw(root):
-    order = [folder for folder in check.entries("include_order.txt") if folder.split("/")[0] == "core"]
+    # A wing stands where the first of its folders does.
+    folders = [folder for folder in check.entries("include_order.txt") if folder.split("/")[0] == "core"]
+    order = list(dict.fromkeys("/".join(folder.split("/")[:2]) for folder in folders))
     counts = count_includes(root, order)
     top_of = {i: TOP + (len(order) - 1 - i) * (BOX_HEIGHT + GAP) for i in range(len(order))}
     height = TOP * 2 + len(order) * (BOX_HEIGHT + GAP) - GAP

@@ -1,4 +1,4 @@
-#include "core/geometry/analytic_surface.h"
+#include "core/geometry/surfaces/analytic_surface.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <random>
 #include <vector>
 
-#include "core/geometry/surface_fit.h"
+#include "core/geometry/surfaces/surface_fit.h"
 
 #include "tests/support/invariance.h"
 

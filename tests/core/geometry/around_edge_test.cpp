@@ -1,4 +1,4 @@
-#include "core/geometry/around_edge.h"
+#include "core/geometry/shells/around_edge.h"
 
 #include <gtest/gtest.h>
 

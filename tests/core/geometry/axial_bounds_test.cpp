@@ -1,4 +1,4 @@
-#include "core/geometry/axial_bounds.h"
+#include "core/geometry/intersections/axial_bounds.h"
 
 #include <gtest/gtest.h>
 

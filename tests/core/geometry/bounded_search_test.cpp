@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "core/geometry/self_intersections.h"
-#include "core/geometry/triangle_intersection.h"
+#include "core/geometry/intersections/self_intersections.h"
+#include "core/geometry/triangles/triangle_intersection.h"
 #include "tests/support/hostile_families.h"
 #include "tests/support/invariance.h"
 #include "tests/support/shapes.h"

@@ -1,4 +1,4 @@
-#include "core/geometry/box_tree.h"
+#include "core/geometry/trees/box_tree.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/geometry/delaunay_divide_conquer.h"
+#include "core/triangulation/delaunay_divide_conquer.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/geometry/predicates.h"
+#include "core/geometry/exact/predicates.h"
 #include "core/triangulation/delaunay_flips.h"
 #include "core/triangulation/lexicographic_triangulation.h"
 #include "tests/support/cgal_plane.h"

@@ -1,4 +1,4 @@
-#include "core/geometry/distances.h"
+#include "core/geometry/triangles/distances.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/geometry/half_planes.h"
+#include "core/geometry/intersections/half_planes.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <set>
 #include <vector>
 
-#include "core/geometry/triangle_intersection.h"
+#include "core/geometry/triangles/triangle_intersection.h"
 #include "tests/support/random.h"
 
 namespace remesh {

@@ -1,4 +1,4 @@
-#include "core/geometry/inside_out.h"
+#include "core/geometry/shells/inside_out.h"
 
 #include <gtest/gtest.h>
 

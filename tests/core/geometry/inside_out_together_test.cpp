@@ -7,7 +7,7 @@
 #include <set>
 #include <vector>
 
-#include "core/geometry/inside_out.h"
+#include "core/geometry/shells/inside_out.h"
 #include "core/mesh/adjacency.h"
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"

@@ -1,4 +1,4 @@
-#include "core/geometry/oriented_boxes.h"
+#include "core/geometry/trees/oriented_boxes.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/geometry/overlap.h"
+#include "core/geometry/triangles/overlap.h"
 
 #include <gtest/gtest.h>
 

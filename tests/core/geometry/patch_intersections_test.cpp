@@ -1,10 +1,11 @@
-#include "core/geometry/patch_intersections.h"
+#include "core/geometry/intersections/patch_intersections.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <map>
 
+#include "core/geometry/intersections/self_intersections.h"
 #include "core/mesh/triangle_corners.h"
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"

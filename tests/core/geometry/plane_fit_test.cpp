@@ -1,4 +1,4 @@
-#include "core/geometry/plane_fit.h"
+#include "core/geometry/planes/plane_fit.h"
 
 #include <gtest/gtest.h>
 

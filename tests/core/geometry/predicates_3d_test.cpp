@@ -1,4 +1,4 @@
-#include "core/geometry/predicates_3d.h"
+#include "core/geometry/exact/predicates_3d.h"
 
 #include <gtest/gtest.h>
 

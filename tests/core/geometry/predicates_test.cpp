@@ -1,4 +1,4 @@
-#include "core/geometry/predicates.h"
+#include "core/geometry/exact/predicates.h"
 
 #include <gtest/gtest.h>
 

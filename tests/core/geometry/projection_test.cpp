@@ -1,4 +1,4 @@
-#include "core/geometry/projection.h"
+#include "core/geometry/planes/projection.h"
 
 #include <gtest/gtest.h>
 

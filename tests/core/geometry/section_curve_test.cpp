@@ -1,4 +1,4 @@
-#include "core/geometry/section_curve.h"
+#include "core/geometry/surfaces/section_curve.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/geometry/self_intersections.h"
+#include "core/geometry/intersections/self_intersections.h"
 
 #include <gtest/gtest.h>
 
@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "core/geometry/triangle_intersection.h"
-#include "core/io/obj.h"
-#include "core/verify/exact.h"
+#include "core/geometry/triangles/triangle_intersection.h"
+#include "core/io/obj/obj.h"
+#include "core/verify/model/exact.h"
 #include "tests/support/cgal_space.h"
 #include "tests/support/invariance.h"
 #include "tests/support/random.h"

@@ -1,4 +1,4 @@
-#include "core/geometry/slot_tree.h"
+#include "core/geometry/trees/slot_tree.h"
 
 #include <gtest/gtest.h>
 

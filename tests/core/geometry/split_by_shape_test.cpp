@@ -1,4 +1,4 @@
-#include "core/geometry/split_by_shape.h"
+#include "core/geometry/trees/split_by_shape.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/geometry/surface_integral.h"
+#include "core/geometry/surfaces/surface_integral.h"
 
 #include <gtest/gtest.h>
 

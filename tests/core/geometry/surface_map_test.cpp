@@ -1,4 +1,4 @@
-#include "core/geometry/surface_map.h"
+#include "core/geometry/surfaces/surface_map.h"
 
 #include <gtest/gtest.h>
 

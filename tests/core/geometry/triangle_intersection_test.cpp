@@ -1,4 +1,4 @@
-#include "core/geometry/triangle_intersection.h"
+#include "core/geometry/triangles/triangle_intersection.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/geometry/triangle_tree.h"
+#include "core/geometry/trees/triangle_tree.h"
 
 #include <gtest/gtest.h>
 

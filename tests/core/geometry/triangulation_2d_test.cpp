@@ -1,4 +1,4 @@
-#include "core/geometry/triangulation_2d.h"
+#include "core/triangulation/triangulation_2d.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/geometry/winding_number.h"
+#include "core/geometry/shells/winding_number.h"
 
 #include <gtest/gtest.h>
 

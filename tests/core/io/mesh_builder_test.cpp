@@ -1,4 +1,4 @@
-#include "core/io/mesh_builder.h"
+#include "core/io/common/mesh_builder.h"
 
 #include <gtest/gtest.h>
 

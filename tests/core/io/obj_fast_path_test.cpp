@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "core/io/gzip.h"
-#include "core/io/obj_readers.h"
+#include "core/io/obj/obj_readers.h"
 #include "tests/support/invariance.h"
 #include "tests/support/random.h"
 #include "tests/support/reading.h"

@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "core/io/obj.h"
+#include "core/io/obj/obj.h"
 
 namespace remesh {
 namespace {

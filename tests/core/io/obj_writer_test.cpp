@@ -7,7 +7,7 @@
 #include <random>
 #include <string>
 
-#include "core/io/obj.h"
+#include "core/io/obj/obj.h"
 
 namespace remesh {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/io/off.h"
+#include "core/io/off/off.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/io/bytes.h"
+#include "core/io/common/bytes.h"
 #include "tests/support/reading.h"
 
 namespace remesh {

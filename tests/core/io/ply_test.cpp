@@ -1,4 +1,4 @@
-#include "core/io/ply.h"
+#include "core/io/ply/ply.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/io/bytes.h"
+#include "core/io/common/bytes.h"
 #include "tests/support/reading.h"
 
 namespace remesh {

@@ -1,4 +1,4 @@
-#include "core/io/stl.h"
+#include "core/io/stl/stl.h"
 
 #include <gtest/gtest.h>
 
@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "core/io/bytes.h"
-#include "core/io/text.h"
+#include "core/io/common/bytes.h"
+#include "core/io/common/text.h"
 #include "tests/support/errors.h"
 #include "tests/support/reading.h"
 

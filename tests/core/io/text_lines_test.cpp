@@ -1,4 +1,4 @@
-#include "core/io/text_lines.h"
+#include "core/io/common/text_lines.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/io/text.h"
+#include "core/io/common/text.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/mending/bending_noise.h"
+#include "core/mending/weld/bending_noise.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 
 #include "core/base/tolerance.h"
 #include "core/base/union_find.h"
-#include "core/mending/weld.h"
+#include "core/mending/weld/weld.h"
 #include "tests/support/invariance.h"
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"

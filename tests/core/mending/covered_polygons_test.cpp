@@ -1,4 +1,4 @@
-#include "core/mending/covered_polygons.h"
+#include "core/mending/polygons/covered_polygons.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/mending/cracks.h"
+#include "core/mending/edges/cracks.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
-#include "core/mending/degenerate_faces.h"
+#include "core/mending/polygons/degenerate_faces.h"
 
 #include <gtest/gtest.h>
 
 #include <vector>
 
-#include "core/mending/weld.h"
+#include "core/mending/weld/weld.h"
 #include "tests/support/shapes.h"
 
 namespace remesh {

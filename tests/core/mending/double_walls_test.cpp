@@ -1,4 +1,4 @@
-#include "core/mending/double_walls.h"
+#include "core/mending/edges/double_walls.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/mending/duplicate_faces.h"
+#include "core/mending/faces/duplicate_faces.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "core/mending/winding.h"
+#include "core/mending/faces/winding.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"
 

@@ -1,4 +1,4 @@
-#include "core/mending/input_defects.h"
+#include "core/mending/faces/input_defects.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <map>
 #include <set>
 
-#include "core/mending/weld.h"
+#include "core/mending/weld/weld.h"
 #include "core/mesh/pinched_vertices.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"

@@ -1,4 +1,4 @@
-#include "core/mending/mend_faces.h"
+#include "core/mending/polygons/mend_faces.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,8 @@
 #include <map>
 #include <thread>
 
-#include "core/mending/weld.h"
+#include "core/mending/polygons/faces_without_area.h"
+#include "core/mending/weld/weld.h"
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"

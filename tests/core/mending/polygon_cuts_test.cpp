@@ -1,4 +1,4 @@
-#include "core/mending/polygon_cuts.h"
+#include "core/mending/polygons/polygon_cuts.h"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <map>
 #include <set>
 
-#include "core/mending/mend_faces.h"
-#include "core/mending/weld.h"
+#include "core/mending/polygons/mend_faces.h"
+#include "core/mending/weld/weld.h"
 #include "tests/support/invariance.h"
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"

@@ -1,4 +1,4 @@
-#include "core/mending/polygon_spikes.h"
+#include "core/mending/polygons/polygon_spikes.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <random>
 
-#include "core/geometry/projection.h"
+#include "core/geometry/planes/projection.h"
 #include "tests/support/polygons.h"
 
 namespace remesh {

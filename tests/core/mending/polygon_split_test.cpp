@@ -1,4 +1,4 @@
-#include "core/mending/polygon_split.h"
+#include "core/mending/polygons/polygon_split.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <set>
 
-#include "core/geometry/projection.h"
+#include "core/geometry/planes/projection.h"
 #include "tests/support/polygons.h"
 
 namespace remesh {

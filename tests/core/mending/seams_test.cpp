@@ -1,4 +1,4 @@
-#include "core/mending/seams.h"
+#include "core/mending/edges/seams.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <random>
 #include <set>
 
-#include "core/mending/weld.h"
+#include "core/mending/weld/weld.h"
 #include "tests/support/invariance.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"

@@ -1,4 +1,4 @@
-#include "core/mending/t_junctions.h"
+#include "core/mending/edges/t_junctions.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>

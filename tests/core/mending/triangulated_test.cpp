@@ -1,4 +1,4 @@
-#include "core/mending/triangulated.h"
+#include "core/mending/polygons/triangulated.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <map>
 #include <set>
 
-#include "core/mending/weld.h"
+#include "core/mending/weld/weld.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"
 

@@ -1,4 +1,4 @@
-#include "core/mending/weld.h"
+#include "core/mending/weld/weld.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/mending/winding.h"
+#include "core/mending/faces/winding.h"
 
 #include <gtest/gtest.h>
 

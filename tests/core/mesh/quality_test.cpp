@@ -7,7 +7,7 @@
 #include <numeric>
 #include <random>
 
-#include "core/mending/polygon_split.h"
+#include "core/mending/polygons/polygon_split.h"
 #include "tests/support/invariance.h"
 #include "tests/support/shapes.h"
 

@@ -1,4 +1,4 @@
-#include "core/output/assembly.h"
+#include "core/output/result/assembly.h"
 
 #include <gtest/gtest.h>
 

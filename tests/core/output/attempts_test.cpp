@@ -1,14 +1,14 @@
 // An attempt is a function of the decisions: made for the last decisions of a run alone, it gives the run's result.
 
-#include "core/output/attempts.h"
+#include "core/output/run/attempts.h"
 
 #include <gtest/gtest.h>
 
 #include <string>
 #include <vector>
 
-#include "core/output/learn.h"
-#include "core/output/run_report.h"
+#include "core/output/run/learn.h"
+#include "core/output/run/run_report.h"
 #include "core/remesh.h"
 #include "tests/support/hostile_families.h"
 #include "tests/support/shapes.h"

@@ -1,4 +1,4 @@
-#include "core/output/face_source.h"
+#include "core/output/result/face_source.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Tests by a table what is tried next after each outcome. No mesh is needed for that.
 
-#include "core/output/learn.h"
+#include "core/output/run/learn.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "core/patches/coplanar_regions.h"
+#include "core/patches/planar/coplanar_regions.h"
 
 namespace remesh {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/output/many_faces.h"
+#include "core/output/report/many_faces.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // Tests results in the numbers of binary STL. A result is right by geometry, or it is refused with the reason.
-#include "core/output/output_form.h"
+#include "core/output/result/output_form.h"
 #include "core/remesh.h"
 
 #include <gmock/gmock.h>

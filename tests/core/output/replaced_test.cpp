@@ -1,13 +1,13 @@
 // Two stages that stand for those that put another surface in the place of the prepared one: one cuts each face in two,
 // and one makes one face of each two. Marks, reasons and distances come back as input faces, whatever was replaced.
 
-#include "core/output/replaced.h"
+#include "core/output/run/replaced.h"
 
 #include <gtest/gtest.h>
 
 #include "core/mesh/face_marks.h"
-#include "core/output/face_labels.h"
-#include "core/patches/face_rungs.h"
+#include "core/output/result/face_labels.h"
+#include "core/patches/planar/face_rungs.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"
 

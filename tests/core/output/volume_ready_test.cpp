@@ -1,4 +1,4 @@
-#include "core/output/volume_ready.h"
+#include "core/output/report/volume_ready.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <map>
 #include <numbers>
 
-#include "core/geometry/self_intersections.h"
+#include "core/geometry/intersections/self_intersections.h"
 #include "core/mesh/triangle_corners.h"
 #include "tests/support/shapes.h"
 

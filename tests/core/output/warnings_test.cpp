@@ -1,4 +1,4 @@
-#include "core/output/warnings.h"
+#include "core/output/report/warnings.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "core/output/surface_words.h"
+#include "core/output/report/surface_words.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"
 

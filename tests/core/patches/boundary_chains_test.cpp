@@ -1,4 +1,4 @@
-#include "core/patches/boundary_chains.h"
+#include "core/patches/chains/boundary_chains.h"
 
 #include <gtest/gtest.h>
 

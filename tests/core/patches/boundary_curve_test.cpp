@@ -1,4 +1,4 @@
-#include "core/patches/boundary_curve.h"
+#include "core/patches/charts/boundary_curve.h"
 
 #include <gtest/gtest.h>
 

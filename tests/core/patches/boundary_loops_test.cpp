@@ -1,10 +1,10 @@
-#include "core/patches/boundary_loops.h"
+#include "core/patches/planar/boundary_loops.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "core/geometry/projection.h"
+#include "core/geometry/planes/projection.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"
 

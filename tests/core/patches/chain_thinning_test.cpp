@@ -1,4 +1,4 @@
-#include "core/patches/chain_thinning.h"
+#include "core/patches/chains/chain_thinning.h"
 
 #include <gtest/gtest.h>
 

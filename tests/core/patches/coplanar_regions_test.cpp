@@ -1,4 +1,4 @@
-#include "core/patches/coplanar_regions.h"
+#include "core/patches/planar/coplanar_regions.h"
 
 #include <gtest/gtest.h>
 
@@ -9,7 +9,8 @@
 
 #include "core/base/tolerance.h"
 #include "core/base/union_find.h"
-#include "core/mending/weld.h"
+#include "core/mending/weld/weld.h"
+#include "core/patches/planar/coplanarity.h"
 #include "tests/support/invariance.h"
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"

@@ -1,6 +1,6 @@
 // Tests that boundaries of few pieces neither cross nor fall together.
 
-#include "core/patches/curve_cuts.h"
+#include "core/patches/chains/curve_cuts.h"
 
 #include <gtest/gtest.h>
 

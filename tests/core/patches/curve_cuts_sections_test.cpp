@@ -1,6 +1,6 @@
 // Tests curves in which surfaces of several kinds meet.
 
-#include "core/patches/curve_cuts.h"
+#include "core/patches/chains/curve_cuts.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Tests circles, and what holds for all curves.
 
-#include "core/patches/curve_cuts.h"
+#include "core/patches/chains/curve_cuts.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Tests which edges of a curved patch are too long, against points along the edges.
 
-#include "core/patches/curved_chart.h"
+#include "core/patches/charts/curved_chart.h"
 
 #include <gtest/gtest.h>
 

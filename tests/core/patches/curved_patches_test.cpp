@@ -1,4 +1,4 @@
-#include "core/patches/curved_patches.h"
+#include "core/patches/charts/curved_patches.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/patches/essential_vertices.h"
+#include "core/patches/planar/essential_vertices.h"
 
 #include <gtest/gtest.h>
 

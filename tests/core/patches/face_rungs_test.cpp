@@ -1,4 +1,4 @@
-#include "core/patches/face_rungs.h"
+#include "core/patches/planar/face_rungs.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <set>
 
 #include "core/mesh/face_marks.h"
-#include "core/patches/coplanar_regions.h"
+#include "core/patches/planar/coplanar_regions.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"
 

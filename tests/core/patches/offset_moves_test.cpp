@@ -1,4 +1,4 @@
-#include "core/patches/offset_moves.h"
+#include "core/patches/curved/offset_moves.h"
 
 #include <gtest/gtest.h>
 

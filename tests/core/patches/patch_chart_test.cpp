@@ -1,4 +1,4 @@
-#include "core/patches/patch_chart.h"
+#include "core/patches/charts/patch_chart.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/patches/patch_locator.h"
+#include "core/patches/charts/patch_locator.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "core/geometry/projection.h"
+#include "core/geometry/planes/projection.h"
 #include "tests/support/invariance.h"
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"

@@ -1,11 +1,11 @@
-#include "core/patches/patch_meshing.h"
+#include "core/patches/meshing/patch_meshing.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "core/geometry/projection.h"
+#include "core/geometry/planes/projection.h"
 #include "tests/support/invariance.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"

@@ -1,4 +1,4 @@
-#include "core/patches/patch_summary.h"
+#include "core/patches/planar/patch_summary.h"
 
 #include <gtest/gtest.h>
 

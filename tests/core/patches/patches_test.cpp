@@ -1,4 +1,4 @@
-#include "core/patches/patches.h"
+#include "core/patches/planar/patches.h"
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
 // Tests, through coplanar_regions, that regions are merged that have one plane after all.
-#include "core/patches/region_merging.h"
+#include "core/patches/planar/region_merging.h"
 
 #include <gtest/gtest.h>
 

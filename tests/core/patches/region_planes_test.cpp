@@ -1,4 +1,4 @@
-#include "core/patches/region_planes.h"
+#include "core/patches/planar/region_planes.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/patches/rulings.h"
+#include "core/patches/charts/rulings.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Tests recognition on models whose surfaces are known: all of them must be found, and nothing else.
 
-#include "core/patches/surface_recognition.h"
+#include "core/patches/recognition/surface_recognition.h"
 
 #include <gtest/gtest.h>
 

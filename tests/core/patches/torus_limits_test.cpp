@@ -1,4 +1,4 @@
-#include "core/patches/torus_limits.h"
+#include "core/patches/curved/torus_limits.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/refinement/chords.h"
+#include "core/refinement/rounds/chords.h"
 
 #include <gtest/gtest.h>
 

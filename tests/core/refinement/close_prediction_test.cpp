@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "core/refinement/prediction.h"
+#include "core/refinement/prediction/prediction.h"
 #include "core/remesh.h"
 #include "tests/support/hostile_families.h"
 #include "tests/support/invariance.h"

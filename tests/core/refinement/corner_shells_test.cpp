@@ -1,4 +1,4 @@
-#include "core/refinement/corner_shells.h"
+#include "core/refinement/segments/corner_shells.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +8,8 @@
 #include <set>
 #include <vector>
 
-#include "core/refinement/gap_search.h"
-#include "core/refinement/segment_table.h"
+#include "core/refinement/segments/segment_table.h"
+#include "core/refinement/sizes/gap_search.h"
 #include "tests/support/refined_checks.h"
 #include "tests/support/shapes.h"
 #include "tests/support/solids.h"

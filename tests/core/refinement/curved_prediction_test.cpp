@@ -1,4 +1,4 @@
-#include "core/refinement/curved_prediction.h"
+#include "core/refinement/prediction/curved_prediction.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/refinement/delaunay_mesh.h"
+#include "core/triangulation/delaunay_mesh.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/refinement/even_fill.h"
+#include "core/refinement/refiner/even_fill.h"
 
 #include <gtest/gtest.h>
 

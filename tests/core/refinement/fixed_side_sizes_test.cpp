@@ -1,11 +1,11 @@
-#include "core/refinement/fixed_side_sizes.h"
+#include "core/refinement/sizes/fixed_side_sizes.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <vector>
 
-#include "core/geometry/distances.h"
+#include "core/geometry/triangles/distances.h"
 #include "tests/support/random.h"
 
 namespace remesh {

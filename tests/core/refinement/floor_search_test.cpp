@@ -1,6 +1,6 @@
 // Tests that the search for a floor finds the lowest one that serves, by the numbers of faces alone.
 
-#include "core/refinement/floor_search.h"
+#include "core/refinement/attempts/floor_search.h"
 
 #include <gtest/gtest.h>
 

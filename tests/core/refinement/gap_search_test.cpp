@@ -1,4 +1,4 @@
-#include "core/refinement/gap_search.h"
+#include "core/refinement/sizes/gap_search.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +10,7 @@
 #include <set>
 #include <vector>
 
-#include "core/geometry/distances.h"
+#include "core/geometry/triangles/distances.h"
 #include "tests/support/cgal_space.h"
 #include "tests/support/invariance.h"
 #include "tests/support/polygons.h"

@@ -1,4 +1,4 @@
-#include "core/refinement/goals.h"
+#include "core/refinement/goals/goals.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/refinement/local_features.h"
+#include "core/refinement/sizes/local_features.h"
 
 #include <gtest/gtest.h>
 

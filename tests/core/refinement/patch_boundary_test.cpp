@@ -1,4 +1,4 @@
-#include "core/refinement/patch_boundary.h"
+#include "core/refinement/refiner/patch_boundary.h"
 
 #include <gtest/gtest.h>
 

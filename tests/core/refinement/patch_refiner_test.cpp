@@ -1,4 +1,4 @@
-#include "core/refinement/patch_refiner.h"
+#include "core/refinement/refiner/patch_refiner.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/refinement/patch_sizes.h"
+#include "core/refinement/refiner/patch_sizes.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/refinement/patch_start.h"
+#include "core/refinement/refiner/patch_start.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "core/refinement/working_patch.h"
+#include "core/refinement/refiner/working_patch.h"
 #include "tests/support/patch_subject.h"
 #include "tests/support/polygons.h"
 #include "tests/support/refined_checks.h"

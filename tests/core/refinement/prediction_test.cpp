@@ -1,4 +1,4 @@
-#include "core/refinement/prediction.h"
+#include "core/refinement/prediction/prediction.h"
 
 #include <gtest/gtest.h>
 

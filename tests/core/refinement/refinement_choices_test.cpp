@@ -1,8 +1,8 @@
-#include "core/refinement/refinement_choices.h"
+#include "core/refinement/attempts/refinement_choices.h"
 
 #include <gtest/gtest.h>
 
-#include "core/geometry/self_intersections.h"
+#include "core/geometry/intersections/self_intersections.h"
 
 namespace remesh {
 namespace {

@@ -1,4 +1,4 @@
-#include "core/refinement/segment_cuts.h"
+#include "core/refinement/segments/segment_cuts.h"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/refinement/face_budget.h"
-#include "core/refinement/gap_search.h"
+#include "core/refinement/goals/face_budget.h"
+#include "core/refinement/sizes/gap_search.h"
 #include "tests/support/hostile_families.h"
 #include "tests/support/stage_chain.h"
 

@@ -1,4 +1,4 @@
-#include "core/refinement/segment_table.h"
+#include "core/refinement/segments/segment_table.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/refinement/separation.h"
+#include "core/refinement/adjustment/separation.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <map>
 #include <vector>
 
-#include "core/refinement/surface_refinement.h"
+#include "core/refinement/attempts/surface_refinement.h"
 #include "core/remesh.h"
 #include "tests/support/refined_checks.h"
 #include "tests/support/remeshed.h"

@@ -1,4 +1,4 @@
-#include "core/refinement/size_field.h"
+#include "core/refinement/sizes/size_field.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/refinement/prediction.h"
+#include "core/refinement/prediction/prediction.h"
 #include "tests/support/hostile_families.h"
 #include "tests/support/invariance.h"
 #include "tests/support/random.h"

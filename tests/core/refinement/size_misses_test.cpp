@@ -1,4 +1,4 @@
-#include "core/refinement/size_misses.h"
+#include "core/refinement/rounds/size_misses.h"
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -10,7 +10,7 @@
 #include <limits>
 #include <vector>
 
-#include "core/refinement/unrefined.h"
+#include "core/refinement/goals/unrefined.h"
 #include "tests/support/hostile_families.h"
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"

@@ -1,4 +1,4 @@
-#include "core/refinement/steepness.h"
+#include "core/refinement/sizes/steepness.h"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "core/geometry/distances.h"
+#include "core/geometry/triangles/distances.h"
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"
 

@@ -1,4 +1,4 @@
-#include "core/refinement/steps_above_bounds.h"
+#include "core/refinement/rounds/steps_above_bounds.h"
 
 #include <gtest/gtest.h>
 

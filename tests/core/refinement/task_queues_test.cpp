@@ -1,4 +1,4 @@
-#include "core/refinement/task_queues.h"
+#include "core/refinement/refiner/task_queues.h"
 
 #include <gtest/gtest.h>
 

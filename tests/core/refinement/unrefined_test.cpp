@@ -1,4 +1,4 @@
-#include "core/refinement/unrefined.h"
+#include "core/refinement/goals/unrefined.h"
 
 #include <gtest/gtest.h>
 

@@ -1,10 +1,10 @@
-#include "core/refinement/vertex_place.h"
+#include "core/refinement/segments/vertex_place.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 
-#include "core/refinement/triangle_state.h"
+#include "core/refinement/refiner/triangle_state.h"
 
 namespace remesh {
 namespace {

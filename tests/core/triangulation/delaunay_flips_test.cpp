@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/geometry/predicates.h"
+#include "core/geometry/exact/predicates.h"
 #include "core/triangulation/lexicographic_triangulation.h"
 #include "tests/support/invariance.h"
 #include "tests/support/polygons.h"

@@ -1,4 +1,4 @@
-#include "core/verify/caps.h"
+#include "core/verify/polygons/caps.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

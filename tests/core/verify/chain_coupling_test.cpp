@@ -1,4 +1,4 @@
-#include "core/verify/chain_coupling.h"
+#include "core/verify/boundary/chain_coupling.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/verify/curved_patch.h"
+#include "core/verify/patches/curved_patch.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/verify/curved_shape.h"
+#include "core/verify/model/curved_shape.h"
 
 #include <gtest/gtest.h>
 

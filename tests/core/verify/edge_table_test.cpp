@@ -1,5 +1,5 @@
 /// Tests the checker's table of edges, with and without an order of the edges that somebody else has made.
-#include "core/verify/edge_table.h"
+#include "core/verify/model/edge_table.h"
 
 #include <gtest/gtest.h>
 

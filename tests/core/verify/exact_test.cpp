@@ -1,4 +1,4 @@
-#include "core/verify/exact.h"
+#include "core/verify/model/exact.h"
 
 #include <gtest/gtest.h>
 

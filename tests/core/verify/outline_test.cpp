@@ -1,4 +1,4 @@
-#include "core/verify/outline.h"
+#include "core/verify/model/outline.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "core/verify/polygons.h"
+#include "core/verify/polygons/polygons.h"
 
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>

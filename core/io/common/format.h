@@ -1,0 +1,51 @@
+/// The mesh formats, and the types by which their readers and writers are called.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "core/base/diagnostic.h"
+#include "core/base/ids.h"
+#include "core/mesh/mesh.h"
+
+namespace remesh {
+
+/// All formats of the API. Each has a row in format_spec.cpp, in this order. All can be written; all but VTU and MSH
+/// can be read. A reader treats both kinds of STL as kStl; kStlAscii only selects how STL is written.
+enum class Format { kObj, kJson, kStl, kStlAscii, kPly, kOff, kVtu, kMsh };
+
+inline constexpr std::array kFormats = {Format::kObj, Format::kJson, Format::kStl, Format::kStlAscii,
+                                        Format::kPly, Format::kOff,  Format::kVtu, Format::kMsh};
+
+/// Limits on what a reader may build, with the defaults of the service. A larger mesh ends the read with
+/// Code::kMeshTooLarge.
+struct ReadLimits {
+  std::uint64_t max_vertices = 10'000'000;
+  std::uint64_t max_faces = 20'000'000;
+};
+
+/// Limits on decompressed data, with the service's defaults. More data ends the read with Code::kDecompressedTooLarge.
+struct DecompressionLimits {
+  std::uint64_t max_bytes = std::uint64_t{1} << 30;
+  std::uint64_t max_ratio = 100;  ///< decompressed to compressed bytes; the first MiB is exempt
+};
+
+/// The input of a writer. Only the formats that have a place for them write the ids and the comments.
+struct WriterInput {
+  const TriangleMesh& mesh;
+  const IdVector<FaceId, PatchId>& face_patch;
+  const std::vector<std::string>& comments;
+  /// The surface that each patch is a piece of; empty if it is not known.
+  std::span<const SurfaceId> surface_of_patch = {};
+};
+
+/// The result of a reader: the mesh, and diagnostics about what was dropped (`attribute_dropped`, ...).
+struct ReadResult {
+  PolygonMesh mesh;
+  std::vector<Diagnostic> diagnostics;
+};
+
+}  // namespace remesh

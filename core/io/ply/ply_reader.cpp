@@ -1,0 +1,361 @@
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <map>
+#include <system_error>
+#include <utility>
+
+#include "core/base/stoppable.h"
+#include "core/io/common/bytes.h"
+#include "core/io/common/label_collector.h"
+#include "core/io/common/mesh_builder.h"
+#include "core/io/common/text_lines.h"
+#include "core/io/ply/ply.h"
+#include "core/io/ply/ply_header.h"
+
+namespace remesh {
+namespace {
+
+/// The records of a text, one in each line.
+class TextRecords {
+ public:
+  TextRecords(std::string_view content, const PlyHeader& header, RunControl& control)
+      : content_(content),
+        header_size_(header.size),
+        header_lines_(header.lines),
+        lines_(content.substr(header.size)),
+        check_(control) {}
+
+  void begin_record() {
+    do {
+      if (!lines_.next()) throw error("the text ends before the last record");
+      lines_.check_is_text();
+      rest_ = trim(lines_.line());
+    } while (rest_.empty());
+  }
+  void end_record() const {
+    if (!trim(rest_).empty()) throw error("more values than the header announces: " + cited(rest_));
+  }
+
+  double take_real(PlyType) { return parse_coordinate(take_token(), place()); }
+  std::int64_t take_integer(PlyType) {
+    const std::string_view token = take_token();
+    std::int64_t value = 0;
+    const char* const end = token.data() + token.size();
+    const auto [stop, status] = std::from_chars(token.data(), end, value);
+    if (status != std::errc() || stop != end) throw error("not a whole number: " + cited(token));
+    return value;
+  }
+  void skip(PlyType, std::uint64_t count) {
+    for (std::uint64_t i = 0; i < count; ++i) {
+      check_();
+      take_token();
+    }
+  }
+  /// Text records have no fixed size by which to skip them.
+  bool skip_element(const PlyElement&) { return false; }
+
+  void finish(std::size_t, std::vector<Diagnostic>& diagnostics) {
+    while (lines_.next()) {
+      if (!trim(lines_.line()).empty()) throw error("text after the last record: " + cited(lines_.line()));
+    }
+    note_padding(content_, diagnostics);
+  }
+
+  std::size_t offset() const { return header_size_ + lines_.offset(); }
+  Place place() const { return Place::line(header_lines_ + lines_.number()); }
+
+ private:
+  std::string_view take_token() {
+    const std::string_view token = next_token(rest_);
+    if (token.empty()) throw error("fewer values than the header announces");
+    return token;
+  }
+  Error error(const std::string& message) const { return read_error(place(), Code::kInvalidMesh, message); }
+
+  std::string_view content_;
+  std::size_t header_size_;
+  std::uint64_t header_lines_;
+  TextLines lines_;
+  StopCheck check_;
+  std::string_view rest_;
+};
+
+/// The records of binary data.
+class BinaryRecords {
+ public:
+  BinaryRecords(std::string_view content, const PlyHeader& header, RunControl&)
+      : content_(content),
+        bytes_(content, header.size,
+               header.encoding == PlyEncoding::kLittleEndian ? ByteOrder::kLittle : ByteOrder::kBig) {}
+
+  void begin_record() {}
+  void end_record() const {}
+
+  double take_real(PlyType type) {
+    if (type == PlyType::kFloat32) return bytes_.take<float>();
+    if (type == PlyType::kFloat64) return bytes_.take<double>();
+    return static_cast<double>(take_integer(type));
+  }
+  std::int64_t take_integer(PlyType type) {
+    switch (type) {
+      case PlyType::kInt8: return bytes_.take<std::int8_t>();
+      case PlyType::kUint8: return bytes_.take<std::uint8_t>();
+      case PlyType::kInt16: return bytes_.take<std::int16_t>();
+      case PlyType::kUint16: return bytes_.take<std::uint16_t>();
+      case PlyType::kInt32: return bytes_.take<std::int32_t>();
+      case PlyType::kUint32: return bytes_.take<std::uint32_t>();
+      case PlyType::kFloat32:
+      case PlyType::kFloat64: break;
+    }
+    throw read_error(place(), Code::kInvalidMesh, "a whole number that the header calls a real one");
+  }
+  void skip(PlyType type, std::uint64_t count) { bytes_.skip(count * size_of(type)); }
+  bool skip_element(const PlyElement& element) {
+    if (element.has_lists() || element.count == 0) return false;
+    if (element.count > bytes_.left() / element.least_size()) {
+      throw truncated_error(content_.size(), "inside the element " + cited(element.name));
+    }
+    bytes_.skip(element.count * element.least_size());
+    return true;
+  }
+  void finish(std::size_t least_record, std::vector<Diagnostic>& diagnostics) const {
+    note_trailing_bytes(content_, bytes_.offset(), least_record, diagnostics);
+  }
+
+  std::size_t offset() const { return bytes_.offset(); }
+  Place place() const { return bytes_.place(); }
+
+ private:
+  std::string_view content_;
+  ByteReader bytes_;
+};
+
+/// A property of faces that is used as a label.
+struct LabelProperty {
+  std::string_view kind;
+  LabelSet FaceLabels::*set;
+  LabelCollector labels;
+  std::optional<std::int64_t> last_value;
+  std::map<std::int64_t, std::string> names;
+};
+
+/// Finds the names in comments such as `group 3 lid`.
+void find_names(const PlyHeader& header, LabelProperty& label) {
+  for (const std::string& comment : header.comments) {
+    std::string_view rest = comment;
+    if (next_token(rest) != label.kind) continue;
+    const std::string_view number = next_token(rest);
+    std::int64_t value = 0;
+    const char* const end = number.data() + number.size();
+    const auto [stop, status] = std::from_chars(number.data(), end, value);
+    if (status != std::errc() || stop != end) continue;
+    if (!rest.empty()) rest.remove_prefix(1);
+    if (rest.size() <= kMaxNameLength) label.names.try_emplace(value, rest);
+  }
+}
+
+template <class Records>
+class PlyReader {
+ public:
+  PlyReader(std::string_view content, const PlyHeader& header, const ReadLimits& limits, RunControl& control)
+      : content_size_(content.size()), header_(header), records_(content, header, control), builder_(limits, control) {}
+
+  ReadResult read() {
+    announce();
+    std::size_t least_record = 1;
+    for (const PlyElement& element : header_.elements) {
+      if (element.count > 0) least_record = least_face_size(element);
+      if (element.name == "vertex") {
+        read_vertices(element);
+      } else if (element.name == "face") {
+        read_faces(element);
+      } else {
+        skip_element(element);
+      }
+    }
+    records_.finish(least_record, diagnostics_);
+    ReadResult result;
+    result.mesh = builder_.take();
+    for (LabelProperty& label : labels_) result.mesh.labels.*label.set = label.labels.take();
+    result.diagnostics = std::move(diagnostics_);
+    return result;
+  }
+
+ private:
+  /// The smallest size of a face's record in bytes. Its lists have at least three entries.
+  static std::size_t least_face_size(const PlyElement& element) {
+    std::size_t size = element.least_size();
+    for (const PlyProperty& property : element.properties) {
+      if (property.count_type) size += 3 * size_of(property.type);
+    }
+    return size;
+  }
+
+  void announce() {
+    const PlyElement* vertices = nullptr;
+    const PlyElement* faces = nullptr;
+    for (const PlyElement& element : header_.elements) {
+      if (element.name == "vertex") vertices = &element;
+      if (element.name == "face") faces = &element;
+    }
+    const Place end = Place::line(header_.lines);
+    if (vertices == nullptr) throw read_error(end, Code::kInvalidMesh, "the header has no element \"vertex\"");
+    const std::size_t data = content_size_ - header_.size;
+    // In text, each number takes at least a digit and a blank.
+    const bool is_text = header_.encoding == PlyEncoding::kText;
+    const auto room = [&](const PlyElement* element) {
+      return element == nullptr ? 0 : data / (is_text ? 2 * element->properties.size() : element->least_size());
+    };
+    const Place place = Place::line(std::max(vertices->line, faces == nullptr ? 0 : faces->line));
+    builder_.announce(vertices->count, faces == nullptr ? 0 : faces->count, vertices->count == 0 ? 0 : room(vertices),
+                      faces == nullptr || faces->count == 0 ? 0 : room(faces), place);
+  }
+
+  void read_vertices(const PlyElement& element) {
+    if (element.count == 0) return;
+    constexpr std::array<std::string_view, 3> kAxes{"x", "y", "z"};
+    constexpr int kNoAxis = -1;
+    std::vector<int> axis_of(element.properties.size(), kNoAxis);
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto property = element.find(kAxes[axis]);
+      if (!property || element.properties[*property].count_type) {
+        throw read_error(Place::line(element.line), Code::kInvalidMesh,
+                         "the vertices have no numeric property \"" + std::string(kAxes[axis]) + "\"");
+      }
+      axis_of[*property] = axis;
+    }
+    for (std::uint64_t v = 0; v < element.count; ++v) {
+      builder_.tick(records_.offset(), content_size_);
+      records_.begin_record();
+      Vec3 position;
+      for (std::size_t i = 0; i < axis_of.size(); ++i) {
+        const PlyProperty& property = element.properties[i];
+        if (axis_of[i] == kNoAxis) {
+          skip_property(property);
+        } else {
+          position[axis_of[i]] = records_.take_real(property.type);
+        }
+      }
+      builder_.add_vertex(position, records_.place());
+      records_.end_record();
+    }
+    for (std::size_t i = 0; i < axis_of.size(); ++i) {
+      if (axis_of[i] == kNoAxis) note_dropped(element, &element.properties[i]);
+    }
+  }
+
+  void read_faces(const PlyElement& element) {
+    if (element.count == 0) return;
+    const std::size_t corners = find_corners(element);
+    std::vector<LabelProperty*> label_of(element.properties.size(), nullptr);
+    for (LabelProperty& label : labels_) {
+      const auto property = element.find(label.kind);
+      if (!property || element.properties[*property].count_type || is_real(element.properties[*property].type))
+        continue;
+      label_of[*property] = &label;
+      find_names(header_, label);
+    }
+    for (std::uint64_t f = 0; f < element.count; ++f) {
+      builder_.tick(records_.offset(), content_size_);
+      records_.begin_record();
+      for (std::size_t i = 0; i < element.properties.size(); ++i) {
+        const PlyProperty& property = element.properties[i];
+        if (i == corners) {
+          read_corners(property);
+        } else if (label_of[i] != nullptr) {
+          read_label(*label_of[i], property, f);
+        } else {
+          skip_property(property);
+        }
+      }
+      records_.end_record();
+    }
+    for (std::size_t i = 0; i < element.properties.size(); ++i) {
+      if (i != corners && label_of[i] == nullptr) note_dropped(element, &element.properties[i]);
+    }
+  }
+
+  static std::size_t find_corners(const PlyElement& element) {
+    for (const std::string_view name : {"vertex_indices", "vertex_index"}) {
+      const auto property = element.find(name);
+      if (property && element.properties[*property].count_type && !is_real(element.properties[*property].type)) {
+        return *property;
+      }
+    }
+    throw read_error(Place::line(element.line), Code::kInvalidMesh,
+                     "the faces have no list \"vertex_indices\" of whole numbers");
+  }
+
+  void read_corners(const PlyProperty& list) {
+    const Place place = records_.place();
+    const std::int64_t count = records_.take_integer(*list.count_type);
+    builder_.begin_face(count < 0 ? 0 : static_cast<std::uint64_t>(count), place);
+    for (std::int64_t i = 0; i < count; ++i) {
+      builder_.tick(records_.offset(), content_size_);
+      builder_.add_corner(records_.take_integer(list.type), place);
+    }
+  }
+
+  void read_label(LabelProperty& label, const PlyProperty& property, std::uint64_t face) {
+    const std::int64_t value = records_.take_integer(property.type);
+    if (label.last_value != value) {
+      label.last_value = value;
+      const auto named = label.names.find(value);
+      label.labels.name(named == label.names.end() ? std::to_string(value) : named->second);
+    }
+    label.labels.add_face(static_cast<std::size_t>(face));
+  }
+
+  void skip_property(const PlyProperty& property) {
+    if (!property.count_type) return records_.skip(property.type, 1);
+    const Place place = records_.place();
+    const std::int64_t count = records_.take_integer(*property.count_type);
+    if (count < 0) throw read_error(place, Code::kInvalidMesh, "a list with a negative length");
+    records_.skip(property.type, static_cast<std::uint64_t>(count));
+  }
+
+  void skip_element(const PlyElement& element) {
+    if (element.count == 0) return;
+    if (element.name == "tristrips") {
+      throw read_error(Place::line(element.line), Code::kInvalidMesh,
+                       "triangle strips cannot be read; the mesh needs an element \"face\"");
+    }
+    note_dropped(element, nullptr);
+    if (records_.skip_element(element)) return;
+    for (std::uint64_t i = 0; i < element.count; ++i) {
+      builder_.tick(records_.offset(), content_size_);
+      records_.begin_record();
+      for (const PlyProperty& property : element.properties) skip_property(property);
+      records_.end_record();
+    }
+  }
+
+  void note_dropped(const PlyElement& element, const PlyProperty* property) {
+    const std::string what = property == nullptr ? "" : "property " + cited(property->name) + " of ";
+    diagnostics_.push_back({DiagnosticCode::kAttributeDropped,
+                            element.count,
+                            {},
+                            what + "element " + cited(element.name) + " dropped: " + std::to_string(element.count)});
+  }
+
+  std::size_t content_size_;
+  const PlyHeader& header_;
+  Records records_;
+  MeshBuilder builder_;
+  std::vector<Diagnostic> diagnostics_;
+  std::array<LabelProperty, 3> labels_{LabelProperty{"object", &FaceLabels::object, {}, {}, {}},
+                                       LabelProperty{"group", &FaceLabels::group, {}, {}, {}},
+                                       LabelProperty{"material", &FaceLabels::material, {}, {}, {}}};
+};
+
+}  // namespace
+
+ReadResult read_ply(std::string_view content, const ReadLimits& limits, RunControl& control) {
+  control.enter(Stage::kRead);
+  const PlyHeader header = parse_ply_header(content);
+  return header.encoding == PlyEncoding::kText ? PlyReader<TextRecords>(content, header, limits, control).read()
+                                               : PlyReader<BinaryRecords>(content, header, limits, control).read();
+}
+
+}  // namespace remesh

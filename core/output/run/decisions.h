@@ -1,0 +1,39 @@
+/// All that a run decides about how its surface is remeshed. There is no geometry here.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/mending/preparation.h"
+#include "core/patches/curved/curved_choices.h"
+#include "core/patches/planar/face_rungs.h"
+#include "core/refinement/attempts/refinement_choices.h"
+
+namespace remesh {
+
+/// What was decided about stages that put another surface in the place of the prepared one.
+struct DetailChoices {
+  /// The surface that was divided with these rungs has lost its details, and so on. All other choices are about the
+  /// last surface.
+  std::vector<FaceRungs> replaced;
+  bool are_done = false;  ///< details were looked for in vain
+  bool operator==(const DetailChoices&) const = default;
+};
+
+/// The decisions of a run. An attempt is a function of the input, the options and these. Each step reads a part of them,
+/// and its result is used again as long as that part is the same.
+struct Decisions {
+  MendingLimits mending;
+  DetailChoices details;
+  FaceRungs rungs;
+  CurvedChoices curved;
+  RefinementChoices refinement;
+  bool operator==(const Decisions&) const = default;
+
+  explicit Decisions(const FloorSearch& floors) : refinement(floors) {}
+};
+
+/// Returns in one line, in words, what is decided differently in `next`. The line is empty if nothing is.
+std::string difference(const Decisions& now, const Decisions& next);
+
+}  // namespace remesh

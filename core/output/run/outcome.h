@@ -1,0 +1,63 @@
+/// What an attempt at a surface has shown. All places are input faces, so that nobody needs geometry to learn from it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/base/ids.h"
+#include "core/patches/curved/curved_choices.h"
+#include "core/patches/planar/face_rungs.h"
+#include "core/refinement/attempts/refinement_choices.h"
+
+namespace remesh {
+
+struct Outcome {
+  /// How an attempt ends, in the order of its steps.
+  enum class End : std::uint8_t {
+    kSurfaceReplaced,    ///< details were removed, so there is another surface
+    kPatchesFailed,      ///< patches could not be triangulated
+    kWorkInVain,         ///< too much work was for results that failed the check, so nothing was tried
+    kFloorTooLow,        ///< there would surely be more faces than are in proportion
+    kGapsTooFine,        ///< gaps ask for far more faces than are allowed
+    kTooManyMade,        ///< refinement made far too many faces, or would make them
+    kFacetsCoarser,      ///< facets of curved surfaces are coarser than joined patches, or finer
+    kOffsetsImpossible,  ///< curved surfaces have too few vertices that may move to keep their volumes
+    kOffsetsChanged,     ///< curved surfaces have to be moved by other offsets
+    kTooManyFaces,       ///< the result has too many faces, or another floor may serve as well
+    kCheckFailed,        ///< the result has not passed verification
+    kVerified            ///< the result has passed verification
+  };
+  End end = End::kVerified;
+
+  std::size_t input_faces = 0;          ///< the number of all input faces
+  bool are_details_done = false;        ///< details were looked for in vain
+  bool are_elements_automatic = false;  ///< curved patches were not asked for in so many words
+  bool are_any_crossing = false;        ///< patches cross or touch each other in the input
+  bool are_any_moved = false;           ///< curved surfaces are moved outwards
+  bool was_any_joined = false;          ///< mending has joined or divided faces, which may be at fault
+  RefinementFacts facts;
+
+  double coarsest = 0;                  ///< the size that gaps should not go below, in model units
+  CoarserFaces compared;                ///< what the comparison of facets with joined patches has shown
+  IdVector<SurfaceId, double> offsets;  ///< better ones, in local units
+  std::optional<std::uint64_t> faces;   ///< those of the result, once there is one
+  bool are_angles_worse = false;        ///< than before refinement, and the floor has left them
+  std::vector<FailedFaces> failed;      ///< the patches that failed
+  /// Which of the failed patches had to stay as they were before refinement.
+  std::vector<std::uint8_t> was_frozen;
+  bool is_whole_wrong = false;      ///< no single patch is at fault
+  std::vector<CurvedFault> faults;  ///< the curved patches that may be at fault
+  std::string reason;               ///< the first failure of the check, for people
+
+  /// What the attempt took.
+  std::uint64_t triangles = 0, search_steps = 0, size_steps = 0;
+  std::optional<std::uint64_t> max_in_vain;  ///< see Effort
+};
+
+/// The stable name of an end.
+std::string name(Outcome::End end);
+
+}  // namespace remesh

@@ -1,0 +1,39 @@
+/// The surface that a stage puts in the place of another one.
+#pragma once
+
+#include <vector>
+
+#include "core/base/ids.h"
+#include "core/mesh/surface.h"
+#include "core/patch_types/patch_set.h"
+
+namespace remesh {
+
+/// What a stage has made of a surface. All steps after it take the surface, whoever made it. Its faces know which input
+/// faces they cover, so that marks and reasons go through them to the input.
+struct Replaced {
+  Surface surface;
+  std::vector<FaceId> without_area;  ///< the surface's faces without area, which stay as they are
+  double distance = 0;               ///< how far it is from the surface before, in both directions, in model units
+  double volume = 0;                 ///< by how much the volume has changed at most, in cubed model units
+};
+
+/// Adds up what stages have spent.
+struct SpentOnStages {
+  int stages = 0;
+  double distance = 0, volume = 0;
+
+  void add(const Replaced& replaced) {
+    ++stages;
+    distance += replaced.distance;
+    volume += replaced.volume;
+  }
+};
+
+/// Returns the input faces that new faces cover which a stage made of the patches of a surface. The first new face of a
+/// patch covers all input faces that the patch covered; any other covers its source.
+/// Input: `patch` is the patch of each new face, and `source` its source.
+CoveredFaces covers_of_new_faces(const Surface& before, const PatchSet& patches, const IdVector<FaceId, PatchId>& patch,
+                                 const FilledIdVector<FaceId, FaceId>& source);
+
+}  // namespace remesh

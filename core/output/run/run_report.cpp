@@ -1,0 +1,278 @@
+#include "core/output/run/run_report.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "core/base/ids.h"
+#include "core/base/parallel.h"
+#include "core/mending/common/body_labels.h"
+#include "core/mending/polygons/triangulated.h"
+#include "core/mesh/adjacency.h"
+#include "core/mesh/triangle_corners.h"
+#include "core/output/report/many_faces.h"
+#include "core/output/report/volume_ready.h"
+#include "core/output/report/warnings.h"
+#include "core/output/result/face_labels.h"
+#include "core/output/result/face_source.h"
+#include "core/output/result/output_form.h"
+#include "core/refinement/goals/unrefined_reason.h"
+#include "core/refinement/prediction/curved_prediction.h"
+#include "core/refinement/sizes/gap_search.h"
+
+namespace remesh {
+namespace {
+
+/// Predicts the faces for other numbers of elements per circle.
+/// Input: `predicted` has the faces that are predicted for each patch; it is empty if nothing is refined.
+std::map<int, std::uint64_t> predict_by_circles(const RecognisedFacets& facets, const Partition& partition,
+                                                const CurveCuts& cuts, const PatchMeshes& meshes,
+                                                const std::vector<float>& predicted, double min_edge_length,
+                                                const Options& options, RunControl& control) {
+  PresentPatches present{partition.patches, partition.essential, cuts, {}, {}, min_edge_length};
+  for (std::size_t p = 0; p < partition.patches.count(); ++p) {
+    present.triangles.push_back(static_cast<double>(meshes[PatchId(p)].mesh.triangle_count()));
+    present.faces.push_back(!predicted.empty() ? predicted[p]
+                                               : static_cast<double>(partition.summaries.patches[p].output_faces));
+  }
+  return predict_by_elements_per_circle(facets, present, options, control);
+}
+
+/// Takes the distances that were proven into the report.
+/// Input: `of_stages` is the distance that stages have spent which replaced the surface.
+void take_bounds(Report& report, double of_stages) {
+  report.distance_bound = {report.verified.distance_bound.output_to_input + of_stages,
+                           report.verified.distance_bound.input_to_output + of_stages};
+  report.verified.deviation += of_stages;
+  for (std::size_t p = 0; p < report.patches.size(); ++p) {
+    report.patches[p].bound = report.verified.patch_bounds[p] + of_stages;
+    double& of_surface = report.surfaces.surfaces[report.surfaces.of_patch[PatchId(p)]].bound;
+    of_surface = std::max(of_surface, report.patches[p].bound);
+  }
+}
+
+/// Writes the report of a run.
+class RunReporter {
+ public:
+  explicit RunReporter(std::unique_ptr<RunProducts> run) : products_(std::move(run)), run_(*products_) {}
+
+  Report analysis() {
+    examine_input();
+    run_.report.surfaces.join_bands();
+    run_.watch.enter(Stage::kRefinement);
+    crossing_ = run_.intersections();
+    const Prediction predicted =
+        run_.refinement->predict_before(run_.patched(crossing_), run_.choices, run_.candidate.triangulated);
+    run_.report.min_edge_length = run_.choices.floors.floor();
+    tell_curves({[&](PatchId p) {
+                   return run_.has_goals()
+                              ? predicted.of_patch[p.value]
+                              : static_cast<double>(run_.partition.summaries.patches[p.value].output_faces);
+                 },
+                 RefinedFaces::Are::kPredicted});
+    tell_coarsened_surfaces(run_.surface(), run_.partition.patches, run_.joined.curved(), RefinedFaces::Are::kPredicted,
+                            run_.report);
+    run_.report.predicted_faces_by_elements_per_circle = predict_for_circles(predicted.of_patch);
+    tell_many_faces(RefinedFaces::Are::kPredicted, predicted.of_patch);
+    // Facets count, not the patches that were joined from them, so proximity does not change the answer.
+    if (run_.joined.curved() == nullptr) run_.report.smallest_gap = run_.refinement->smallest_gap();
+    if (!run_.report.smallest_gap)
+      run_.report.smallest_gap =
+          GapSearch(run_.surface(), run_.adjacency(), run_.facets(), run_.report.plane_tolerance, run_.control,
+                    run_.joined.curved() != nullptr ? nullptr : &run_.candidate.triangulated)
+              .smallest(run_.control, run_.goals().max_faces);
+    run_.report.predicted_faces = run_.has_goals() ? static_cast<std::uint64_t>(std::min(predicted.expected, 0x1p62))
+                                                   : run_.partition.summaries.triangles;
+    summarise();
+    tell_removal();
+    run_.report.timing_ms = run_.watch.finish();
+    return std::move(run_.report);
+  }
+
+  /// Completes the report after the result has passed verification.
+  void remeshing() {
+    crossing_ = run_.intersections();
+    std::vector<float> faces;
+    for (const PatchMesh& patch : run_.candidate.triangulated.meshes)
+      faces.push_back(static_cast<float>(patch.mesh.triangle_count()));
+    // Other options are predicted for the triangles as they were before refinement.
+    run_.candidate.refinement.before.exchange_with(run_.candidate.triangulated.meshes);
+    tell_many_faces(RefinedFaces::Are::kCounted, faces);
+    run_.candidate.refinement.before.exchange_with(run_.candidate.triangulated.meshes);
+    run_.candidate.refinement.before.clear();
+    summarise();
+    run_.report.volume_bound = run_.report.verified.volume_bound + run_.spent.volume;
+    take_bounds(run_.report, run_.spent.distance);
+    tell_removal();
+    tell_details_left(run_.detail_limits, run_.candidate, run_.partition.patches, run_.surface(),
+                      run_.report.diagnostics, run_.control);
+    run_.report.surfaces.join_bands();
+    for (std::size_t p = 0; p < run_.candidate.triangulated.meshes.size(); ++p)
+      run_.report.patches[p].output_faces = run_.candidate.triangulated.meshes[PatchId(p)].mesh.triangle_count();
+    run_.prepared.release();
+    tell_curves({[&](PatchId p) { return static_cast<double>(run_.report.patches[p.value].output_faces); }});
+    if (!run_.report.verified.are_all_intersections_known) warn_of_many_intersections(run_.report.diagnostics);
+  }
+
+  /// Makes the result of what is verified, rounds it for its format, and measures the rounded result.
+  Result result(const RunSettings& settings) {
+    Result result;
+    result.mesh.positions = std::move(run_.candidate.positions);
+    result.basis = output_basis(result.mesh.positions);
+    result.mesh.faces = std::move(run_.candidate.assembled.faces);
+    result.face_patch = std::move(run_.candidate.assembled.face_patch);
+    result.report = std::move(run_.report);
+    // Everything from here on is about the coordinates that the output format holds.
+    if (settings.rounding != OutputRounding::kLater)
+      result.is_not_held = round_output(settings.storage, run_.options.local_origin, settings.rounding, result,
+                                        run_.control) == Rounded::kNotHeld;
+    run_.watch.enter(Stage::kQuality);
+    const bool are_sources_needed =
+        settings.want_face_source || do_labels_need_sources(run_.input.labels, run_.options.barriers);
+    IdVector<FaceId, FaceId> source;
+    // The two tasks have serial parts that do not depend on each other, so they run at the same time.
+    do_all([&] { measure_output(result, run_.control); },
+           [&] {
+             // The source of each output face is the input face under its centroid.
+             source = are_sources_needed ? face_source(run_.surface(), run_.partition.patches,
+                                                       run_.candidate.triangulated, run_.control)
+                                         : first_faces(run_.surface(), run_.partition.patches, result.face_patch);
+             run_.candidate.clear();
+           });
+    run_.watch.enter(Stage::kAssembly);
+    tell_coarsened_surfaces(run_.surface(), run_.partition.patches, run_.joined.curved(), RefinedFaces::Are::kCounted,
+                            result.report);
+    result.mesh.labels = labels_from(run_.input.labels, source);
+    if (settings.want_face_source) {
+      result.face_source = source;
+      result.input_face_patch = patches_of_input(run_.surface(), run_.partition.patches, run_.input.face_count());
+    }
+    result.report.timing_ms = run_.watch.finish();
+    return result;
+  }
+
+ private:
+  void examine_input() {
+    const Triangulated faces(run_.surface(), run_.control);
+    if (!run_.input_intersections) run_.find_input_intersections(faces);
+    // The first triangle of a polygon stands for the polygon.
+    std::vector<std::pair<FaceId, FaceId>> pairs;
+    for (const auto& [f, g] : run_.input_intersections->pairs)
+      pairs.push_back({FaceId(faces.first_of(f)), FaceId(faces.first_of(g))});
+    const auto begins = triangle_begins(faces.corners().size() / 3, run_.control);
+    const Adjacency edges(run_.surface().vertex_count(), begins, faces.corners(), run_.control);
+    std::vector<FaceId> source;
+    source.reserve(faces.size());
+    for (std::size_t t = 0; t < faces.size(); ++t) source.push_back(run_.surface().face_source[faces.face(t)]);
+    const BodyLabels labels = labels_of_sources(run_.input.labels, source, run_.control);
+    run_.report.volume_obstacles = find_volume_obstacles(run_.surface().positions.items(), faces.corners(), edges,
+                                                         labels, pairs, run_.report.plane_tolerance, run_.control);
+    add_incomplete_check(run_.input_intersections->searched, faces.size(), run_.report.volume_obstacles);
+  }
+
+  /// Tells which curved surfaces are refined facet by facet.
+  void tell_curves(const RefinedFaces& refined) {
+    if (!run_.options.refine) return;
+    if (run_.options.feature_angle_deg > 0)
+      warn_of_curved_surfaces(run_.surface(), run_.partition.patches, run_.report.surfaces, refined,
+                              run_.report.diagnostics, run_.joined.curved());
+    else
+      warn_of_curves(run_.surface(), run_.partition.patches, run_.report.diagnostics);
+  }
+
+  /// Input: the faces that there are, or that are predicted, of each patch; empty if nothing is refined.
+  std::map<int, std::uint64_t> predict_for_circles(const std::vector<float>& faces) {
+    return predict_by_circles({run_.surface(), run_.adjacency(), run_.facets(), run_.recognised,
+                               run_.report.plane_tolerance, run_.report.input.bounding_box.diagonal()},
+                              run_.partition, run_.joined.cuts, run_.candidate.triangulated.meshes, faces,
+                              run_.choices.floors.floor(), run_.options, run_.control);
+  }
+
+  /// Tells why there are far more faces than in the input, if so.
+  /// Input: the patches' triangles as they were before refinement; surfaces before bands were joined.
+  void tell_many_faces(RefinedFaces::Are are, const std::vector<float>& faces) {
+    if (!run_.has_asked_goals()) return;
+    const Goals goals = run_.goals();
+    const std::vector<UnrefinedReason>& reasons = run_.candidate.unrefined.reasons;
+    const auto is_left_by_floor = [](UnrefinedReason r) {
+      return r == UnrefinedReason::kSizeFloor || r == UnrefinedReason::kMinEdgeLength;
+    };
+    const CurvedPatches* const curved = run_.joined.curved();
+    warn_of_many_faces({run_.surface(),
+                        run_.partition.patches,
+                        {[&](PatchId p) { return faces[p.value]; }, are},
+                        run_.triangles_of_input(),
+                        run_.report.input.bounding_box.diagonal(),
+                        run_.options,
+                        goals,
+                        static_cast<std::uint64_t>(std::count_if(reasons.begin(), reasons.end(), is_left_by_floor)),
+                        [&](PatchId p) {
+                          const SurfaceKind kind =
+                              run_.report.surfaces.surfaces[run_.report.surfaces.of_patch[p]].shape.kind;
+                          const bool is_joined = curved != nullptr && curved->of(p) != nullptr;
+                          return !is_joined && kind != SurfaceKind::kPlane && kind != SurfaceKind::kFree;
+                        },
+                        [&](const Goals& other) {
+                          return run_.refinement->predict_with(other, run_.patched(crossing_), run_.size_steps,
+                                                               run_.candidate.triangulated);
+                        },
+                        [&] { return predict_for_circles(faces); }},
+                       run_.report.diagnostics);
+  }
+
+  void summarise() {
+    run_.report.patches = std::move(run_.partition.summaries.patches);
+    if (run_.spent.stages > 0) count_input_faces();
+    run_.report.volume_bound = run_.partition.summaries.volume_bound;
+  }
+
+  /// Counts the input's faces of each patch, where the surface has others.
+  void count_input_faces() {
+    for (PatchSummary& patch : run_.report.patches) patch.input_faces = 0;
+    for (const PatchId p : patches_of_input(run_.surface(), run_.partition.patches, run_.input.face_count()))
+      if (p.is_valid()) ++run_.report.patches[p.value].input_faces;
+  }
+
+  void tell_removal() {
+    if (run_.spent.stages > 0)
+      run_.report.diagnostics.push_back(removal(run_.removed, run_.detail_limits.size, run_.spent.distance));
+  }
+
+  OutputBasis output_basis(const IdVector<VertexId, Vec3>& positions) {
+    OutputBasis basis;
+    basis.normals = run_.candidate.triangulated.charts.normals(run_.control);
+    if (const CurvedPatches* curved = run_.joined.curved())
+      for (const std::uint32_t at : curved->at) basis.is_curved.push_back(at == kNone ? 0 : 1);
+    // The input's bounding box may have corners of faces that were dropped.
+    Box3 box;
+    for (const Vec3& p : positions) box.add(p);
+    basis.allowed_move = std::max(run_.report.plane_tolerance, kAllowedRounding * box.diagonal());
+    basis.is_refined = run_.has_asked_goals();
+    basis.goals = run_.goals();
+    basis.unrefined = std::move(run_.candidate.unrefined);
+    basis.intersections =
+        patches_that_still_intersect(run_.intersections(), run_.report.verified, run_.candidate.assembled.face_patch);
+    basis.patch_labels = labels_of_patches(run_.input.labels, run_.surface(), run_.partition.patches, run_.control);
+    return basis;
+  }
+
+  const std::unique_ptr<RunProducts> products_;
+  RunProducts& run_;             ///< the same
+  InputIntersections crossing_;  ///< the patches that cross each other in the input
+};
+
+}  // namespace
+
+Report make_analysis(std::unique_ptr<RunProducts> run) { return RunReporter(std::move(run)).analysis(); }
+
+Result make_result(std::unique_ptr<RunProducts> run, const RunSettings& settings) {
+  RunReporter reporter(std::move(run));
+  reporter.remeshing();
+  return reporter.result(settings);
+}
+
+}  // namespace remesh

@@ -1,0 +1,46 @@
+/// Finds the faces of the input that intersect.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/base/diagnostic.h"
+#include "core/base/run_control.h"
+#include "core/geometry/intersections/patch_intersections.h"
+#include "core/mending/polygons/triangulated.h"
+#include "core/mesh/adjacency.h"
+#include "core/mesh/mesh.h"
+#include "core/mesh/surface.h"
+#include "core/patch_types/patch_set.h"
+
+namespace remesh {
+
+/// Faces of a surface that intersect, in pairs.
+struct FoundIntersections {
+  std::vector<std::pair<FaceId, FaceId>> pairs;  ///< sorted; the smaller face first; each pair once
+  bool is_complete = true;                       ///< false if the search was cut short, so there may be more pairs
+  double searched = 1;                           ///< the share of the faces that were held against all others
+};
+
+/// The search stops at this many pairs. With more, the surface lies on itself all over. It also stops after the number
+/// of steps that is usual for a surface of its size (SearchLimits::steps_for), many times over.
+inline constexpr std::size_t kMaxIntersections = 100'000;
+/// A small surface lies on itself all over with fewer pairs. What is made of it would have many times more.
+constexpr std::size_t max_intersections(std::size_t faces) {
+  constexpr std::size_t kAlways = 1 << 14, kPerFace = 16;
+  return std::min(kMaxIntersections, kAlways + kPerFace * std::min(faces, kMaxIntersections));
+}
+
+/// Finds the faces that intersect, except pairs inside one large simple patch. A polygon and a face with an edge on one
+/// of the polygon's diagonals count as intersecting, too. Reports pairs as self_intersection, and as overlapping_faces
+/// if they are coplanar within the tolerance (model units). Elements are input faces. If the search was cut short, this
+/// is reported as incomplete_check. Its count is the number of faces that were not held against all others, and the
+/// message says about how many pairs there are in all.
+FoundIntersections find_intersections(const Surface& surface, const Triangulated& faces, const PatchSet& patches,
+                                      const std::vector<std::uint8_t>& is_simple, double plane_tolerance,
+                                      std::vector<Diagnostic>& diagnostics, RunControl& control);
+
+}  // namespace remesh

@@ -1,0 +1,15 @@
+/// Joins bands of facets around an axis to surfaces of revolution.
+#pragma once
+
+#include "core/base/run_control.h"
+#include "core/patches/recognition/facet_graph.h"
+#include "core/patches/recognition/surface_claims.h"
+
+namespace remesh {
+
+/// Joins claims for cones and cylinders about one axis, which meet smoothly, to surfaces of revolution. They have no
+/// sphere or torus in common, or that would have replaced them.
+/// Errors: kCancelled, kTimeout - asked to stop through `control`.
+void join_bands(const FacetGraph& graph, ClaimTable& table, RunControl& control);
+
+}  // namespace remesh

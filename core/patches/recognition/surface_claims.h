@@ -1,0 +1,131 @@
+/// Claims of facets for surfaces: a surface grows from a few facets over their neighbours as long as the corners of
+/// these lie on it.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/base/ids.h"
+#include "core/base/run_control.h"
+#include "core/base/stoppable.h"
+#include "core/base/vec.h"
+#include "core/geometry/surfaces/analytic_surface.h"
+#include "core/geometry/surfaces/surface_fit.h"
+#include "core/patches/recognition/facet_graph.h"
+
+namespace remesh {
+
+/// Facets that are claimed for a surface, in local units.
+struct SurfaceClaim {
+  AnalyticSurface shape;
+  int side = 1;  ///< 1 if the facets' normals point to the positive side of the surface, otherwise -1
+  std::vector<PatchId> facets;
+  double tolerance = 0;       ///< no corner is farther from the surface than this
+  std::vector<Vec2> profile;  ///< only a surface of revolution has one, see RecognisedSurface
+  double area = 0;            ///< sum of the facets' areas
+  double deviation = 0;       ///< largest distance of a corner from the surface
+  bool is_clear = false;      ///< nearly all corners are so near to the surface that rounding alone explains them
+  bool is_explained = true;   ///< the turns between the facets explain how far they are from the surface
+  double chord_height = 0;    ///< the facets' distance from the surface: the mean of their largest ones, by area
+  std::vector<SurfaceClaim>
+      bands;  ///< only a surface of revolution has them: the cones and cylinders that it was made of
+};
+
+/// The claims, and which facets belong to which.
+struct ClaimTable {
+  explicit ClaimTable(std::size_t facets) : owner(facets, kNone) {}
+
+  /// Adds a claim. Its facets belong to it from now on, even if they belonged to another one.
+  void add(SurfaceClaim claim) {
+    for (const PatchId p : claim.facets) owner[p] = static_cast<std::uint32_t>(claims.size());
+    claims.push_back(std::move(claim));
+  }
+
+  IdVector<PatchId, std::uint32_t> owner;  ///< index in `claims`, or kNone
+  std::vector<SurfaceClaim> claims;        ///< some may have lost all of their facets
+};
+
+/// The state of a facet while claims are made.
+enum class Taken : std::uint8_t {
+  kFree,
+  kWeakly,  ///< it belongs to a claim that a larger one may replace
+};
+
+/// How a surface grows.
+struct ClaimGrowth {
+  double tolerance = 0;  ///< the largest distance of a corner from the surface, in local units
+  Taken may_replace = Taken::kFree;
+  /// However near its corners are, the claim must end where its surface ends.
+  bool is_doubtful = false;
+};
+
+/// Grows claims. It has scratch memory for all facets, so that a claim costs no more than its size.
+class ClaimGrower {
+ public:
+  ClaimGrower(const FacetGraph& graph, RunControl& control);
+
+  void set_taken(PatchId p, Taken taken) { taken_[p] = taken; }
+
+  /// Grows a surface from facets that lie about on it, over facets that are not taken, or at most weakly.
+  /// Output: nothing if no surface of this kind has enough facets to be believed.
+  std::optional<SurfaceClaim> grow(const AnalyticSurface& start, std::span<const PatchId> seed,
+                                   const ClaimGrowth& growth);
+
+  /// Returns how much work was done so far. It is counted in steps, so that it is the same on every machine.
+  std::uint64_t work() const { return work_; }
+
+  /// Returns the mean of a facet's corners, and its normal.
+  FacetPlace place_of(PatchId p) const;
+  /// Returns the sum of the facets' largest distances from a surface in their middles and the middles of their sides.
+  double chord_height(const AnalyticSurface& shape, std::span<const PatchId> facets) const;
+  /// Returns the facets that the last growth had when it was given up. There are none if the growth succeeded, or had
+  /// too few facets for its kind.
+  std::span<const PatchId> given_up() const { return given_up_; }
+
+ private:
+  /// A surface whose distances can be computed fast.
+  class Gauge;
+
+  bool fits(const Gauge& gauge, PatchId p, double tolerance, int side);
+  double chord_height(const Gauge& gauge, PatchId p) const;
+  /// Returns how many tolerances corners may be off while a growth has this many facets.
+  double slack(std::size_t members) const;
+  bool expand(const Gauge& gauge, double tolerance, int side, Taken may_replace, std::size_t max_size,
+              std::vector<PatchId>& members);
+  enum class Precision : std::uint8_t { kGoodEnough, kExact };
+  bool refit(AnalyticSurface& shape, std::span<const PatchId> members, Precision precision);
+  void trim(const AnalyticSurface& shape, double tolerance, int side, std::vector<PatchId>& members);
+  /// Removes facets over which the surface turns too much, and returns the mean of the chord heights of the others.
+  double drop_uneven(const AnalyticSurface& shape, std::vector<PatchId>& members);
+  /// Returns 1 minus the cosine of the largest angle by which the surface turns between corners of a facet.
+  double turn(const Gauge& gauge, PatchId p) const;
+  /// Sorts values of facets, and returns the value that half of the area is below.
+  double median_by_area(std::vector<std::pair<double, PatchId>>& values) const;
+  /// Returns whether the facets around a claim leave its surface so gradually that the claim is a piece of something
+  /// larger, to which the surface is only near.
+  bool goes_on_beyond(const Gauge& gauge, const SurfaceClaim& claim);
+  bool is_explained(const SurfaceClaim& claim) const;
+  bool grow_members(AnalyticSurface& shape, int side, Taken may_replace, std::vector<PatchId>& members);
+  std::optional<SurfaceClaim> conclude(AnalyticSurface shape, int side, std::vector<PatchId> members);
+
+  const FacetGraph& graph_;
+  double tolerance_ = 0;      ///< of this growth
+  bool is_doubtful_ = false;  ///< of this growth
+  double first_slack_ = 1;    ///< the growth began with so much, see slack()
+  const RunControl& control_;
+  StopCheck check_;
+  IdVector<PatchId, Taken> taken_;
+  IdVector<PatchId, std::uint32_t> mark_;  ///< the last growth that took the facet
+  std::uint32_t growth_ = 0;
+  std::uint64_t work_ = 0;
+  std::vector<Vec3> points_;
+  std::vector<VertexId> vertices_;
+  std::vector<std::pair<double, PatchId>> values_;
+  std::vector<PatchId> given_up_;
+};
+
+}  // namespace remesh

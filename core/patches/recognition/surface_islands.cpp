@@ -1,0 +1,49 @@
+#include "core/patches/recognition/surface_islands.h"
+
+#include <algorithm>
+#include <cstddef>
+
+#include "core/base/stoppable.h"
+#include "core/patches/recognition/free_regions.h"
+
+namespace remesh {
+namespace {
+
+/// A claim is an island if it has at most kMaxIsland facets, if more than kIslandShore of its border is with seas, and
+/// if it is smaller than kIslandArea of the largest of these. A sea is a free region.
+constexpr std::size_t kMaxIsland = 40;
+constexpr double kIslandShore = 0.6, kIslandArea = 0.05;
+
+/// A claim is no piece of something else, wherever it is, if it has so many facets and if all of their corners are
+/// within this part of the tolerance.
+constexpr std::size_t kMinClear = 9;
+constexpr double kClear = 0.1;
+
+}  // namespace
+
+void drop_islands(const FacetGraph& graph, ClaimTable& table, RunControl& control) {
+  StopCheck check(control);
+  const FreeRegions seas(graph, table, control);
+  for (SurfaceClaim& claim : table.claims) {
+    if (claim.facets.empty() || claim.facets.size() > kMaxIsland) continue;
+    if (claim.facets.size() >= kMinClear && claim.deviation <= kClear * claim.tolerance) continue;
+    double border = 0, shore = 0, sea = 0;
+    for (const PatchId p : claim.facets)
+      for (std::uint32_t s = graph.sides_begin(p); s < graph.sides_end(p); ++s) {
+        check();
+        const PatchId q = graph.beyond(s);
+        if (q.is_valid() && table.owner[q] == table.owner[p]) continue;
+        const double length = norm(graph.position(graph.end_vertex(s)) - graph.position(graph.vertex(s)));
+        border += length;
+        if (!q.is_valid()) continue;
+        const double area = seas.area_of(q);
+        if (area > 0) shore += length;
+        sea = std::max(sea, area);
+      }
+    if (shore <= kIslandShore * border || claim.area >= kIslandArea * sea) continue;
+    for (const PatchId p : claim.facets) table.owner[p] = kNone;
+    claim.facets.clear();
+  }
+}
+
+}  // namespace remesh

@@ -1,0 +1,432 @@
+#include "core/patches/recognition/surface_recognition.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <set>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/base/stoppable.h"
+#include "core/geometry/surfaces/surface_fit.h"
+#include "core/patches/recognition/explained_height.h"
+#include "core/patches/recognition/facet_graph.h"
+#include "core/patches/recognition/loose_claims.h"
+#include "core/patches/recognition/surface_bands.h"
+#include "core/patches/recognition/surface_bends.h"
+#include "core/patches/recognition/surface_claims.h"
+#include "core/patches/recognition/surface_islands.h"
+#include "core/patches/recognition/surface_records.h"
+#include "core/patches/recognition/surface_seeds.h"
+
+namespace remesh {
+namespace {
+
+/// A claim replaces smaller ones if its area is larger than the largest of theirs by this factor. The second factor is
+/// for claims that are not close (see kCloseFit).
+constexpr double kMuchLarger = 1.3, kMuchLargerIfDoubtful = 6;
+
+/// A facet is no seed any more if this many surfaces were given up that had come to it.
+constexpr std::uint8_t kMaxAttempts = 3;
+
+/// A claim is close if all of its corners are within this many tolerances of its surface, or if rounding alone explains
+/// nearly all of them: programs compute points where two surfaces meet less exactly than the others. Only close claims
+/// are tried together with their neighbours.
+constexpr double kCloseFit = 0.4;
+
+/// Corners may be off their surface by this part of the chord height that the turn between two facets implies.
+constexpr double kMaxOfHeight = 1.0 / 3;
+
+/// Fewer facets than this determine no surface whose corners are off.
+constexpr std::size_t kMinCluster = 4;
+
+/// Growths that come to nothing may cost so much work a facet. Scans and other smooth surfaces of no kind would take
+/// much longer, and large surfaces have been found by then.
+constexpr std::uint64_t kMaxWaste = 100;
+
+/// However few facets a mesh has, growths that come to nothing may cost this many units of work, which take some tenths
+/// of a second.
+constexpr std::uint64_t kFreeWaste = 25'000'000;
+
+/// This much of that work may go into clusters, in all and for each facet. On scans, clusters are mostly in vain.
+constexpr std::uint64_t kFreeWasteOfClusters = 1'000'000, kMaxWasteOfClusters = 30;
+
+/// Areas are about as large unless one of them is larger by this factor.
+constexpr double kLarger = 1.02;
+
+/// The facets of a band around an axis have their corners on a cone, on a sphere and on tori. They deviate less from
+/// the surface that they were made from: their chord height there is below this part of the others.
+constexpr double kNearer = 0.9;
+
+/// Makes the claims of all facets.
+/// This class is larger than the bound because it has a short function for each way in which claims begin.
+class Recogniser {
+ public:
+  Recogniser(const FacetGraph& graph, const RecognitionRules& rules, double unit, RunControl& control)
+      : graph_(graph),
+        min_tolerance_(rules.tolerance / unit),
+        max_tolerance_(std::max(rules.tolerance, rules.printed) / unit),
+        grower_(graph, control),
+        table_(graph.size()),
+        attempts_(graph.size(), 0),
+        tried_(graph.size(), 0),
+        check_(control),
+        control_(control) {}
+
+  std::vector<SurfaceClaim> run() {
+    const std::vector<SurfaceSeed> seeds = find_seeds(graph_, control_);
+    claim_ruled(seeds);
+    replace_bands();
+    // Facets of claims that were replaced in part are free again.
+    claim_ruled(seeds);
+    claim_scattered(seeds);
+    drop_unexplained();
+    claim_ruled(seeds);
+    claim_clusters(seeds);
+    join_bands(graph_, table_, control_);
+    drop_bends(graph_, table_, control_);
+    drop_islands(graph_, table_, control_);
+    return take_claims();
+  }
+
+ private:
+  /// Returns how far corners may be off a surface that grows from a seed: what proven rounding explains, or else what
+  /// printed digits do, but no more of that than a part of the chord height, since everything smooth would fit
+  /// otherwise.
+  double tolerance_at(const SurfaceSeed& seed) const {
+    return std::clamp(kMaxOfHeight * implied_chord_height(graph_, seed.facet, seed.side), min_tolerance_,
+                      max_tolerance_);
+  }
+
+  bool is_free(PatchId p) const { return table_.owner[p] == kNone; }
+
+  /// Claims surfaces that two facets determine.
+  void claim_ruled(std::span<const SurfaceSeed> seeds) {
+    SeedGuesses guesses(graph_);
+    StopCheck check(control_);
+    for (const SurfaceSeed& seed : seeds) {
+      check();
+      if (is_exhausted()) return;
+      const std::array<PatchId, 2> pair{seed.facet, graph_.beyond(seed.side)};
+      if (!is_free(pair[0]) || !is_free(pair[1])) continue;
+      if (attempts_[pair[0]] >= kMaxAttempts || attempts_[pair[1]] >= kMaxAttempts) continue;
+      // The others have been tried before.
+      if (must_be_explained_ && was_dropped_[pair[0]] == 0 && was_dropped_[pair[1]] == 0) continue;
+      std::optional<SurfaceClaim> best;
+      tolerance_ = tolerance_at(seed);
+      for (const AnalyticSurface& guess : guesses.of(seed)) grow(guess, pair, Taken::kFree, best);
+      if (best && best->shape.kind == SurfaceKind::kSphere && is_close(*best)) ask_again(best);
+      if (!best) continue;
+      add(std::move(*best));
+      replace_band(static_cast<std::uint32_t>(table_.claims.size() - 1));
+    }
+  }
+
+  /// Tries the other kinds on facets that a sphere fits. If they are a single ring of facets around an axis, their
+  /// corners lie on two circles, and a sphere through two circles proves nothing: a cone or a torus fits as well.
+  void ask_again(std::optional<SurfaceClaim>& best) {
+    std::vector<PatchId> seed;
+    sample(best->facets, seed);
+    collect(seed);
+    const double height = grower_.chord_height(best->shape, seed);
+    const auto attempt = [&](const std::optional<AnalyticSurface>& guess) {
+      const auto fitted = guess ? fit_from(*guess, points_, {tolerance_, 20 * tolerance_}) : std::nullopt;
+      if (fitted && grower_.chord_height(*fitted, seed) < kNearer * height) grow(*fitted, seed, Taken::kFree, best);
+    };
+    attempt(guess_cylinder(points_, places_));
+    attempt(guess_cone(points_, places_));
+    attempt(guess_torus(points_, places_));
+  }
+
+  /// Stores the corners and middles of facets.
+  void collect(std::span<const PatchId> facets) {
+    points_.clear();
+    places_.clear();
+    for (const PatchId p : facets) {
+      places_.push_back(grower_.place_of(p));
+      graph_.for_each_corner(p, [&](const Vec3& q) { points_.push_back(q); });
+    }
+  }
+
+  /// Grows those kinds of surfaces that normals help to guess from facets that were collected.
+  void try_kinds(std::span<const PatchId> seed, Taken may_replace, std::optional<SurfaceClaim>& best) {
+    constexpr std::uint64_t kWorkOfGuess = 40;
+    wasted_ += kWorkOfGuess * points_.size();
+    const auto attempt = [&](const std::optional<AnalyticSurface>& guess) {
+      const auto fitted = guess ? fit_from(*guess, points_, {tolerance_, 20 * tolerance_}) : std::nullopt;
+      if (fitted) grow(*fitted, seed, may_replace, best);
+    };
+    if (is_doubtful_) attempt(guess_sphere(points_));
+    attempt(guess_cylinder(points_, places_));
+    attempt(guess_cone(points_, places_));
+    attempt(guess_torus(points_, places_));
+  }
+
+  /// Grows a surface, and takes it if it is better. Facets over which it was given up are soon left alone.
+  void grow(const AnalyticSurface& guess, std::span<const PatchId> seed, Taken may_replace,
+            std::optional<SurfaceClaim>& best) {
+    if (is_exhausted()) return;
+    const std::uint64_t before = grower_.work();
+    std::optional<SurfaceClaim> claim = grower_.grow(guess, seed, {tolerance_, may_replace, is_doubtful_});
+    if (!claim) wasted_ += grower_.work() - before;
+    if (claim && !claim->is_explained && must_be_explained_) claim.reset();
+    take_larger(std::move(claim), best);
+    for (const PatchId p : grower_.given_up())
+      if (attempts_[p] < kMaxAttempts) ++attempts_[p];
+  }
+
+  /// Returns whether so much work was in vain that the rest of the facets is left free.
+  bool is_exhausted() const { return wasted_ > kFreeWaste + kMaxWaste * graph_.size(); }
+
+  static void take_larger(std::optional<SurfaceClaim> claim, std::optional<SurfaceClaim>& best) {
+    if (!claim) return;
+    if (!best) {
+      best = std::move(claim);
+      return;
+    }
+    if (is_better(*claim, *best)) best = std::move(claim);
+  }
+
+  /// The larger surface is better. Of two that are about as large, it is the one that the facets explain, or else the
+  /// one from which they deviate less, or else the one with fewer parameters.
+  static bool is_better(const SurfaceClaim& a, const SurfaceClaim& b) {
+    if (a.area > kLarger * b.area) return true;
+    if (b.area > kLarger * a.area) return false;
+    if (a.is_explained != b.is_explained) return a.is_explained;
+    if (a.chord_height < kNearer * b.chord_height) return true;
+    if (b.chord_height < kNearer * a.chord_height) return false;
+    return parameter_count(a.shape.kind) < parameter_count(b.shape.kind);
+  }
+
+  void add(SurfaceClaim claim) {
+    for (const PatchId p : claim.facets) grower_.set_taken(p, Taken::kWeakly);
+    table_.add(std::move(claim));
+  }
+
+  /// Each band of facets around a torus or sphere is also a piece of a cone. Claims the larger surface instead.
+  void replace_bands() {
+    for (std::uint32_t c = 0; c < table_.claims.size(); ++c) replace_band(c);
+  }
+
+  /// Returns whether a claim fits so well that it may be a piece of something larger that fits as well.
+  bool is_close(const SurfaceClaim& claim) const {
+    return claim.is_clear || claim.deviation <= kCloseFit * claim.tolerance;
+  }
+
+  void replace_band(std::uint32_t c) {
+    if (is_exhausted()) return;
+    if (!is_close(table_.claims[c])) return;
+    std::vector<std::pair<std::uint32_t, PatchId>> beside;  // owner and facet
+    for (const PatchId p : table_.claims[c].facets)
+      graph_.for_each_neighbour(p, [&](PatchId q) {
+        check_();
+        if (table_.owner[q] != c && graph_.may_be_seed(q)) beside.push_back({table_.owner[q], q});
+      });
+    std::sort(beside.begin(), beside.end());
+    beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
+    for (std::size_t begin = 0, end = 0; begin < beside.size(); begin = end) {
+      others_.clear();
+      while (end < beside.size() && beside[end].first == beside[begin].first) others_.push_back(beside[end++].second);
+      if (!are_compared_.insert(std::minmax(c, beside[begin].first)).second) continue;
+      if (replace_with(c, others_)) return;
+    }
+  }
+
+  /// Claims a surface of a band and of facets beside it, if it is larger.
+  bool replace_with(std::uint32_t c, std::span<const PatchId> others) {
+    const AnalyticSurface band = table_.claims[c].shape;
+    tolerance_ = table_.claims[c].tolerance;
+    seed_.clear();
+    sample(table_.claims[c].facets, seed_);
+    sample(others, seed_);
+    collect(seed_);
+    std::optional<SurfaceClaim> best;
+    if (const auto sphere = guess_sphere(points_)) grow(*sphere, seed_, Taken::kWeakly, best);
+    if (band.kind == SurfaceKind::kCone || band.kind == SurfaceKind::kCylinder)
+      if (const auto torus = guess_torus(points_, band.origin, band.axis)) grow(*torus, seed_, Taken::kWeakly, best);
+    if (!best) try_kinds(seed_, Taken::kWeakly, best);
+    return best && replace(std::move(*best));
+  }
+
+  /// Takes some facets of a list, evenly chosen.
+  static void sample(std::span<const PatchId> facets, std::vector<PatchId>& chosen) {
+    constexpr std::size_t kMaxSample = 16;
+    const std::size_t step = (facets.size() + kMaxSample - 1) / kMaxSample;
+    for (std::size_t i = 0; i < facets.size(); i += step) chosen.push_back(facets[i]);
+  }
+
+  /// Adds a claim in the place of those whose facets it has, if it is much larger than each of them.
+  bool replace(SurfaceClaim claim) {
+    std::vector<std::uint32_t> owners;
+    double largest = 0;
+    for (const PatchId p : claim.facets)
+      if (table_.owner[p] != kNone) owners.push_back(table_.owner[p]);
+    std::sort(owners.begin(), owners.end());
+    owners.erase(std::unique(owners.begin(), owners.end()), owners.end());
+    for (const std::uint32_t o : owners) largest = std::max(largest, table_.claims[o].area);
+    if (!(claim.area > kMuchLarger * largest)) return false;
+    // Three or four bands of any surface of revolution are nearly a torus.
+    if (!is_close(claim) && !(claim.area > kMuchLargerIfDoubtful * largest)) return false;
+    add(std::move(claim));
+    for (const std::uint32_t o : owners) {
+      SurfaceClaim& old = table_.claims[o];
+      std::erase_if(old.facets, [&](PatchId p) { return table_.owner[p] != o; });
+      old.area = 0;
+      for (const PatchId p : old.facets) old.area += graph_.area(p);
+      constexpr std::size_t kMinFacets = 4;
+      const bool has_axis = old.shape.kind == SurfaceKind::kCone || old.shape.kind == SurfaceKind::kCylinder;
+      if (has_axis && old.facets.size() >= kMinFacets) continue;
+      for (const PatchId p : old.facets) {
+        table_.owner[p] = kNone;
+        grower_.set_taken(p, Taken::kFree);
+      }
+      old.facets.clear();
+    }
+    return true;
+  }
+
+  /// Claims surfaces whose edges are no rulings, from a facet pair with its neighbours.
+  void claim_scattered(std::span<const SurfaceSeed> seeds) {
+    std::vector<PatchId> around;
+    StopCheck check(control_);
+    for (const SurfaceSeed& seed : seeds) {
+      check();
+      if (is_exhausted()) return;
+      const PatchId f = seed.facet, g = graph_.beyond(seed.side);
+      if (!is_free(f) || !is_free(g) || tried_[f] != 0 || tried_[g] != 0) continue;
+      around.assign({f, g});
+      for (const PatchId p : {f, g})
+        graph_.for_each_neighbour(p, [&](PatchId q) {
+          if (is_free(q) && graph_.may_be_curved(q)) around.push_back(q);
+        });
+      std::sort(around.begin() + 2, around.end());
+      around.erase(std::unique(around.begin() + 2, around.end()), around.end());
+      std::erase_if(around, [&, i = 0](PatchId p) mutable { return i++ >= 2 && (p == f || p == g); });
+      for (const PatchId p : around) tried_[p] = 1;
+      collect(around);
+      if (around.size() < 4) continue;
+      tolerance_ = tolerance_at(seed);
+      std::optional<SurfaceClaim> best;
+      try_kinds(around, Taken::kFree, best);
+      if (best) add(std::move(*best));
+    }
+  }
+
+  /// Claims surfaces to whose corners rounding has done so much that two facets tell nothing of them, or whose corners
+  /// some program has put beside the surface. They begin from all free facets near a seed.
+  void claim_clusters(std::span<const SurfaceSeed> seeds) {
+    constexpr std::uint8_t kInCluster = 2;
+    const std::uint64_t max_wasted = wasted_ + kFreeWasteOfClusters + kMaxWasteOfClusters * graph_.size();
+    std::vector<PatchId> cluster;
+    StopCheck check(control_);
+    for (const SurfaceSeed& seed : seeds) {
+      check();
+      if (is_exhausted() || wasted_ > max_wasted) return;
+      const PatchId f = seed.facet, g = graph_.beyond(seed.side);
+      if (!is_free(f) || !is_free(g) || tried_[f] == kInCluster || tried_[g] == kInCluster) continue;
+      if (attempts_[f] >= kMaxAttempts || attempts_[g] >= kMaxAttempts) continue;
+      find_cluster(seed, cluster);
+      tried_[f] = tried_[g] = kInCluster;
+      if (cluster.size() < kMinCluster) continue;
+      collect(cluster);
+      std::optional<SurfaceClaim> best;
+      tolerance_ = tolerance_at(seed);
+      try_kinds(cluster, Taken::kFree, best);
+      if (!best) {
+        tolerance_ = std::max(tolerance_, kMaxOfHeight * implied_height(cluster));
+        is_doubtful_ = true;
+        try_kinds(cluster, Taken::kFree, best);
+        is_doubtful_ = false;
+        if (best && !is_loose_claim_proven(graph_, *best, control_)) best.reset();
+      }
+      if (best) add(std::move(*best));
+    }
+  }
+
+  /// Drops claims from which their facets are farther than the turns between them explain. Until then, such claims tell
+  /// which facets belong together: a ring around a torus is a piece of a sphere, too.
+  void drop_unexplained() {
+    must_be_explained_ = true;
+    was_dropped_.assign(graph_.size(), 0);
+    for (SurfaceClaim& claim : table_.claims) {
+      if (claim.facets.empty() || claim.is_explained) continue;
+      for (const PatchId p : claim.facets) {
+        table_.owner[p] = kNone;
+        grower_.set_taken(p, Taken::kFree);
+        was_dropped_[p] = 1;
+      }
+      claim.facets.clear();
+    }
+  }
+
+  /// Returns the largest chord height that the turns between some facets imply.
+  double implied_height(std::span<const PatchId> cluster) const {
+    double height = 0;
+    for (const PatchId p : cluster)
+      for (std::uint32_t s = graph_.sides_begin(p); s < graph_.sides_end(p); ++s) {
+        const PatchId q = graph_.beyond(s);
+        if (q.is_valid() && std::find(cluster.begin(), cluster.end(), q) != cluster.end())
+          height = std::max(height, implied_chord_height(graph_, p, s));
+      }
+    return height;
+  }
+
+  /// Finds the facets of a seed and whole rings of their free neighbours of about the same size, until there are enough
+  /// for a guess.
+  void find_cluster(const SurfaceSeed& seed, std::vector<PatchId>& cluster) const {
+    constexpr std::size_t kEnough = 8, kTooMany = 64;
+    constexpr double kAlike = 4;
+    cluster.assign({seed.facet, graph_.beyond(seed.side)});
+    const double area = kAlike * std::max(graph_.area(cluster[0]), graph_.area(cluster[1]));
+    for (std::size_t begin = 0; cluster.size() < kEnough;) {
+      const std::size_t end = cluster.size();
+      std::vector<PatchId> ring;
+      for (std::size_t i = begin; i < end; ++i)
+        graph_.for_each_neighbour(cluster[i], [&](PatchId q) {
+          if (is_free(q) && graph_.may_be_seed(q) && graph_.area(q) <= area) ring.push_back(q);
+        });
+      std::sort(ring.begin(), ring.end());
+      ring.erase(std::unique(ring.begin(), ring.end()), ring.end());
+      std::erase_if(ring, [&](PatchId q) { return std::find(cluster.begin(), cluster.end(), q) != cluster.end(); });
+      if (ring.empty() || cluster.size() + ring.size() > kTooMany) return;
+      cluster.insert(cluster.end(), ring.begin(), ring.end());
+      begin = end;
+    }
+  }
+
+  std::vector<SurfaceClaim> take_claims() {
+    std::erase_if(table_.claims, [](const SurfaceClaim& c) { return c.facets.empty(); });
+    return std::move(table_.claims);
+  }
+
+  const FacetGraph& graph_;
+  double min_tolerance_, max_tolerance_;         ///< of growths
+  double tolerance_ = 0;                         ///< of the growths of this seed
+  bool is_doubtful_ = false;                     ///< whether they are doubtful
+  IdVector<PatchId, std::uint8_t> was_dropped_;  ///< whether a facet was in a claim that was dropped
+  bool must_be_explained_ = false;               ///< no claim is made that the facets do not explain
+  ClaimGrower grower_;
+  ClaimTable table_;
+  IdVector<PatchId, std::uint8_t> attempts_;  ///< how many surfaces were given up that had come to a facet
+  IdVector<PatchId, std::uint8_t> tried_;     ///< whether a facet was in the seed of a scattered surface
+  std::vector<Vec3> points_;
+  std::vector<FacetPlace> places_;
+  std::uint64_t wasted_ = 0;  ///< work of growths that came to nothing
+  std::vector<PatchId> seed_, others_;
+  std::set<std::pair<std::uint32_t, std::uint32_t>> are_compared_;  ///< claims that have no larger surface in common
+  StopCheck check_;
+  RunControl& control_;
+};
+
+}  // namespace
+
+RecognisedSurfaces recognise_surfaces(const Facets& facets, const RecognitionRules& rules, RunControl& control) {
+  const FacetGraph graph(facets, rules.feature_angle_deg, control);
+  std::vector<SurfaceClaim> claims;
+  if (graph.has_smooth_edges()) claims = Recogniser(graph, rules, facets.surface.unit, control).run();
+  return make_records(facets, graph, std::move(claims), rules, control);
+}
+
+}  // namespace remesh

@@ -1,0 +1,52 @@
+/// Estimates how many faces a remeshing makes with other numbers of elements per circle.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include "core/base/options.h"
+#include "core/base/run_control.h"
+#include "core/mesh/adjacency.h"
+#include "core/mesh/surface.h"
+#include "core/patch_types/patch_set.h"
+#include "core/patches/chains/curve_cuts.h"
+#include "core/patches/planar/essential_vertices.h"
+#include "core/patches/recognition/recognised_surfaces.h"
+
+namespace remesh {
+
+/// The facets of a surface and what they were recognised as.
+struct RecognisedFacets {
+  const Surface& surface;
+  const Adjacency& adjacency;
+  const PatchSet& facets;  ///< planar patches
+  const RecognisedSurfaces& surfaces;
+  double plane_tolerance;  ///< model units
+  double diagonal;         ///< of the input's bounding box
+};
+
+/// The patches that the options of a run make.
+struct PresentPatches {
+  const PatchSet& patches;  ///< the facets, or the patches after facets were joined
+  const EssentialVertices& essential;
+  const CurveCuts& cuts;          ///< empty if no facets were joined
+  std::vector<double> triangles;  ///< one per patch: how many triangles it has before it is refined
+  std::vector<double> faces;      ///< one per patch: how many faces are predicted for it
+  double min_edge_length = 0;     ///< the floor with which these faces are predicted, in model units
+};
+
+/// Predicts the faces for some values of elements_per_circle. All other options stay. Nothing is refined for that, and
+/// no boundary is cut.
+/// Output:  the predicted faces of the whole result for 8, 12, 16, 24 and 36 elements. It is empty if no surface can be
+///          remeshed as a whole. The numbers are mostly right within a factor of 2. Sizes that vary (proximity) count
+///          in the planes only.
+/// Holds:   the numbers grow with the number of elements.
+/// Errors:  kCancelled, kTimeout - asked to stop through `control`.
+/// Cost:    O(n log n).
+/// Source:  rules.md, Prediction of curved patches.
+std::map<int, std::uint64_t> predict_by_elements_per_circle(const RecognisedFacets& facets,
+                                                            const PresentPatches& present, const Options& options,
+                                                            RunControl& control);
+
+}  // namespace remesh

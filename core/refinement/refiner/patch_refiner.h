@@ -1,0 +1,120 @@
+/// Refines one patch in its plane for angles and sizes, until nothing is left to do there.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/base/run_control.h"
+#include "core/base/small_blocks.h"
+#include "core/base/work_bound.h"
+#include "core/patch_types/patch_mesh.h"
+#include "core/patches/charts/patch_chart.h"
+#include "core/refinement/goals/unrefined_reason.h"
+#include "core/refinement/refiner/patch_sizes.h"
+#include "core/refinement/refiner/patch_thinner.h"
+#include "core/refinement/refiner/patch_to_refine.h"
+#include "core/refinement/refiner/refinement_progress.h"
+#include "core/refinement/refiner/refiner_scratch.h"
+#include "core/refinement/refiner/working_patch.h"
+#include "core/refinement/segments/segment_cuts.h"
+#include "core/refinement/sizes/criteria.h"
+
+namespace remesh {
+
+class PatchEditor;
+
+/// A patch while it is refined. It cuts its own segments at once, as the table says, and remembers these cuts. Between
+/// rounds it applies the cuts that other patches made. Between its turns it stores the patch, and no scratch memory.
+/// The work is done by classes that live as long as one call: PatchStart begins it, TriangleTreatment mends triangles,
+/// PatchEditor makes the changes, and PatchThinner removes points in the end.
+class PatchRefiner {
+ public:
+  /// `cuts` has the cuts of every segment, ascending. Those of the patch's segments are made at once. Where there are
+  /// sizes, wide areas are filled evenly with at most about `quota` triangles. The constructor also begins the first
+  /// turn, with `scratch`.
+  PatchRefiner(const PatchToRefine& patch, const Criteria& criteria, const SegmentCuts::OfSegments& cuts,
+               std::uint64_t quota, RefinerScratch& scratch, RunControl& control);
+
+  /// The patch may only be changed between these two calls, in its turn. No other refiner may use the scratch memory
+  /// during the turn.
+  void begin_turn(RefinerScratch& scratch);
+  void end_turn();
+
+  /// Returns whether refinement would change the patch at all. This is cheap and needs no refiner.
+  static bool has_work(const PatchMesh& patch, const PatchChart& chart, const Criteria& criteria);
+
+  /// Cuts the patch's sides along `segment` wherever they are not cut yet. `cuts` are all cuts of that segment,
+  /// ascending.
+  /// Errors: kCancelled, kTimeout - asked to stop through `control`.
+  void apply_cuts(SegmentId segment, std::span<const double> cuts, const RunControl& control);
+
+  /// Puts a point into the middle of each of these edges inside the patch. An edge is left out if it is gone when its
+  /// turn comes, or if there is no room for a point.
+  /// Input:  Half-edges of the mesh that `finish` would return now.
+  /// Output: True if a point was put into any of them.
+  bool split_edges(std::span<const std::uint32_t> half_edges, RunControl& control);
+
+  /// Lets the patch take so many steps above the bound on its work (kWorkOfPatch) in this turn. After these, the turn
+  /// ends. With none, or if this is not called, the patch gives up above its bound: the triangles that wait stay as
+  /// they are, with the reason kEffort.
+  void allow_above_bound(std::uint64_t steps);
+  /// Returns how many steps above the bound were taken since the last call.
+  std::uint64_t take_above_bound() { return above_bound_ - std::exchange(above_bound_told_, above_bound_); }
+
+  /// Works until nothing is left to do, until `quota` more triangles (in all patches) would be made, or until the
+  /// turn's steps are spent.
+  void run(std::uint64_t quota, RefinementProgress& progress);
+
+  /// Where there are sizes, removes points from a patch that is done, as PatchThinner says. It looks at the points that
+  /// refinement put in or, where sizes vary, at all points inside.
+  void thin_out(Thinning thinning, RunControl& control, RefinementProgress& progress);
+
+  /// Returns a segment that had to be cut where rounding left no room for the cut. Then the patch can no longer be
+  /// used, and the segment must stay as it is for all patches. The result is invalid if all is well.
+  SegmentId impossible() const { return patch_.impossible; }
+  bool is_done() const { return patch_.waiting.size() == 0; }
+  /// Returns whether the turn has ended because its steps are spent.
+  bool is_turn_spent() const { return is_turn_spent_; }
+  std::size_t waiting() const { return patch_.waiting.size(); }
+  std::uint32_t triangle_count() const { return patch_.mesh.triangle_count(); }
+  /// Appends the cuts made here since the last call.
+  void take_own_cuts(std::vector<Cut>& cuts) {
+    cuts.insert(cuts.end(), patch_.own_cuts.begin(), patch_.own_cuts.end());
+    patch_.own_cuts.clear();
+  }
+
+  struct Refined {
+    PatchMesh patch;  ///< new vertices have no id yet
+    /// There is one entry per vertex of the patch. Its segment is invalid for a corner and for a vertex inside the
+    /// patch.
+    std::vector<Cut> cuts;
+    /// There is one entry per triangle: the reason why it is as it is, in case it misses a bound.
+    std::vector<UnrefinedReason> reason;
+  };
+  Refined finish() const;
+
+ private:
+  void fill_columns(PatchEditor& editor, std::uint64_t quota, RunControl& control);
+  bool is_near_boundary(const PointPlace& place, double spacing) const;
+  static std::size_t first_block(const PatchMesh& patch, std::size_t sides);
+  UnrefinedReason reason_of(std::uint32_t t) const;
+  void take(std::uint64_t steps);
+  void give_up();
+
+  const PatchMesh& original_;
+  SmallBlocks memory_;
+  const PatchSizes sizes_;
+  RefinerScratch* scratch_;  ///< only during a turn
+  WorkingPatch patch_;
+  WorkBound work_;  ///< the steps of all turns
+  /// The steps above the bound: those that were taken, those of which take_above_bound has told, and those after which
+  /// the turn ends.
+  std::uint64_t above_bound_ = 0, above_bound_told_ = 0, allowed_above_bound_ = 0;
+  bool is_turn_spent_ = false;
+  std::uint32_t first_refined_;  ///< the number of vertices when refinement began
+};
+
+}  // namespace remesh

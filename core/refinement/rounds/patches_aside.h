@@ -1,0 +1,51 @@
+/// Keeps patches as they were, or as they will be, while others stand in their place.
+#pragma once
+
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/base/drop.h"
+#include "core/base/ids.h"
+#include "core/patch_types/patch_mesh.h"
+
+namespace remesh {
+
+/// Triangulations of some patches that can take the place of others.
+class PatchesAside {
+ public:
+  PatchesAside() = default;
+  /// Input: one mesh for each id; no id twice.
+  PatchesAside(std::vector<PatchId> ids, std::vector<PatchMesh> meshes)
+      : ids_(std::move(ids)), meshes_(std::move(meshes)) {}
+  ~PatchesAside() { clear(); }
+  PatchesAside(PatchesAside&& other) noexcept : ids_(std::move(other.ids_)), meshes_(std::move(other.meshes_)) {}
+  PatchesAside& operator=(PatchesAside&& other) noexcept {
+    std::swap(ids_, other.ids_);
+    std::swap(meshes_, other.meshes_);
+    other.clear();
+    return *this;
+  }
+
+  /// Swaps these patches with those among `meshes` that have the same ids.
+  void exchange_with(PatchMeshes& meshes) {
+    for (std::size_t i = 0; i < ids_.size(); ++i) std::swap(meshes[ids_[i]], meshes_[i]);
+  }
+  /// Adds a patch whose id is not there yet.
+  void add(PatchId id, PatchMesh mesh) {
+    ids_.push_back(id);
+    meshes_.push_back(std::move(mesh));
+  }
+  std::span<const PatchId> ids() const { return ids_; }
+  /// Frees the meshes in parallel, because there may be a million.
+  void clear() {
+    ids_.clear();
+    drop_all(meshes_);
+  }
+
+ private:
+  std::vector<PatchId> ids_;
+  std::vector<PatchMesh> meshes_;
+};
+
+}  // namespace remesh

@@ -1,0 +1,451 @@
+#include "core/refinement/rounds/rounds.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
+
+#include <algorithm>
+#include <atomic>
+#include <memory>
+#include <numeric>
+#include <span>
+#include <utility>
+
+#include "core/base/blocks.h"
+#include "core/base/drop.h"
+#include "core/base/large_first.h"
+#include "core/base/stoppable.h"
+#include "core/refinement/goals/face_budget.h"
+#include "core/refinement/refiner/patch_refiner.h"
+#include "core/refinement/rounds/chords.h"
+#include "core/refinement/rounds/refined_patches.h"
+#include "core/refinement/rounds/steps_above_bounds.h"
+#include "core/refinement/segments/segment_cuts.h"
+
+namespace remesh {
+namespace {
+
+/// Each of the first restarts locks only the segments that had to be cut where rounding left no room. Later ones lock
+/// all segments of the patches beside these, and in the end all there are. So there are few restarts.
+constexpr int kPatientRestarts = 8, kMaxRestarts = 16;
+
+/// Locks segments before the refinement begins again for that reason.
+/// Input: `restarts` counts this one, too.
+void lock_for_restart(SegmentTable& segments, std::span<const SegmentId> impossible, int restarts,
+                      const RunControl& control) {
+  StopCheck check(control);
+  for (const SegmentId s : impossible) {
+    segments.lock(s);
+    if (restarts <= kPatientRestarts) continue;
+    for (const SegmentSide& beside : segments.sides(s))
+      for (const std::uint32_t side : segments.sides_of_patch(beside.patch)) {
+        check();
+        segments.lock(segments.all_sides()[side].segment);
+      }
+  }
+  if (restarts < kMaxRestarts) return;
+  for (std::size_t s = 0; s < segments.size(); ++s) segments.lock(SegmentId(s));
+}
+
+/// Runs one refinement, from the sizes on segments to the refined patches. If rounding leaves no room for a cut, its
+/// segment is locked and everything begins again. From the first chord on, the refiners of patches must be there for
+/// some more passes. If there are too many triangles to keep them for a chord that may not come, everything begins
+/// again then, too.
+class Rounds {
+ public:
+  Rounds(const RefinementInput& input, SegmentTable segments, TriangulatedPatches& triangulated, RunControl& control)
+      : input_(input),
+        criteria_(input.goals, input.sizes),
+        triangulated_(triangulated),
+        control_(control),
+        progress_(control, input.prediction.expected),
+        segments_(std::move(segments)),
+        cuts_(segments_, control),
+        budget_(input.goals.max_faces, input.max_made) {
+    chords_.of_patch.resize(triangulated.size());
+  }
+
+  ~Rounds() { drop_all(refiners_.items()); }
+  Rounds(const Rounds&) = delete;
+  Rounds& operator=(const Rounds&) = delete;
+
+  std::optional<Refinement> run() {
+    begin();
+    for (int passes = 0, restarts = 0;;) {
+      settle();
+      if (budget_.is_too_much_made()) return std::nullopt;
+      if (!barrier_.impossible.empty()) {
+        lock_for_restart(segments_, barrier_.impossible, ++restarts, control_);
+        begin();
+        continue;
+      }
+      if (thin_out() && take_up_again()) continue;
+      chords_.are_refiners_kept = chords_.are_refiners_kept || count_faces() <= kMaxFacesKept;
+      PatchesAside aside = collect_refined(input_, segments_, cuts_, triangulated_, refiners_,
+                                           chords_.are_refiners_kept, result_, control_);
+      aside.exchange_with(meshes());
+      const std::vector<Chord> found =
+          find_chords(meshes(), input_.surface.vertex_count() + result_.first_inner, control_);
+      const bool was_in_vain = chords_.are_refiners_kept && !chords_.is_any_split;
+      if (!can_split_any(found) || passes == kMaxChordPasses || was_in_vain) {
+        drop_all(refiners_.items());
+        result_.before = std::move(aside);
+        const auto why = passes == kMaxChordPasses ? UnrefinedReason::kEffort : UnrefinedReason::kSizeFloor;
+        if (!found.empty()) split_chords(input_.surface, triangulated_, result_, input_.is_frozen, why, control_);
+        return std::move(result_);
+      }
+      aside.exchange_with(meshes());
+      aside.clear();
+      // Most surfaces have no chords, and large ones need not keep two of each patch.
+      if (!std::exchange(chords_.are_refiners_kept, true)) {
+        begin();
+        continue;
+      }
+      ++passes;
+      take_on(found);
+    }
+  }
+
+ private:
+  /// Limits the number of passes for chords. A point in a chord ends many other chords, and what is refined around it
+  /// may make a few new ones.
+  static constexpr int kMaxChordPasses = 16;
+  /// The refiners are kept until it is known whether there are chords if there are at most so many triangles. Together,
+  /// they take some 60 MB.
+  static constexpr std::uint64_t kMaxFacesKept = std::uint64_t{1} << 19;
+  /// Limits the number of times that refinement goes on after thinning out. Most is done by then: the last time brings
+  /// only a few per cent.
+  static constexpr int kMaxTakenUp = 8, kMaxTakenUpQuickly = 4;
+  /// If less than this part of the budget is left, a round over all patches is not worth while.
+  static constexpr double kRoomForMore = 1.0 / 128, kRoomForMoreQuickly = 1.0 / 32;
+
+  PatchMeshes& meshes() { return triangulated_.meshes; }
+  bool is_frozen(PatchId p) const { return input_.is_frozen[p] != 0; }
+
+  /// Returns the number of triangles that a patch has now.
+  std::uint64_t triangle_count(PatchId p) const {
+    return refiners_[p] ? refiners_[p]->triangle_count() : triangulated_.meshes[p].mesh.triangle_count();
+  }
+
+  /// Runs rounds until no patch has anything to do.
+  void settle() {
+    note_made();
+    while (!barrier_.dirty.empty() && barrier_.impossible.empty() && !budget_.is_too_much_made()) {
+      ++result_.rounds;
+      refine_dirty();
+      if (budget_.is_too_much_made()) return;
+      exchange_cuts();
+      note_made();
+    }
+  }
+
+  /// Returns the number of triangles that there are, plus those that the messages will make.
+  std::uint64_t count_faces() const {
+    std::uint64_t faces = 0;
+    StopCheck check(control_);
+    for (std::size_t p = 0; p < triangulated_.size(); ++p) {
+      check();
+      faces += triangle_count(PatchId(p));
+    }
+    for (const SegmentCuts::Message& m : cuts_.messages()) faces += m.count;
+    return faces;
+  }
+
+  void note_made() {
+    if (budget_.is_counted()) budget_.set_made(count_faces());
+  }
+
+  /// Thins out all patches. This is not done after the first chords, because the points in chords have to stay. Returns
+  /// whether it was done.
+  bool thin_out() {
+    if (std::exchange(thinning_.is_done, true) || !criteria_.is_thinned()) return false;
+    const auto is_unfinished = [](const auto& refiner) { return refiner != nullptr && !refiner->is_done(); };
+    const Thinning thinning =
+        std::any_of(refiners_.begin(), refiners_.end(), is_unfinished) ? input_.thinning_in_budget : Thinning::kFull;
+    const LargeFirst by_size = large_first(refiners_.size(), 500, [&](std::uint32_t p) -> std::size_t {
+      return refiners_[PatchId(p)] ? refiners_[PatchId(p)]->triangle_count() : 0;
+    });
+    for_each_in(by_size, [&](std::uint32_t p) {
+      PatchRefiner* refiner = refiners_[PatchId(p)].get();
+      if (refiner == nullptr) return;
+      refiner->begin_turn(scratch_.local());
+      refiner->thin_out(thinning, control_, progress_);
+      refiner->end_turn();
+    });
+    return true;
+  }
+
+  /// If the budget has ended refinement, thinning out may have made room again. Then the patches that have something to
+  /// do go on. The number of times is limited, because what is refined and what is thinned out may be the same.
+  bool take_up_again() {
+    const bool is_quick = input_.thinning_in_budget == Thinning::kQuick;
+    if (!budget_.is_limited() || thinning_.times_taken_up == (is_quick ? kMaxTakenUpQuickly : kMaxTakenUp))
+      return false;
+    for (std::size_t p = 0; p < refiners_.size(); ++p)
+      if (refiners_[PatchId(p)] && !refiners_[PatchId(p)]->is_done()) barrier_.dirty.push_back(PatchId(p));
+    if (barrier_.dirty.empty()) return false;
+    if (!budget_.has_room_for_more(count_faces(), is_quick ? kRoomForMoreQuickly : kRoomForMore)) {
+      barrier_.dirty.clear();
+      return false;
+    }
+    ++thinning_.times_taken_up;
+    thinning_.is_done = false;
+    return true;
+  }
+
+  void begin() {
+    std::uint64_t faces = 0;
+    StopCheck check(control_);
+    for (const PatchMesh& patch : meshes()) {
+      check();
+      faces += patch.mesh.triangle_count();
+    }
+    progress_.begin(faces);
+    barrier_.impossible.clear();
+    chords_.is_any_split = true;
+    thinning_.is_done = false;
+    thinning_.times_taken_up = 0;
+    drop_all(refiners_.items());
+    refiners_.items().resize(meshes().size());
+    above_bounds_ = {};
+    result_.new_positions.clear();
+    result_.reason.clear();
+    const std::uint64_t max = budget_.max_faces();
+    cuts_.begin(input_.sizes, budget_.is_limited() ? max - std::min(max, faces) : kNoFaceLimit, budget_.max_made());
+    find_dirty();
+  }
+
+  /// Finds the patches that have work of their own or cuts of their boundary to make.
+  void find_dirty() {
+    IdVector<PatchId, std::uint8_t> is_dirty(meshes().size(), 0);
+    for_blocks(meshes().size(), 256, control_, [&](std::size_t from, std::size_t to) {
+      for (std::size_t i = from; i < to; ++i) {
+        const PatchId p(i);
+        is_dirty[p] = !is_frozen(p) && PatchRefiner::has_work(meshes()[p], triangulated_.charts[p], criteria_);
+      }
+    });
+    StopCheck check(control_);
+    for (const SegmentCuts::Message& m : cuts_.messages()) {
+      check();
+      is_dirty[m.patch] = 1;
+    }
+    barrier_.dirty.clear();
+    for (std::size_t p = 0; p < is_dirty.size(); ++p) {
+      check();
+      if (is_dirty[PatchId(p)] != 0) barrier_.dirty.push_back(PatchId(p));
+    }
+  }
+
+  void refine_dirty() {
+    share_out_budget();
+    // The order in which they run changes nothing.
+    const LargeFirst by_work = large_first(barrier_.dirty.size(), 500, [&](std::uint32_t i) -> std::size_t {
+      const PatchId p = barrier_.dirty[i];
+      return refiners_[p] ? refiners_[p]->waiting() : meshes()[p].mesh.triangle_count();
+    });
+    above_bounds_.begin_round(barrier_.dirty.size());
+    for_each_in(by_work, [&](std::uint32_t i) {
+      control_.check();
+      if (!budget_.is_too_much_made()) take_turn(barrier_.dirty[i], budget_.share(i));
+    });
+  }
+
+  /// Refines one patch until it has nothing left to do or has made its share of triangles.
+  void take_turn(PatchId p, std::uint64_t share) {
+    std::unique_ptr<PatchRefiner>& refiner = refiners_[p];
+    const auto before = static_cast<std::uint32_t>(triangle_count(p));
+    if (!refiner)
+      refiner =
+          std::make_unique<PatchRefiner>(PatchToRefine{meshes()[p], triangulated_.charts[p], p, segments_}, criteria_,
+                                         cuts_.all(), std::min(share, budget_.max_made()), scratch_.local(), control_);
+    else
+      refiner->begin_turn(scratch_.local());
+    refiner->allow_above_bound(above_bounds_.of_turn());
+    // A refiner that begins with points of its own numbers its edges anew. So its chords are left for the next pass,
+    // which finds them again.
+    if (const auto chords = std::exchange(chords_.of_patch[p], {}); !chords.empty())
+      if (refiner->triangle_count() != before || refiner->split_edges(chords, control_)) chords_.is_any_split = true;
+    std::uint64_t counted = 0;  // the triangles that messages make were counted with these
+    for (const SegmentCuts::Message& message : cuts_.messages_for(p)) {
+      if (!refiner->impossible().is_valid()) refiner->apply_cuts(message.segment, cuts_[message.segment], control_);
+      counted += message.count;
+    }
+    if (!refiner->impossible().is_valid()) {
+      const std::uint64_t made = refiner->triangle_count() - std::min(refiner->triangle_count(), before);
+      progress_.add(std::int64_t{refiner->triangle_count()} - before);
+      run_turn(*refiner, share - std::min(share, made), made - std::min(made, counted));
+    }
+    refiner->end_turn();
+  }
+
+  /// A refiner is asked for this number of triangles at once if all triangles that are made are counted.
+  static constexpr std::uint64_t kSlice = 1 << 16;
+
+  /// Runs one turn. If there are too many triangles, it depends on the threads which turns come to their end.
+  /// `begun_with` counts the triangles that are new in this turn already.
+  void run_turn(PatchRefiner& refiner, std::uint64_t share, std::uint64_t begun_with) {
+    if (!budget_.is_counted()) return refiner.run(share, progress_);
+    budget_.add_made(begun_with);
+    const std::uint64_t before = refiner.triangle_count();
+    std::uint64_t given = 0;
+    for (; given < share && !budget_.is_too_much_made(); given += kSlice) {
+      refiner.run(std::min(kSlice, share - given), progress_);
+      if (refiner.is_done() || refiner.is_turn_spent() || refiner.impossible().is_valid()) break;
+      budget_.add_made(kSlice);
+    }
+    const std::uint64_t made = refiner.triangle_count() - std::min(before, std::uint64_t{refiner.triangle_count()});
+    budget_.add_made(made - std::min(made, given));
+  }
+
+  /// Calls `body` for all items in parallel: the large ones one by one, the others in blocks.
+  template <class Body>
+  static void for_each_in(const LargeFirst& items, const Body& body) {
+    for_all(std::size_t{0}, items.large, [&](std::size_t k) { body(items.order[k]); });
+    for_all(tbb::blocked_range<std::size_t>(items.large, items.order.size(), 16), [&](const auto& range) {
+      for (std::size_t k = range.begin(); k < range.end(); ++k) body(items.order[k]);
+    });
+  }
+
+  void share_out_budget() {
+    std::vector<double> work(barrier_.dirty.size(), 1);
+    if (!budget_.is_limited()) return budget_.share_out(0, work, false, control_);
+    bool are_all_new = true;
+    for (std::size_t i = 0; i < barrier_.dirty.size(); ++i) {
+      const PatchRefiner* refiner = refiners_[barrier_.dirty[i]].get();
+      are_all_new = are_all_new && refiner == nullptr;
+      work[i] = refiner != nullptr ? std::max(1.0, static_cast<double>(refiner->waiting()))
+                                   : input_.prediction.of_patch[barrier_.dirty[i].value];
+    }
+    budget_.share_out(count_faces(), work, are_all_new, control_);
+  }
+
+  void exchange_cuts() {
+    std::vector<Cut> made;
+    std::vector<FreshCut> fresh;
+    std::vector<PatchId> unfinished;
+    StopCheck check(control_);
+    for (const PatchId p : barrier_.dirty) {
+      check();
+      PatchRefiner& refiner = *refiners_[p];
+      if (refiner.impossible().is_valid()) barrier_.impossible.push_back(refiner.impossible());
+      above_bounds_.take(refiner.take_above_bound());
+      made.clear();
+      refiner.take_own_cuts(made);
+      for (const Cut& cut : made) fresh.push_back({cut, p});
+      if (!refiner.is_done()) unfinished.push_back(p);
+    }
+    sort_unique(barrier_.impossible);
+    if (budget_.is_spent()) unfinished.clear();
+    cuts_.exchange(std::move(fresh));
+    barrier_.dirty = std::move(unfinished);
+    for (const SegmentCuts::Message& m : cuts_.messages()) barrier_.dirty.push_back(m.patch);
+    sort_unique(barrier_.dirty);
+  }
+
+  bool can_split_any(const std::vector<Chord>& chords) const {
+    return std::any_of(chords.begin(), chords.end(), [&](const Chord& c) { return !is_frozen(c.patch); });
+  }
+
+  /// Gives chords to their patches, which split them in the next round.
+  void take_on(const std::vector<Chord>& chords) {
+    chords_.is_any_split = false;
+    for (const Chord& chord : chords) {
+      if (is_frozen(chord.patch)) continue;
+      chords_.of_patch[chord.patch].push_back(chord.half_edge);
+      barrier_.dirty.push_back(chord.patch);
+    }
+    sort_unique(barrier_.dirty);
+  }
+
+  template <class Item>
+  void sort_unique(std::vector<Item>& items) {
+    sort_stoppable(items.begin(), items.end(), control_);
+    items.erase(std::unique(items.begin(), items.end()), items.end());
+  }
+
+  /// The chords that patches are to split, and how far that is.
+  struct ChordWork {
+    /// The chords of each patch, as half-edges of the patches that were collected last.
+    IdVector<PatchId, std::vector<std::uint32_t>> of_patch;
+    bool are_refiners_kept = false;         ///< patches keep their refiners when they are collected
+    std::atomic<bool> is_any_split = true;  ///< a chord of the last list was split
+  };
+
+  struct ThinningWork {
+    /// True if patches were thinned out since they all began, or since they were taken up again.
+    bool is_done = false;
+    int times_taken_up = 0;
+  };
+
+  /// The state between two rounds.
+  struct Barrier {
+    std::vector<PatchId> dirty;         ///< the patches that have something to do, ascending
+    std::vector<SegmentId> impossible;  ///< segments that had to be cut where rounding left no room, ascending
+  };
+
+  const RefinementInput& input_;
+  const Criteria criteria_;
+  TriangulatedPatches& triangulated_;
+  RunControl& control_;
+  RefinementProgress progress_;
+  SegmentTable segments_;
+  SegmentCuts cuts_;
+  FaceBudget budget_;
+  StepsAboveBounds above_bounds_;
+  PatchRefiners refiners_;
+  /// There is one per thread. Parallel loops inside a turn do not run another patch's turn meanwhile
+  /// (core/base/parallel.h).
+  tbb::enumerable_thread_specific<RefinerScratch> scratch_;
+  Barrier barrier_;
+  ChordWork chords_;
+  ThinningWork thinning_;
+  Refinement result_;
+};
+
+}  // namespace
+
+std::optional<Refinement> refine(const RefinementInput& input, SegmentTable segments, TriangulatedPatches& triangulated,
+                                 RunControl& control) {
+  return Rounds(input, std::move(segments), triangulated, control).run();
+}
+
+void split_chords(const Surface& surface, TriangulatedPatches& triangulated, Refinement& refinement,
+                  const IdVector<PatchId, std::uint8_t>& is_frozen, UnrefinedReason why, RunControl& control) {
+  PatchMeshes& meshes = triangulated.meshes;
+  IdVector<PatchId, std::size_t> vertices, triangles;
+  StopCheck check(control);
+  for (const PatchMesh& patch : meshes) {
+    check();
+    vertices.push_back(patch.vertices.size());
+    triangles.push_back(patch.mesh.triangle_count());
+  }
+  IdVector<PatchId, std::uint8_t> is_aside(meshes.size(), 0);
+  for (const PatchId p : refinement.before.ids()) is_aside[p] = 1;
+  const auto set_aside = [&](PatchId p) {
+    if (std::exchange(is_aside[p], 1) == 0) refinement.before.add(p, meshes[p]);
+  };
+  split_chords(triangulated, surface.vertex_count() + refinement.first_inner, set_aside, control);
+  std::vector<UnrefinedReason> reason;
+  auto before = refinement.reason.begin();
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    check();
+    const PatchId p(i);
+    PatchMesh& patch = meshes[p];
+    const std::size_t first = refinement.new_positions.size();
+    if (vertices[p] != patch.vertices.size()) {
+      refinement.new_positions.resize(first + count_unplaced(patch));
+      place_inner_vertices(surface, triangulated.charts[p], patch, first, refinement.new_positions);
+    }
+    if (refinement.reason.empty()) continue;
+    reason.insert(reason.end(), before, before + static_cast<std::ptrdiff_t>(triangles[p]));
+    before += static_cast<std::ptrdiff_t>(triangles[p]);
+    if (vertices[p] == patch.vertices.size()) continue;
+    const std::size_t first_reason = reason.size() - triangles[p];
+    reason.resize(first_reason + patch.mesh.triangle_count());
+    for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h)
+      if (patch.mesh.from(h) >= vertices[p])
+        reason[first_reason + h / 3] = is_frozen[p] != 0 ? UnrefinedReason::kBoundaryLocked : why;
+  }
+  refinement.reason = std::move(reason);
+}
+
+}  // namespace remesh

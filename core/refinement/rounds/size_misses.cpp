@@ -1,0 +1,302 @@
+#include "core/refinement/rounds/size_misses.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <mutex>
+#include <span>
+#include <tuple>
+#include <vector>
+
+#include "core/base/blocks.h"
+#include "core/base/large_first.h"
+#include "core/base/stoppable.h"
+#include "core/base/work_bound.h"
+#include "core/refinement/goals/unrefined.h"
+
+namespace remesh {
+namespace {
+
+/// Several threads look at a patch with more triangles than this.
+constexpr std::size_t kLarge = 1000;
+/// This is the number of triangles in a task. Each takes some microseconds.
+constexpr std::size_t kTriangles = 256;
+
+/// This is a relative slack for rounding when edges are compared with the sizes that were aimed at.
+constexpr double kAimSlack = 1 + 1e-9;
+
+/// Names the triangles begin .. end - 1 of a patch.
+struct Block {
+  PatchId patch;
+  std::uint32_t begin, end;
+
+  std::uint32_t size() const { return end - begin; }
+};
+
+/// Has the measures of a triangle. Lengths and places are in local units, so that no square under- or overflows.
+struct Measured {
+  std::array<double, 3> length;
+  std::array<Vec3, 3> middle;
+  Vec3 centroid;
+
+  Measured(const Vec3& a, const Vec3& b, const Vec3& c) : centroid((1.0 / 3) * (a + b + c)) {
+    const std::array<Vec3, 4> around{a, b, c, a};
+    for (std::size_t k = 0; k < 3; ++k) {
+      length[k] = norm(around[k + 1] - around[k]);
+      middle[k] = 0.5 * (around[k] + around[k + 1]);
+    }
+  }
+
+  /// Returns the largest size at a place for which an edge is still too long.
+  double too_small_size(const Vec3& place, double slope) const {
+    double size = 0;
+    for (std::size_t k = 0; k < 3; ++k)
+      size = std::max(size, length[k] / Goals::kSizeSlack - slope * norm(middle[k] - place));
+    return size;
+  }
+};
+
+class MissSearch {
+ public:
+  MissSearch(const Surface& surface, const PatchMeshes& meshes, const IdVector<PatchId, std::uint8_t>& is_frozen,
+             const VaryingBounds& bounds, Refinement& refinement, RunControl& control)
+      : surface_(surface),
+        meshes_(meshes),
+        is_frozen_(is_frozen),
+        bounds_(bounds),
+        slope_(bounds.goals.size_slope()),
+        tolerance_(bounds.plane_tolerance / surface.unit),
+        largest_(bounds.sizes.largest() / surface.unit),
+        refinement_(refinement),
+        control_(control) {
+    first_.push_back(0);
+    for (const PatchMesh& patch : meshes) first_.push_back(first_.back() + patch.mesh.triangle_count());
+    refinement_.misses_sizes.assign(first_.back(), 0);
+    max_steps_ = kWorkOfMisses.steps(0, first_.back());
+  }
+
+  void run() {
+    const auto work = [&](std::size_t p) { return first_[p + 1] - first_[p]; };
+    for_large_first(meshes_.size(), kLarge, work, control_, [&](std::size_t p) {
+      for_blocks(work(p), kTriangles, control_, [&](std::size_t begin, std::size_t end) {
+        const Block block{PatchId(p), static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end)};
+        if (bounds_.gaps == nullptr)
+          look_at_edges(block);
+        else if (!look_for_gaps(block, share_of(block), Rest::kWaits))
+          add_unfinished(block);
+      });
+    });
+    finish();
+    const auto& misses = refinement_.misses_sizes;
+    if (std::all_of(misses.begin(), misses.end(), [](std::uint8_t m) { return m == 0; }))
+      refinement_.misses_sizes.clear();
+  }
+
+ private:
+  Vec3 position(VertexId v) const {
+    if (v.value < surface_.vertex_count()) return surface_.local[v];
+    return (1 / surface_.unit) * (refinement_.new_positions[v.value - surface_.vertex_count()] - surface_.centre);
+  }
+  Vec3 in_model(const Vec3& place) const { return surface_.centre + surface_.unit * place; }
+  Measured measure(const PatchMesh& patch, std::uint32_t t) const {
+    const auto corner = [&](std::uint32_t k) { return position(patch.vertices[patch.mesh.from(3 * t + k)]); };
+    return {corner(0), corner(1), corner(2)};
+  }
+  std::uint8_t& is_missed(PatchId p, std::uint32_t t) { return refinement_.misses_sizes[first_[p.value] + t]; }
+
+  /// Returns the gap at a place below which the triangle is too large for the place.
+  double too_small_gap(const Measured& triangle, const Vec3& place) const {
+    return triangle.too_small_size(place, slope_) * bounds_.goals.proximity - tolerance_;
+  }
+
+  bool allows(const SizeField& sizes, double length, const Vec3& middle) const {
+    return sizes.allows(length * surface_.unit, in_model(middle));
+  }
+
+  double size_of(double gap) const { return (gap + tolerance_) / bounds_.goals.proximity; }
+
+  /// Returns the steps that a block may take at first: a part of its share of all that its stage may take. Nearly all
+  /// blocks need less.
+  std::uint64_t share_of(const Block& block) const {
+    constexpr std::uint64_t kAtFirst = 4;
+    return max_steps_ / kAtFirst / first_.back() * block.size();
+  }
+
+  void add_unfinished(const Block& block) {
+    const std::lock_guard lock(unfinished_mutex_);
+    unfinished_.push_back(block);
+  }
+
+  /// Looks again at the blocks that needed more than they might take. They get what the others have left, one batch
+  /// after the other. Where there are many, the first ones may take far more than their share, so that at least some
+  /// are looked at to the end.
+  void finish() {
+    constexpr std::size_t kBatches = 16, kMinBatch = 64;
+    constexpr std::uint64_t kUneven = 16;
+    sort_stoppable(unfinished_.begin(), unfinished_.end(), control_, [](const Block& a, const Block& b) {
+      return std::tie(a.patch, a.begin) < std::tie(b.patch, b.begin);
+    });
+    const auto triangles_of = [](std::span<const Block> blocks) {
+      std::uint64_t triangles = 0;
+      for (const Block& block : blocks) triangles += block.size();
+      return triangles;
+    };
+    std::uint64_t triangles = triangles_of(unfinished_);
+    const std::size_t size = std::max(kMinBatch, unfinished_.size() / kBatches);
+    for (std::size_t first = 0; first < unfinished_.size(); first += size) {
+      const auto batch = std::span(unfinished_).subspan(first, std::min(size, unfinished_.size() - first));
+      const std::uint64_t in_batch = triangles_of(batch);
+      const std::uint64_t left = max_steps_ - std::min(max_steps_, taken_.load());
+      const std::uint64_t share = left / triangles * std::min(kUneven, triangles / in_batch);
+      for_blocks(batch.size(), 1, control_,
+                 [&](std::size_t i, std::size_t) { look_for_gaps(batch[i], share * batch[i].size(), Rest::kUnknown); });
+      triangles -= in_batch;
+    }
+  }
+
+  /// Tells what becomes of the triangles of a block that were not looked at when the steps had been taken.
+  enum class Rest {
+    kWaits,    ///< nothing of the block is noted, because somebody looks at it again
+    kUnknown,  ///< they may miss their bounds, because nobody knows better
+  };
+
+  /// Returns false if there were too few steps to look at all triangles of the block.
+  bool look_for_gaps(const Block& block, std::uint64_t max_steps, Rest rest) {
+    const PatchMesh& patch = meshes_[block.patch];
+    std::vector<Measured> measured;
+    measured.reserve(block.size());
+    for (std::uint32_t t = block.begin; t < block.end; ++t) measured.push_back(measure(patch, t));
+    std::vector<double> asked(block.size(), HUGE_VAL);
+    WorkBound work(max_steps, &control_);
+    const std::uint32_t seen = look_for_gaps(block, measured, work, asked);
+    taken_ += work.taken();
+    if (seen < block.size() && rest == Rest::kWaits) return false;
+    for (std::uint32_t i = 0; i < block.size(); ++i) {
+      if (asked[i] < HUGE_VAL)
+        note(block.patch, block.begin + i, measured[i], asked[i]);
+      else if (i >= seen && may_miss(measured[i]))
+        note_unknown(block.patch, block.begin + i);
+    }
+    return seen == block.size();
+  }
+
+  /// Returns whether there is a gap that is too small for the triangle, as far as the triangle alone tells.
+  bool may_miss(const Measured& triangle) const {
+    const auto matters = [&](const Vec3& place) { return too_small_gap(triangle, place) > tolerance_; };
+    return matters(triangle.centroid) || std::any_of(triangle.middle.begin(), triangle.middle.end(), matters);
+  }
+
+  /// Sets the sizes that places of triangles ask for if the triangles are too large there; others stay as they are.
+  /// Output: so many triangles, the first ones of the block, have been looked at in all their places.
+  std::uint32_t look_for_gaps(const Block& block, std::span<const Measured> measured, WorkBound& work,
+                              std::span<double> asked) const {
+    const Triangulation2d& mesh = meshes_[block.patch].mesh;
+    // All gaps for which the floor is too large give the same reason, so the smallest of them is not needed.
+    const double at_floor = bounds_.sizes.floor() / surface_.unit * bounds_.goals.proximity - tolerance_;
+    // Triangles on both sides of the place may be too large for a gap. A limit of 0 is for none.
+    const auto gap_at = [&](const Vec3& place, double limit, double limit_there) {
+      const auto [low, high] = std::minmax(limit, limit_there);
+      if (!(high > tolerance_)) return HUGE_VAL;
+      // No gap that counts is below the tolerance, so one below the floor may not be possible at all.
+      const double lower = low > tolerance_ ? low : high;
+      const double enough = (at_floor > tolerance_ ? std::min(at_floor, lower) : lower) / kAimSlack;
+      return bounds_.gaps->at(in_model(place), block.patch, high * surface_.unit, &work, enough * surface_.unit) /
+             surface_.unit;
+    };
+    // The centroids are looked at first. Most triangles that are too large are so there, and their edges need no
+    // search.
+    for (std::uint32_t i = 0; i < block.size(); ++i) {
+      control_.check();
+      const double limit = too_small_gap(measured[i], measured[i].centroid);
+      const double gap = gap_at(measured[i].centroid, limit, 0);
+      if (work.is_spent()) return 0;  // the search may have ended early
+      if (gap < limit) asked[i] = size_of(gap);
+    }
+    for (std::uint32_t i = 0; i < block.size(); ++i) {
+      control_.check();
+      for (std::uint32_t k = 0; k < 3; ++k) {
+        // The middle of an edge inside the patch is looked at once for both its triangles, if they are in one block.
+        const std::uint32_t twin = mesh.twin(3 * (block.begin + i) + k);
+        const bool is_shared = twin != Triangulation2d::kNoHalfEdge && twin / 3 >= block.begin && twin / 3 < block.end;
+        const std::uint32_t there = is_shared ? twin / 3 - block.begin : i;
+        if (there < i) continue;
+        const Vec3& middle = measured[i].middle[k];
+        const auto limit_of = [&](std::uint32_t j) {
+          return asked[j] < HUGE_VAL ? 0 : too_small_gap(measured[j], middle);
+        };
+        const double limit = limit_of(i), limit_there = is_shared ? limit_of(there) : 0;
+        const double gap = gap_at(middle, limit, limit_there);
+        if (work.is_spent()) return i;
+        if (gap < limit) asked[i] = size_of(gap);
+        if (gap < limit_there) asked[there] = size_of(gap);
+      }
+    }
+    return block.size();
+  }
+
+  void look_at_edges(const Block& block) {
+    for (std::uint32_t t = block.begin; t < block.end; ++t) {
+      const Measured here = measure(meshes_[block.patch], t);
+      const auto is_too_long = [&](std::size_t k) {
+        return !allows(*bounds_.graded, here.length[k] / Goals::kSizeSlack, here.middle[k]);
+      };
+      // All segments were taken into account when sizes were chosen. So an edge that is as short as was aimed at can be
+      // too long only because of the floor.
+      if (is_too_long(0) || is_too_long(1) || is_too_long(2)) note(block.patch, t, here, 0);
+    }
+  }
+
+  /// Notes that a triangle misses its bound. Some place of the triangle asks for `size`.
+  void note(PatchId p, std::uint32_t t, const Measured& triangle, double size) {
+    is_missed(p, t) = kMissesSizes;
+    if (is_frozen_[p] != 0) return;
+    UnrefinedReason& reason = refinement_.reason[first_[p.value] + t];
+    const double floor = bounds_.sizes.floor() / surface_.unit;
+    const auto is_as_aimed_at = [&](std::size_t k) {
+      const double length = triangle.length[k] / kAimSlack;
+      return length <= std::min(floor, largest_) || allows(bounds_.sizes, length, triangle.middle[k]);
+    };
+    // A triangle at a sharp corner of the input may have a small angle, but must not be too large.
+    if (!is_excuse(reason) && !(is_as_aimed_at(0) && is_as_aimed_at(1) && is_as_aimed_at(2))) return;
+    if (floor < size)
+      reason = UnrefinedReason::kEffort;
+    else
+      reason = bounds_.sizes.is_floor_asked() ? UnrefinedReason::kMinEdgeLength : UnrefinedReason::kSizeFloor;
+  }
+
+  /// A sharp corner of the input is no reason for a triangle that is too large, so it is none for one that may be.
+  void note_unknown(PatchId p, std::uint32_t t) {
+    is_missed(p, t) = kMayMissSizes;
+    if (UnrefinedReason& reason = refinement_.reason[first_[p.value] + t]; is_frozen_[p] == 0 && is_excuse(reason))
+      reason = UnrefinedReason::kEffort;
+  }
+
+  static bool is_excuse(UnrefinedReason reason) {
+    return reason == UnrefinedReason::kInputAngle || reason == UnrefinedReason::kAcrossInputAngle;
+  }
+
+  const Surface& surface_;
+  const PatchMeshes& meshes_;
+  const IdVector<PatchId, std::uint8_t>& is_frozen_;
+  const VaryingBounds& bounds_;
+  const double slope_;
+  const double tolerance_, largest_;  ///< local units
+  Refinement& refinement_;
+  RunControl& control_;
+  std::vector<std::size_t> first_;  ///< index of each patch's first triangle
+  std::uint64_t max_steps_ = 0;
+  std::atomic<std::uint64_t> taken_ = 0;
+  std::mutex unfinished_mutex_;
+  std::vector<Block> unfinished_;
+};
+
+}  // namespace
+
+void note_size_misses(const Surface& surface, const PatchMeshes& meshes,
+                      const IdVector<PatchId, std::uint8_t>& is_frozen, const VaryingBounds& bounds,
+                      Refinement& refinement, RunControl& control) {
+  MissSearch(surface, meshes, is_frozen, bounds, refinement, control).run();
+}
+
+}  // namespace remesh

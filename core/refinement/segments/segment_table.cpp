@@ -1,0 +1,297 @@
+#include "core/refinement/segments/segment_table.h"
+
+#include <tbb/blocked_range.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <tuple>
+#include <utility>
+
+#include "core/base/blocks.h"
+#include "core/base/grouping.h"
+#include "core/base/ids.h"
+#include "core/base/pages.h"
+#include "core/base/stoppable.h"
+#include "core/patches/meshing/triangulated_patches.h"
+#include "core/refinement/goals/min_spacing.h"
+#include "core/refinement/segments/column_cuts.h"
+#include "core/refinement/segments/segment_depths.h"
+#include "core/refinement/segments/strips.h"
+#include "core/refinement/sizes/local_features.h"
+
+namespace remesh {
+namespace {
+
+/// Segments that meet under a smaller angle in a patch are cut on common shells. It is a little less than 60 degrees,
+/// because equilateral facets do not need shells.
+constexpr double kSmallAngle = (60 - 1e-6) * std::numbers::pi / 180;
+
+/// Vertices keep this distance from features, in roundings of their coordinates. With it, no rounded point changes
+/// sides.
+constexpr double kRoundings = 0x1p10;
+
+/// A piece of length d next to an end is cut at the largest shell that is no farther from the end than this share of d.
+constexpr double kShellShare = 2.0 / 3 * (1 + 1e-9);
+
+/// This is the number of segments in a task.
+constexpr std::size_t kSegments = 1024;
+
+/// Returns the largest shell base * 2^k that is at most `most`.
+double shell(double base, double most) { return std::ldexp(base, std::ilogb(most / base)); }
+
+struct SegmentUse {
+  VertexId from, to;
+  PatchId patch;
+  std::uint32_t half_edge;
+
+  auto key() const { return std::tie(from, to); }
+  friend bool operator<(const SegmentUse& a, const SegmentUse& b) {
+    return std::tie(a.from, a.to, a.patch, a.half_edge) < std::tie(b.from, b.to, b.patch, b.half_edge);
+  }
+};
+
+using SegmentUses = std::vector<SegmentUse, DefaultInit<SegmentUse>>;
+
+/// Returns the constrained half-edges that bound a patch. Edges that were only constrained for the chord rule are left
+/// out.
+SegmentUses segment_uses(const Surface& surface, const PatchMeshes& meshes, RunControl& control) {
+  const auto blocks =
+      map_blocks<std::vector<SegmentUse>>(meshes.size(), 256, control, [&](std::size_t p, std::size_t end) {
+        std::vector<SegmentUse> uses;
+        for (; p < end; ++p) {
+          const PatchMesh& patch = meshes[PatchId(p)];
+          for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
+            if (!patch.mesh.is_constrained(h) || patch.is_reserved(h)) continue;
+            VertexId a = patch.vertices[patch.mesh.from(h)], b = patch.vertices[patch.mesh.to(h)];
+            if (surface.positions[b] < surface.positions[a]) std::swap(a, b);
+            uses.push_back({a, b, PatchId(p), h});
+          }
+        }
+        return uses;
+      });
+  // Sorting by the first end separates most uses, because few share one.
+  return sorted_by_key(
+      concatenate<SegmentUse>(blocks, control), surface.vertex_count(),
+      [](const SegmentUse& use) { return use.from.value; }, control);
+}
+
+double magnitude(const Vec3& p) { return std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)}); }
+
+}  // namespace
+
+double EvenParts::cut(double t0, double t1) const {
+  const double middle = t0 + (t1 - t0) / 2;
+  if (count < 2) return middle;
+  const double shift = is_shifted ? 0.5 : 0;
+  const auto end = [&](double part) { return (part - shift) / count; };
+  const double first = t0 == 0 ? 0 : std::round(t0 * count + shift);
+  const double last = t1 == 1 ? std::ceil(count + shift) : std::round(t1 * count + shift);
+  if (last - first < 2 || (t0 != 0 && end(first) != t0) || (t1 != 1 && end(last) != t1)) return middle;
+  return end(std::floor((first + last) / 2));
+}
+
+std::vector<std::array<VertexId, 2>> segment_ends(const PatchMeshes& meshes, RunControl& control) {
+  std::vector<std::array<VertexId, 2>> ends;
+  StopCheck check(control);
+  for (const PatchMesh& patch : meshes)
+    for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
+      check();
+      if (!patch.mesh.is_constrained(h) || patch.is_reserved(h)) continue;
+      const auto [low, high] = std::minmax(patch.vertices[patch.mesh.from(h)], patch.vertices[patch.mesh.to(h)]);
+      ends.push_back({low, high});
+    }
+  sort_stoppable(ends.begin(), ends.end(), control);
+  ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+  return ends;
+}
+
+SegmentTable::SegmentTable(const Surface& surface, const TriangulatedPatches& triangulated,
+                           const IdVector<PatchId, std::uint8_t>& is_frozen, const SizeField& sizes, const Goals& goals,
+                           RunControl& control)
+    : surface_(surface), min_edge_length_(goals.min_edge_length) {
+  const PatchMeshes& meshes = triangulated.meshes;
+  const SegmentUses uses = segment_uses(surface, meshes, control);
+  const auto for_each_segment = [&](const auto& visit) {
+    for_blocks(segments_.size(), kSegments, control, [&](std::size_t s, std::size_t end) {
+      for (; s < end; ++s) visit(SegmentId(s), segments_[SegmentId(s)]);
+    });
+  };
+  begin_ = select_ids<std::uint32_t>(uses.size(), kItemsPerBlock, control,
+                                     [&](std::size_t i) { return i == 0 || uses[i].key() != uses[i - 1].key(); });
+  reserve_pages(segments_.items(), begin_.size(), control);
+  segments_.resize(begin_.size());
+  begin_.push_back(static_cast<std::uint32_t>(uses.size()));
+  reserve_pages(sides_, uses.size(), control);
+  sides_.resize(uses.size());
+  for_each_segment([&](SegmentId s, BoundarySegment& segment) {
+    segment.from = uses[begin_[s.value]].from;
+    segment.to = uses[begin_[s.value]].to;
+    segment.length = curve(s).length();
+    if (!goals.split_boundaries) segment.lock = Lock::kFixed;
+    for (std::uint32_t i = begin_[s.value]; i < begin_[s.value + 1]; ++i) {
+      sides_[i] = {s, uses[i].patch, uses[i].half_edge};
+      if (is_frozen[uses[i].patch] != 0) segment.lock = Lock::kFixed;
+    }
+  });
+
+  std::vector<PatchId> beside;
+  const auto segment_of = [&](SegmentId s) {
+    beside.clear();
+    for (const SegmentSide& side : sides(s)) beside.push_back(side.patch);
+    return TracedSegments::Segment{surface.positions[segments_[s].from], surface.positions[segments_[s].to], beside};
+  };
+  traced_ = TracedSegments(segments_.size(), segment_of, triangulated.charts, control);
+  by_patch_ = group_by(
+      sides_.size(), meshes.size(), [&](std::uint32_t i) { return sides_[i].patch.value; }, control);
+
+  // For each patch, find the features that its segments see and the angles between them.
+  struct Seen {
+    double distance, angle;
+    std::uint32_t next;  ///< index of the next side
+    double grid_step;    ///< a step of the patch's grid, in model units
+  };
+  std::vector<Seen> seen;
+  reserve_pages(seen, sides_.size(), control);
+  seen.resize(sides_.size());
+  for_all(tbb::blocked_range<std::size_t>(0, meshes.size(), 64), [&](const auto& range) {
+    LocalFeatures local_features;
+    std::vector<std::uint32_t> half_edges, side_of;
+    for (std::size_t p = range.begin(); p < range.end(); ++p) {
+      const auto own = sides_of_patch(PatchId(p));
+      const PatchMesh& patch = meshes[PatchId(p)];
+      const PatchChart chart = triangulated.charts[PatchId(p)];
+      half_edges.clear();
+      side_of.assign(patch.mesh.half_edge_count(), kNone);
+      for (const std::uint32_t i : own) {
+        half_edges.push_back(sides_[i].half_edge);
+        side_of[sides_[i].half_edge] = i;
+      }
+      const auto features = local_features.of(patch, chart, half_edges, control);
+      for (std::size_t k = 0; k < own.size(); ++k) {
+        const std::uint32_t next = side_of[features[k].next_at_start];
+        const Vec2 start = patch.uv[patch.mesh.from(half_edges[k])];
+        seen[own[k]] = {features[k].distance, features[k].angle_at_start, next == kNone ? own[k] : next,
+                        chart.grid() * chart.scale(start)};
+      }
+    }
+  });
+
+  // Join the ends of segments that meet under a small angle in some patch to clusters.
+  const auto end_count = static_cast<std::uint32_t>(2 * segments_.size());
+  clusters_ = UnionFind(end_count);
+  const auto values_of_ends = [&](double value) {
+    std::vector<double> values;
+    reserve_pages(values, end_count, control);
+    values.resize(end_count, value);
+    return values;
+  };
+  std::vector<double> sharpest = values_of_ends(std::numbers::pi / 2);
+  reserve_pages(feature_, segments_.size(), control);
+  feature_.resize(segments_.size());
+  std::vector<double, DefaultInit<double>> roundings(segments_.size());
+  for_each_segment([&](SegmentId s, const BoundarySegment& segment) {
+    double &nearest = feature_[s.value], &rounding = roundings[s.value];
+    nearest = segment.length;
+    rounding = 0x1p-52 * std::max(magnitude(surface.positions[segment.from]), magnitude(surface.positions[segment.to]));
+    for (std::uint32_t i = begin_[s.value]; i < begin_[s.value + 1]; ++i) {
+      nearest = std::min(nearest, seen[i].distance);
+      rounding = std::max(rounding, seen[i].grid_step);
+    }
+  });
+  const auto distance = [&](std::uint32_t i) { return seen[i].distance; };
+  for (const SegmentId s : segments_without_room(*this, distance, triangulated.charts, control)) traced_.straighten(s);
+  const auto end_at_start = [&](const SegmentSide& side) {
+    const PatchMesh& patch = meshes[side.patch];
+    const bool is_from = patch.vertices[patch.mesh.from(side.half_edge)] == segments_[side.segment].from;
+    return SegmentEnd(side.segment, is_from);
+  };
+  StopCheck check(control);
+  for (std::uint32_t i = 0; i < sides_.size(); ++i) {
+    check();
+    if (!(seen[i].angle < kSmallAngle) || seen[i].next == i) continue;
+    const SegmentEnd here = end_at_start(sides_[i]);
+    // The next side arrives at the vertex: it ends where this one starts.
+    const SegmentEnd there = end_at_start(sides_[seen[i].next]).opposite();
+    clusters_.join(here.index(), there.index());
+    corners_.push_back({here, there, seen[i].angle});
+    for (const SegmentEnd end : {here, there}) sharpest[end.index()] = std::min(sharpest[end.index()], seen[i].angle);
+  }
+  std::vector<double> shortest = values_of_ends(HUGE_VAL);
+  std::vector<std::uint32_t> members(end_count, 0);
+  for (std::uint32_t e = 0; e < end_count; ++e) {
+    check();
+    const std::uint32_t root = clusters_.find(e);
+    shortest[root] = std::min(shortest[root], segments_[SegmentEnd::at(e).segment()].length);
+    ++members[root];
+  }
+  for (std::uint32_t e = 0; e < end_count; ++e) {
+    check();
+    const std::uint32_t root = clusters_.find(e);
+    if (members[root] > 1) shell_base(SegmentEnd::at(e)) = shortest[root] / 3;
+  }
+
+  for_each_segment([&](SegmentId s, BoundarySegment& segment) {
+    const double noise = kRoundings * roundings[s.value];
+    double size = feature_[s.value];
+    // A place that is narrower than the shortest edge allowed cannot be cut across.
+    if (!segment.is_locked() && !(size > noise)) segment.lock = Lock::kNoRoom;
+    if (!segment.is_locked() && size < goals.min_edge_length) segment.lock = Lock::kAsked;
+    for (const double t : {0.0, 0.5, 1.0}) size = std::min(size, sizes.at(position(s, t)));
+    const double angle = std::min(sharpest[SegmentEnd(s, true).index()], sharpest[SegmentEnd(s, false).index()]);
+    // Shells at an angle below 60 degrees are nearer to each other than to the corner.
+    const double shortest_piece = goals.min_edge_length / std::min(1.0, 2 * std::sin(angle / 2));
+    const double of_features = std::max(kFloorShare * size, noise / std::sin(angle));
+    segment.floor = std::max({shortest_piece, of_features, floor_below_surface(*this, s, triangulated.charts)});
+    segment.is_floor_asked = shortest_piece > of_features;
+    segment.is_floor_raised = segment.floor > kFloorShare * size;
+  });
+}
+
+void SegmentTable::plan_cuts(const TriangulatedPatches& triangulated, const SizeField& sizes, const Goals& goals,
+                             RunControl& control) {
+  const std::vector<EvenParts> parts =
+      parts_along_strips(triangulated.meshes, *this, std::exchange(feature_, {}), goals, sizes, control);
+  for_blocks(segments_.size(), kSegments, control, [&](std::size_t s, std::size_t end) {
+    for (; s < end; ++s) segments_[SegmentId(s)].parts = parts[s];
+  });
+  column_cuts_ = column_cuts(triangulated, *this, goals, sizes, control);
+  corner_shells_ = CornerShells(*this, std::exchange(corners_, {}), goals, sizes, control);
+  UnionFind clusters = std::exchange(clusters_, UnionFind());
+  // Pieces that corner shells make next to a corner are cut in halves. (If all sizes are the same, that would take up
+  // to a tenth more faces.)
+  if (sizes.is_uniform()) return;
+  const auto end_count = static_cast<std::uint32_t>(2 * segments_.size());
+  std::vector<double> first(end_count, HUGE_VAL);
+  StopCheck check(control);
+  for (std::uint32_t e = 0; e < end_count; ++e) {
+    check();
+    double& least = first[clusters.find(e)];
+    if (const auto shells = corner_shells_.at(SegmentEnd::at(e)); !shells.empty())
+      least = std::min(least, shells.front());
+  }
+  for (std::uint32_t e = 0; e < end_count; ++e)
+    if (const double base = first[clusters.find(e)]; std::isfinite(base)) shell_base(SegmentEnd::at(e)) = base;
+}
+
+std::optional<double> SegmentTable::place_cut(const BoundarySegment& s, double t0, double t1) const {
+  const double length = (t1 - t0) * s.length;
+  const bool at_from = t0 == 0 && s.shell_base[0] > 0;
+  const bool at_to = t1 == 1 && s.shell_base[1] > 0;
+  const bool use_from = at_from && (!at_to || s.shell_base[0] <= s.shell_base[1]);
+  const double t = use_from ? shell(s.shell_base[0], kShellShare * length) / s.length
+                   : at_to  ? 1 - shell(s.shell_base[1], kShellShare * length) / s.length
+                            : s.parts.cut(t0, t1);
+  if (!(t > t0 && t < t1)) return std::nullopt;
+  return t;
+}
+
+std::optional<double> SegmentTable::cut(SegmentId id, double t0, double t1) const {
+  const BoundarySegment& s = segments_[id];
+  if (s.is_locked()) return std::nullopt;
+  const std::optional<double> t = place_cut(s, t0, t1);
+  if (t && std::min(*t - t0, t1 - *t) * s.length < s.floor) return std::nullopt;
+  return t;
+}
+
+}  // namespace remesh

@@ -1,0 +1,82 @@
+/// The checker's own computation of the bounds on edge lengths that vary from place to place.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/base/run_control.h"
+#include "core/geometry/trees/box_tree.h"
+#include "core/verify/claim/claim.h"
+#include "core/verify/goals/facing_facets.h"
+#include "core/verify/goals/straight_lines.h"
+#include "core/verify/model/boundary_graph.h"
+#include "core/verify/model/model.h"
+
+namespace remesh::verification {
+
+/// Tests output faces against goals.proximity or, without it, against goals.gradation.
+///
+/// With proximity, a place of a patch asks for the size (gap + tolerance) / proximity. The places that are looked at
+/// are each face's centroid and the midpoints of its edges. An edge may be as long as the size at a place plus the
+/// slope times the distance from that place to the edge's own midpoint.
+///
+/// With gradation alone, each straight line of the input's boundaries asks for its own length. An edge may be as long
+/// as that plus the slope times the distance from the line to the edge's midpoint. So does each piece of a curve that
+/// was cut anew, but its length is not certain.
+///
+/// Both bounds are multiplied by Goals::kSizeSlack. The smallest size that refinement permits is not part of the
+/// bound: faces that cannot meet the bound because of it must be listed.
+///
+/// Two measures decide whether a face misses its bound, because two programs that compute a bound differ near it. One
+/// counts only what is certain and permits kClearly more. The other counts everything that is possible and permits as
+/// much less.
+class VaryingSizes {
+ public:
+  /// Input:  `claim` - its goals have proximity or gradation; `input_seams` - the edges that bound the input's
+  ///         patches; `output_seams` - those that bound the output's. All of these must outlive this object.
+  VaryingSizes(const Claim& claim, const Model& model, const BoundaryGraph& input_seams,
+               const BoundaryGraph& output_seams, RunControl& control);
+
+  bool is_missed_clearly(std::uint32_t output_face) const;
+  bool may_be_missed(std::uint32_t output_face) const;
+
+  static constexpr double kClearly = 1.02;
+
+ private:
+  struct Length {
+    double value = HUGE_VAL;
+    void join(Length other) { value = std::min(value, other.value); }
+  };
+  struct Segment {
+    Vec3 a, b;
+    double size;  ///< what it asks for
+  };
+  /// Straight segments, each of which asks for a size.
+  class Graded {
+   public:
+    Graded() = default;
+    Graded(std::vector<Segment> segments, const Model& model, double slope, RunControl& control);
+    /// True if there is a segment near which an edge of that length with that midpoint would be too long.
+    /// Input: in the model's scale.
+    bool is_too_long(double length, const Vec3& middle) const;
+
+   private:
+    Vec3 centre_;
+    double slope_ = 0;
+    std::vector<Segment> segments_;
+    BoxTree<Length> tree_;
+  };
+
+  bool is_missed(std::uint32_t output_face, FacingFacets::Doubt doubt) const;
+
+  const Model& model_;
+  const double proximity_, slope_;
+  std::optional<FacingFacets> facets_;  ///< set with proximity
+  /// They are set without proximity. `lines_` asks for the largest possible lengths, `pieces_` for the smallest.
+  Graded lines_, pieces_;
+};
+
+}  // namespace remesh::verification
