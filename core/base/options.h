@@ -54,7 +54,7 @@ struct Options {
   std::optional<double> max_edge_fraction;  ///< instead of max_edge_length; a fraction of the bounding box's diagonal
   std::optional<double> max_area;
   /// Empty: refinement makes edges of any length, as long as there are not far more faces than in the input; see
-  /// goals.h. 0: of any length.
+  /// goals.h. 0: of any length, whatever the number of faces.
   std::optional<double> min_edge_length;
   double proximity = 0;  ///< 0: off
   std::optional<double> gradation;
@@ -63,15 +63,15 @@ struct Options {
   bool keep_boundary_vertices = false;
   std::optional<double> plane_tolerance;  ///< empty: computed from the input's rounding noise
   /// Details smaller than this are removed, in model units: short edges, narrow faces, low steps and flaps, narrow
-  /// slits. Empty: details that are smaller than the plane tolerance, but for slits. 0: none.
+  /// slits. Empty: details that are smaller than the plane tolerance, except slits. 0: none.
   std::optional<double> defeature_size;
   double normal_tolerance = 1e-6;  ///< per component of the unit normal
   /// Edges between facets that turn by more than this are features. Facets that meet at a smaller angle may be pieces
   /// of one curved surface. 0: each facet is its own surface.
   double feature_angle_deg = 30;
-  /// How far the curved parts of input and output may be apart, in model units. Empty: as far as the input's own facets
-  /// are from each surface where a number of elements per circle is in force, and otherwise facets stay. 0: facets stay
-  /// as they are.
+  /// Max distance between curved parts of the input and of the output, in model units. 0: facets stay as they are.
+  /// Empty: where a number of elements per circle applies, the distance of the input's own facets from each surface;
+  /// elsewhere facets stay.
   std::optional<double> surface_tolerance;
   std::optional<double> surface_tolerance_fraction;  ///< instead of surface_tolerance; a fraction of the diagonal
   /// Edges per full turn on curved surfaces. Empty: see coarsens_fine_facets.
@@ -82,7 +82,7 @@ struct Options {
   CircleFit circle_fit = CircleFit::kInscribed;
   double weld_tolerance = 0;  ///< 0: only equal coordinates are one vertex
   Repair repair;
-  /// Holes whose rims have at most so many edges are closed, if `repair` has `holes`. Empty: those smaller than
+  /// Holes whose rims have at most this many edges are closed, if `repair` has `holes`. Empty: those smaller than
   /// defeature_size, or without such a size those that are small by themselves (core/mending/holes.h).
   std::optional<std::uint64_t> max_hole_edges;
   Barriers barriers;
@@ -148,11 +148,11 @@ struct RunSettings {
   int workers = 1;  ///< number of threads that compute, at least 1
   /// Fill Result::face_source and input_face_patch. This costs a point location per face.
   bool want_face_source = false;
-  /// If nothing is refined, so that the work grows with the input alone, an input with fewer corners is computed by one
-  /// thread.
+  /// Without refinement, the work grows with the input alone. Then one thread computes an input with fewer corners than
+  /// this.
   std::size_t serial_corners = 0;
-  /// The result is meant for these numbers: refinement makes no edge that they cannot tell apart, and the result is
-  /// rounded to them. It is checked, measured and reported as rounded.
+  /// The numbers in which the result will be stored. Refinement makes no edge whose ends would become equal in them.
+  /// The result is rounded to them, and then checked, measured and reported.
   Storage storage = Storage::kDouble;
   OutputRounding rounding = OutputRounding::kRequired;
 };

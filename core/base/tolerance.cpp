@@ -32,8 +32,8 @@ constexpr std::size_t kRates = 64;
 constexpr std::size_t kEnoughCoarser = 6;
 /// A number counts as short if it has at most this many units.
 constexpr double kShort = 4294967296.0;
-/// If all coordinates agree on a quantum, this proves more than one short number does. So the largest coordinate may
-/// have up to this many units of it.
+/// That all coordinates are multiples of one quantum proves more than that a single number is short. So the largest
+/// coordinate may have up to this many units of the quantum.
 constexpr double kShortTogether = 0x1p45;
 /// If the smallest coordinates have more decimals than fit beside the largest one, then only coordinates of at least
 /// this fraction of the largest are used to find the number of significant digits.
@@ -98,9 +98,9 @@ Decimal shortest(double x, Decimals decimals) {
 }
 
 /// The coordinates that carry information, read in blocks in parallel. Coordinates nearer to 0 than any tolerance are
-/// left out: they are a 0 that arithmetic has missed, such as 6.1e-17 for the cosine of a right angle. The coordinates
-/// are scaled by a power of two so that the largest is near 1, because no decimals could be computed for numbers near
-/// the largest double.
+/// left out: they are zeros with a rounding error, such as 6.1e-17 for the cosine of a right angle. The coordinates are
+/// scaled by a power of two so that the largest is near 1, because no decimals could be computed for numbers near the
+/// largest double.
 class Coordinates {
  public:
   Coordinates(std::span<const Vec3> positions, RunControl& control) : positions_(positions), control_(control) {
@@ -125,7 +125,7 @@ class Coordinates {
     }
   }
 
-  /// The length in the caller's units that is 1 here.
+  /// The length, in the caller's units, of one unit of the scaled coordinates.
   double unit() const { return unit_; }
   /// The largest absolute value of each axis; 0 if all of the axis are negligible.
   const Vec3& largest() const { return largest_; }
@@ -140,8 +140,8 @@ class Coordinates {
   }
 
   /// Accumulates over all coordinates, from `none` on. `add(found, x, axis)` adds a coordinate to what its block has
-  /// found so far. `join(found, other)` adds what another block has found. Either returns false if nothing can be found
-  /// any more, and then the result is empty.
+  /// found so far. `join(found, other)` adds the result of another block. If either returns false, the whole result is
+  /// empty.
   template <class Found, class Add, class Join>
   std::optional<Found> found_in_all(const Found& none, const Add& add, const Join& join) const {
     std::atomic<bool> is_over = false;

@@ -106,7 +106,7 @@ struct AutomaticTolerance {
   double value = 0;        ///< the tolerance that applies without doubt
   double if_bent = 0;      ///< applies if a face bends by more than `value` and at most by this
   double if_noisy = 0;     ///< applies if faces bend as by noise (see `is_noise_present`)
-  double explained = 0;    ///< what the possible step alone explains, however large
+  double explained = 0;    ///< the tolerance that follows from the possible step alone, however large
   bool is_capped = false;  ///< `explained` is above kToleranceCeiling
 };
 AutomaticTolerance automatic_tolerance(const Rounding& rounding, double diagonal);

@@ -24,7 +24,7 @@ struct Vec3 {
   double y = 0;
   double z = 0;
 
-  /// Compares lexicographically. This is the order of ties in space.
+  /// Compares lexicographically. This order breaks ties between points in space.
   friend constexpr auto operator<=>(const Vec3&, const Vec3&) = default;
   friend constexpr Vec3 operator+(const Vec3& a, const Vec3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
   friend constexpr Vec3 operator-(const Vec3& a, const Vec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }

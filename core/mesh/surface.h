@@ -47,8 +47,8 @@ struct Surface {
   FilledIdVector<VertexId, VertexId>
       vertex_source;  ///< the first input vertex with these coordinates; for a new vertex, that of a neighbour
   FilledIdVector<FaceId, FaceId> face_source;  ///< the input face from which each face came; ascending
-  /// One number per face. Between neighbours with different labels is a barrier: they never belong to one patch. Empty
-  /// if there are no labels.
+  /// One number per face. Neighbours with different labels never belong to one patch: a barrier lies between them.
+  /// Empty if there are no labels.
   IdVector<FaceId, std::uint32_t> face_label;
   /// The faces that were made to close holes, ascending. Each has the source and the label of a face at its hole's rim.
   std::vector<FaceId> caps;
@@ -72,8 +72,8 @@ struct Surface {
     return q;
   }
 
-  /// Calls `take` with each input face from which some of the given faces came. The given faces are ascending. Each
-  /// input face is passed once, even if it was split.
+  /// Calls `take` with each input face from which some of the given faces came. The given faces are ascending. An input
+  /// face that was split is passed only once.
   template <class Take>
   void for_each_source(std::span<const FaceId> of_faces, Take take) const {
     FaceId last;
@@ -81,7 +81,7 @@ struct Surface {
       if (face_source[f] != last) take(last = face_source[f]);
   }
 
-  /// Replaces the faces by these, none of which closes a hole. They use the surface's own vertices.
+  /// Replaces the faces by these. The new faces use the surface's own vertices, and none of them closes a hole.
   void take_faces(FaceList&& faces) {
     face_begin = std::move(faces.face_begin);
     corners = std::move(faces.corners);
@@ -89,7 +89,8 @@ struct Surface {
     face_label = std::move(faces.face_label);
     caps.clear();
   }
-  /// Copies all that still belongs to the mesh from which the surface was made, so that the surface no longer needs it.
+  /// Copies all data that still belongs to the mesh from which the surface was made, so that the surface no longer
+  /// needs that mesh.
   void detach() {
     positions.detach();
     face_begin.detach();
