@@ -56,8 +56,8 @@ class ShellNesting {
     bool is_within = false;
   };
   struct Samples;
-  /// The shells whose faces count when a link is looked for: all from which it may follow, or only those that may
-  /// contain the shell.
+  /// The shells whose faces count when a link is looked for: all shells that may tell the place of a shell, or only
+  /// those that may contain it.
   enum class Tellers : std::uint8_t { kAll, kLarger };
 
   void group_by_place();

@@ -45,7 +45,7 @@ struct FitGoal {
 };
 
 /// Improves a surface until the sum of the squares of the points' distances from it is a minimum.
-/// Output: nothing if this ends in a surface that is none, for example with an infinite radius, or if it is hopeless.
+/// Output: nothing if the fit ends in no valid surface, for example with an infinite radius, or stays above `hopeless`.
 /// Holds:  the result depends on the order of the points only by rounding.
 /// Errors: kCancelled, kTimeout - asked to stop through the goal's control.
 /// Cost:   some passes over the points.

@@ -33,17 +33,17 @@ class SurfaceMap {
   /// the rulings, and the surface turns little along them. A cone is laid out in the angle around its axis and in the
   /// distance from its apex. The maps of other surfaces do not change.
   SurfaceMap squeezed() const;
-  /// Returns whether this map was made by `squeezed` and is not the same as before.
+  /// Returns whether lengths along rulings are squeezed. `squeezed` does not do this for all surfaces.
   bool is_squeezed() const { return squeeze_ != 1; }
 
   /// Returns whether there is a map for that surface.
   static bool can_map(const AnalyticSurface& shape);
 
-  /// Returns the place of the surface's point that is nearest to `p`.
+  /// Returns the place in the plane of the surface's point that is nearest to `p`.
   Vec2 flat(const Vec3& p) const;
-  /// Returns the point of the surface at a place.
+  /// Returns the point of the surface at a place of the plane.
   Vec3 point(Vec2 q) const;
-  /// Returns the unit normal there, on the facets' outside.
+  /// Returns the unit normal at a place, on the facets' outside.
   Vec3 normal(Vec2 q) const;
   /// Returns the length on the surface of a short way at a place, per length of that way in the plane. In a squeezed
   /// map, it is that of a way around the axis.

@@ -33,7 +33,8 @@ struct Nearest {
   double width = 0;
 };
 
-/// Calls find(i, nearest) for all edges. It returns how many others it looked at. Output: empty if there were too many.
+/// Calls find(i, nearest) for all edges. `find` returns how many other edges it tested. Output: empty if there were too
+/// many tests.
 template <class Find>
 std::vector<Nearest> find_all(std::size_t edges, RunControl& control, const Find& find) {
   constexpr std::size_t kManyLooks = 1 << 12;

@@ -23,8 +23,8 @@ namespace remesh {
 ///   stands on nothing but closed surfaces. Otherwise the sheet lies in an open surface or alone, or it is the wall
 ///   between two solids. Without one of its sides, the surface would be open or would have edges with three faces.
 /// - A face that repeats another one with the same orientation. It stays only if it is the wall of a second body, where
-///   one of the two is mirrored. This is so if along one of its edges as many faces run one way as the other with it,
-///   but not without it.
+///   one of the two is mirrored. This is so if the faces along one of its edges run equally often in both directions
+///   with this face, and not without it.
 /// Input:   a welded surface, and the labels of the input that it came from. Polygons that touch themselves are
 ///          ignored.
 /// Output:  with Mend::kYes, the surface without the dropped faces. Counts faces that are dropped, those of fins, and

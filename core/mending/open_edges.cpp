@@ -21,7 +21,7 @@ constexpr std::size_t kMaxFaces = 8;
 OpenEdges::OpenEdges(const Surface& surface, const Adjacency& edges, Which which, RunControl& control)
     : surface_(surface) {
   StopCheck check(control);
-  // Growing a list of millions copies it several times, and nobody could stop that.
+  // A list that grows to millions of items is copied several times, and these copies cannot be cancelled.
   edges_.reserve(edges.odd_edges().size());
   for (const EdgeId e : edges.odd_edges()) {
     check();
@@ -42,8 +42,8 @@ OpenEdges::OpenEdges(const Surface& surface, const Adjacency& edges, Which which
     }
   }
   if (edges_.empty()) return;
-  // They are sorted by half-edge, so that the edges of one face are next to each other and a polygon is measured only
-  // once.
+  // The open edges are sorted by half-edge, so that the edges of one face are next to each other and a polygon is
+  // measured only once.
   sort_stoppable(edges_.begin(), edges_.end(), control,
                  [](const OpenEdge& a, const OpenEdge& b) { return a.half_edge < b.half_edge; });
   FaceId last;

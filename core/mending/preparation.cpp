@@ -55,8 +55,8 @@ class Preparation {
 
   void measure() {
     const auto& positions = surface().positions.items();
-    // Local units are about as large as the diagonal. Spikes within the rounding of full doubles do not count for the
-    // area.
+    // Local units are about as large as the diagonal. Spikes as thin as the rounding of full doubles do not count for
+    // the area.
     const Triangulated triangles(surface(), control_, kToleranceFloor);
     summary_.statistics =
         measure_surface(positions, surface().face_begin, surface().corners, adjacency(), triangles.corners(), control_);
@@ -74,13 +74,13 @@ class Preparation {
     const double automatic = automatic_tolerance_of(rounding);
     summary_.plane_tolerance = options_.plane_tolerance.value_or(automatic);
     rounding_ = automatic;
-    // Facets of a curved surface need not bend to be rounded, and a few numbers do not prove that they are.
+    // Facets of a curved surface may be rounded without a visible bend, and a few numbers do not prove the rounding.
     const double possible = kToleranceSteps * std::max(rounding.step(), rounding.possible_step());
     prepared_.rounding_tolerance = std::max(automatic, std::min(possible, kPossibleRounding * diagonal_of_faces()));
     prepared_.printed_step = std::max(rounding.step(), rounding.doubtful_step());
     spike_rounding_ = std::min(kToleranceSteps * rounding.possible_step(),
                                kToleranceCeiling * summary_.statistics.bounding_box.diagonal());
-    // A caller who asks for more than the digits explain wants larger bends to be flattened, too.
+    // If the caller's tolerance is larger than the digits explain, the caller wants larger bends to be flattened, too.
     const bool are_digits_noise = rounding.is_decimal && automatic == kToleranceSteps * rounding.possible_step();
     if (are_digits_noise && summary_.plane_tolerance <= automatic) prepared_.printed_steps = rounding.possible_steps;
   }
@@ -182,13 +182,13 @@ class Preparation {
         (is_split || mend_seams == Mend::kNo) && seams.close(surface(), adjacency(), mend_seams, control_);
     if_changed(is_joined_again);
     seams.tell(found);
-    // Faces on both sides of a seam, or of edges that were split, may repeat each other now, because they have had the
-    // same vertices only since then.
+    // Faces on both sides of a seam, or of edges that were split, may repeat each other now, because only since then do
+    // they have the same vertices.
     if ((is_joined || is_split || is_joined_again) && repair.duplicates &&
         drop_new_duplicates(repeated, is_repeated ? 1 : 0))
       if_changed(true);
     found.insert(found.begin() + static_cast<std::ptrdiff_t>(place), repeated.begin(), repeated.end());
-    // Walls that stand twice get edges of their own on each side.
+    // Double walls get separate edges on each side.
     if (repair.duplicates && limits_.is_joining_allowed)
       if_changed(part_double_walls(surface(), adjacency(), input_.labels, tolerance, limits_.keep_verbatim, control_));
     // Faces without a plane are split, and faces without area are dropped. Neither opens the surface.
@@ -227,8 +227,8 @@ class Preparation {
     return is_changed;
   }
 
-  /// Drops faces that repeat others only since seams have closed, if that opens nothing. It may open the surface,
-  /// because some parts of two copies may have become one, and others not.
+  /// Drops faces that repeat others since seams were closed, unless that would open the surface. It may do so if only
+  /// some parts of two copies have become one.
   /// Input:   `told` has the diagnostics on repeated faces so far. The first `dropped` of them are on faces that were
   ///          dropped.
   /// Output:  whether the surface changed. If it did, `told` has the diagnostics on both passes.

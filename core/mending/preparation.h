@@ -20,7 +20,7 @@
 
 namespace remesh {
 
-/// The surface on which the later stages work, and what they need to know of it.
+/// The surface on which the later stages work, and the data about it that they need.
 class Prepared {
  public:
   Surface surface;

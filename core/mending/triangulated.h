@@ -30,7 +30,7 @@ class Triangulated {
   std::size_t first_of(FaceId f) const;
   /// The area of the triangles minus the area of the faces, in local units. A flat polygon that crosses itself has the
   /// area around which its outline winds, counted with its sign (Newell), while the fan that stands for it covers more.
-  /// A polygon that is not flat has no area but that of its triangles.
+  /// The area of a polygon that is not flat is the area of its triangles.
   double excess_area() const { return excess_area_; }
 
  private:

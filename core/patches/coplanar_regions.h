@@ -18,8 +18,8 @@ struct RegionTag {
 };
 using RegionId = Id<RegionTag>;
 
-/// The regions found so far. Faces without a region are still to be grouped. If `of_face` is empty, that is all of
-/// them.
+/// The regions found so far. Faces without a region are still to be grouped. If `of_face` is empty, no face has a
+/// region yet.
 struct Regions {
   FilledIdVector<FaceId, RegionId> of_face;
   FilledIdVector<RegionId, Plane> planes;
@@ -39,7 +39,7 @@ struct CoplanarityRule {
   /// One rung of the ladder per face, 0 to kSingleFace. It scales the tolerance, and on the last rung each face is
   /// alone.
   const IdVector<FaceId, std::uint8_t>* rung = nullptr;
-  /// The step to which each coordinate is printed, if the tolerance comes from that; 0 if unknown.
+  /// The step to which each coordinate is printed, if the tolerance comes from printing; 0 if unknown.
   Vec3 printed_steps = {};
 };
 
@@ -55,9 +55,9 @@ double tolerance_at_rung(double tolerance, std::uint8_t rung, double floor);
 ///         the opposite orientation. If a face is too thin for its normal to be meaningful (height under two
 ///         tolerances), only its corners are tested. Two triangles are not joined over their common edge if they bend
 ///         there by more than the digits they are printed with explain, and by more than kUnquestionedBend, even if a
-///         plane is near enough: more is known about four corners than about many. Regions are edge-connected. They do
-///         not creep along a curved surface, because all faces are tested against the one final plane. Neither the
-///         order of faces and vertices nor scaling by powers of two changes the regions.
+///         plane is near enough: for four corners the bend can be tested exactly, for many it cannot. Regions are
+///         edge-connected. They do not creep along a curved surface, because all faces are tested against the one final
+///         plane. Neither the order of faces and vertices nor scaling by powers of two changes the regions.
 /// Cost:   O(n log n); on the caller's TBB arena. The parallel parts are islands, which are faces connected over edges
 ///         whose two faces may fit one plane.
 /// Source: J. Vermaak, The Surface Remeshing Module in ChiTech, 2018, section 2; rules.md, Coplanarity;

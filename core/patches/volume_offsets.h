@@ -41,12 +41,11 @@ struct CutPatches {
   const IdVector<VertexId, std::uint8_t>& forced;  ///< vertices that must stay
 };
 
-/// Knows by how much each curved surface is moved outwards. The offsets are estimates at first; what a result shows to
-/// be missing corrects them (refinement/volume_fit.h).
+/// Knows by how much each curved surface is moved outwards. The offsets are estimates at first. They are corrected by
+/// the volume that a result lacks (refinement/volume_fit.h).
 class VolumeOffsets {
  public:
-  /// Moves the curved surfaces, and the vertices on their boundaries. Everything that comes after this is done on the
-  /// moved surfaces.
+  /// Moves the curved surfaces, and the vertices on their boundaries. All later stages work on the moved surfaces.
   /// Input:   `with_cuts` is the surface with the vertices of the cuts behind its own.
   /// Output:  the positions of essential vertices and cuts on the boundaries of curved patches, and the maps and limits
   ///          of these patches. Returns whether any surface is moved.
@@ -64,8 +63,8 @@ class VolumeOffsets {
   /// Returns the offsets of regular polygons that turn as far as edges may: a scale for each surface.
   const IdVector<SurfaceId, double>& scales() const { return scales_; }
   /// Tells whether some vertices on the boundary of a surface cannot follow it, as where a plane touches it. If such a
-  /// surface were moved before it is refined, triangles at its boundary would have to climb, the steeper the smaller
-  /// they are. So its offset is 0 at first.
+  /// surface were moved before it is refined, the triangles at its boundary would be steep, and smaller triangles would
+  /// be steeper. So its offset is 0 at first.
   bool is_anchored(SurfaceId surface) const { return is_anchored_[surface] != 0; }
 
   /// Takes better offsets for the next attempt.
@@ -76,10 +75,10 @@ class VolumeOffsets {
   }
   /// Returns whether better offsets have rarely been taken yet.
   bool is_better_estimate_worth_while() const { return corrections_ < kMaxCorrections; }
-  /// Returns a surface if it is moved; otherwise those that are moved and share vertices with it.
+  /// Returns the surface itself if it is moved; otherwise the moved surfaces that share vertices with it.
   /// Cost: O(vertices on boundaries).
   std::vector<SurfaceId> moved_at(SurfaceId surface) const;
-  /// Leaves surfaces where they are from now on.
+  /// Leaves these surfaces where they are from now on.
   void leave(std::span<const SurfaceId> surfaces) {
     for (const SurfaceId s : surfaces) is_left_[s.value] = 1;
     forget(surfaces);
@@ -97,9 +96,9 @@ class VolumeOffsets {
   void set_scales(const CurvedPatches& curved);
   void find_anchored(const CutPatches& cut, const CurvedPatches& curved, RunControl& control);
 
-  std::vector<std::uint8_t> is_left_;  ///< one per surface: it stays where it is. Empty if none does
+  std::vector<std::uint8_t> is_left_;  ///< one per surface: it stays where it is. Empty if every surface may move
   IdVector<SurfaceId, OffsetGoal> goals_;
-  std::vector<std::uint8_t> is_known_;  ///< one per surface: its offset is not only estimated
+  std::vector<std::uint8_t> is_known_;  ///< one per surface: its offset has been corrected by a result
   IdVector<SurfaceId, double> offsets_;
   IdVector<SurfaceId, double> scales_;
   OffsetMoves moves_;
