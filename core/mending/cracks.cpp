@@ -61,7 +61,7 @@ std::vector<Nearest> find_all(std::size_t edges, RunControl& control, const Find
   return all;
 }
 
-/// Finds edges whose ends are both near to those of another one.
+/// Finds pairs of edges whose ends are near each other, both at one end and at the other.
 class Pairs {
  public:
   Pairs(const OpenEdges& open, double tolerance, RunControl& control)
@@ -170,7 +170,7 @@ struct EdgeKinds {
   }
 };
 
-/// Joins the input as it would be prepared with a weld tolerance, and counts its edges.
+/// Joins the input as preparation with a weld tolerance would do it, and counts its edges.
 class Trial {
  public:
   Trial(const PolygonMesh& input, const Options& options, const CrackRules& rules, RunControl& control)
@@ -264,8 +264,8 @@ Cracks find_cracks(const Surface& surface, const Adjacency& edges, double roundi
 
 std::string describe_cracks(const Cracks& cracks, const PolygonMesh& input, const Options& options,
                             const CrackRules& rules, RunControl& control) {
-  // The widest gaps may be no cracks, but for example the sides of a slot. Then a smaller tolerance may still be of
-  // use.
+  // The widest gaps may be no cracks but, for example, the sides of a slot. Then a smaller tolerance may still close
+  // the cracks.
   constexpr int kMaxTries = 4;
   const std::vector<double>& widths = cracks.widths;
   if (widths.empty()) return "";

@@ -303,8 +303,8 @@ class DetailRemover {
     return may_become(before, after, rules_);
   }
 
-  /// Returns whether a node has faces only at its edge to another, and each of these hangs on an edge at which two
-  /// faces stay.
+  /// Returns whether all faces of a node are at its edge to another node, and the outer edges of each of these faces
+  /// have two faces that stay.
   static bool hangs_on_edges_of(std::uint32_t from, std::uint32_t to, const std::vector<PresentTriangle>& at_from,
                                 const std::vector<PresentTriangle>& at_to) {
     return std::all_of(at_from.begin(), at_from.end(), [&](const PresentTriangle& t) {

@@ -31,7 +31,8 @@ struct ColumnGrid {
 ColumnGrid column_grid(const CurvedChart& chart, std::span<const Vec3> vertices,
                        std::span<const std::array<Vec3, 2>> sides, RunControl& control);
 
-/// A place for a point, and the distance of its column from the next one there. Both are in the plane of the chart.
+/// A place for a point, and the distance between the point's column and the next one. Both are in the plane of the
+/// chart.
 struct ColumnPlace {
   Vec2 place;
   double spacing;

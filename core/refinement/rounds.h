@@ -19,15 +19,15 @@
 
 namespace remesh {
 
-/// This is the result of a refinement.
+/// The result of a refinement.
 struct Refinement {
   std::vector<Vec3> new_positions;  ///< positions of the vertices from surface.vertex_count() on
   std::size_t first_inner = 0;      ///< new vertices from here on are inside patches
-  /// There is one entry per triangle, patch after patch: the reason why it misses a goal. For triangles that meet the
-  /// goals it may have any value.
+  /// One entry per triangle, patch after patch: the reason why it misses a goal. For triangles that meet the goals it
+  /// may have any value.
   std::vector<UnrefinedReason> reason;
-  /// There is one entry per triangle, which is not 0 if the triangle is larger than gaps or short edges ask for, or may
-  /// be (size_misses.h). It is empty if all are 0.
+  /// One entry per triangle: not 0 if the triangle is larger, or may be larger, than gaps or short edges allow
+  /// (size_misses.h). It is empty if all are 0.
   std::vector<std::uint8_t> misses_sizes;
   std::uint32_t rounds = 0;
   PatchesAside before;  ///< the patches that have changed, as they were before
@@ -36,22 +36,22 @@ struct Refinement {
 /// The input of a refinement. It refers to these objects.
 struct RefinementInput {
   const Surface& surface;
-  /// There is one entry per patch. Frozen patches get no points, neither inside nor on their boundaries.
+  /// One entry per patch. Frozen patches get no points, neither inside nor on their boundaries.
   const IdVector<PatchId, std::uint8_t>& is_frozen;
   const Goals& goals;  ///< `max_faces` is the budget
   const SizeField& sizes;
-  const Prediction& prediction;  ///< used for the progress, and for sharing out a budget at first
-  /// Refinement ends as soon as it is clear that there will at some time be more triangles than this.
+  const Prediction& prediction;  ///< used for the progress, and for the first division of a budget
+  /// Refinement ends as soon as it is clear that the number of triangles will at some time exceed this.
   std::uint64_t max_made;
-  /// Tells how patches are thinned out where the budget ends refinement before the goals are met.
+  /// How patches are thinned out if the budget ends refinement before the goals are met.
   Thinning thinning_in_budget = Thinning::kFull;
 };
 
-/// Refines in rounds. In a round, every patch that has something to do is refined alone, in parallel with the others.
-/// Between rounds, the cuts that patches made in their boundaries go to all other patches there. The rounds end when no
-/// patch has anything to do. Thinning out comes last, so there may be far more triangles between rounds than in the
-/// end; where sizes vary, there may be three times as many. Therefore even a budget that the result does not spend may
-/// have changed the result, and refinement should first be tried without one.
+/// Refines in rounds. In a round, every patch that has work is refined alone, in parallel with the others. Between
+/// rounds, the cuts that patches made in their boundaries go to all other patches there. The rounds end when no patch
+/// has any work. Thinning out comes last, so there may be far more triangles between rounds than in the end; where
+/// sizes vary, there may be three times as many. Therefore a budget may change the result even if the result does not
+/// spend it, and refinement should first be tried without one.
 /// Input:  Triangulated patches. `segments` are the segments of these patches, with their cuts planned.
 /// Output: The patches with additional vertices. The vertices from surface.vertex_count() on have their places in
 ///         `new_positions`. If there would be more than `max_made` triangles, nothing is returned and the patches are
@@ -63,9 +63,9 @@ struct RefinementInput {
 std::optional<Refinement> refine(const RefinementInput& input, SegmentTable segments, TriangulatedPatches& triangulated,
                                  RunControl& control);
 
-/// Applies the chord rule (chords.h) where neither flips nor refinement have helped: every chord that the patches still
-/// have gets a point.
-/// Input:  `refinement` is the result of the refinement of these patches. If nothing was refined yet, it is empty; then
+/// Applies the chord rule (chords.h) where neither flips nor refinement have helped: every chord that is left gets a
+/// point.
+/// Input:  `refinement` is the result of the refinement of these patches. Before any refinement, it is empty; then
 ///         `is_frozen` may be empty, and `why` has no effect. `why` is the reason why refinement itself has not split
 ///         these chords.
 /// Output: The patches and `refinement`, with the new vertices. A new triangle that misses a goal has the reason

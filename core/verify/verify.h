@@ -1,8 +1,7 @@
-/// The independent check of the promises. It shares no decision with the stages. It has its own edges and its own
-/// exact arithmetic, and takes from the pipeline only what the pipeline claims. Three tools are shared: the search
-/// for intersections (patch_intersections); boxes and distances (BoxTree, nearest_on_triangle), which are used for
-/// faces that lie folded over their patch and for gaps; and the triangles of polygons (split_polygon), which are used
-/// for gaps.
+/// The independent check of the promises. It shares no decision with the stages. It has its own edges and its own exact
+/// arithmetic, and takes nothing but the claim from the pipeline. Three tools are shared: the search for intersections
+/// (patch_intersections); boxes and distances (BoxTree, nearest_on_triangle), which are used for faces that lie folded
+/// over their patch and for gaps; and the triangles of polygons (split_polygon), which are used for gaps.
 #pragma once
 
 #include <algorithm>
@@ -25,14 +24,14 @@
 
 namespace remesh {
 
-/// Refinement's claim about what it has reached.
+/// Refinement's claim about the goals that it has reached.
 struct RefinementClaim {
   Goals goals;
   /// The output faces that do not meet the goals, ascending: faces with an angle below the bound, or with an edge or
-  /// an area above it, or above the size that gaps or short edges ask for there.
+  /// an area above it, or with an edge above the size that gaps or short edges require there.
   std::span<const FaceId> unrefined;
   std::span<const UnrefinedReason> reasons;  ///< one per entry of `unrefined`
-  /// For each patch, true if refinement had to leave it and its boundary unchanged. Empty means that no patch is
+  /// For each patch, true if refinement was not allowed to change it and its boundary. Empty means that no patch is
   /// frozen.
   std::span<const std::uint8_t> frozen = {};
 };
@@ -51,11 +50,12 @@ struct InputIntersections {
 /// The pipeline's claim that a patch samples a curved surface.
 struct CurvedClaim {
   AnalyticSurface shape;  ///< model units; kCylinder, kCone, kSphere or kTorus
-  /// Model units. Input and output of the patch may be this far apart, plus the plane tolerance, and each of them may
-  /// be this far from the surface. What exceeds half of the radius of a cylinder, sphere or tube has no effect.
+  /// Model units. The max distance between input and output of the patch is this plus the plane tolerance, and each of
+  /// them may be this far from the surface. The part above half of the radius of a cylinder, sphere or tube has no
+  /// effect.
   double tolerance = 0;
-  /// The surface tolerance that the options allow, in model units. If there is none, the tolerance must be what the
-  /// input's own facets explain, with what the number of edges per full turn adds.
+  /// The surface tolerance that the options allow, in model units. If there is none, the tolerance must be the distance
+  /// that the input's own facets explain, plus the distance that the number of edges per full turn adds.
   std::optional<double> surface_tolerance = {};
   std::optional<double> elements_per_circle = {};
   /// Facets that turn by more than this, in degrees, do not belong to one surface.
@@ -67,7 +67,7 @@ struct MovedVertex {
   VertexId output, of_surface;
 };
 
-/// The pipeline's claim about what it has done. This class is larger than the bound because it is a list of arguments.
+/// The pipeline's claim about its result. This class is larger than the bound because it is a list of arguments.
 struct Claim {
   const Surface& surface;                  ///< the surface that was remeshed
   std::span<const PatchId> surface_patch;  ///< patch of each face of `surface`
@@ -124,8 +124,8 @@ struct Claim {
 ///   and no T-junction.
 /// - Faces intersect (geometry/patch_intersections.h) only where their patches do in the input. If the input's
 ///   intersections are all known, this is tested for all faces, however many intersections there are. If the search in
-///   the input was cut short, it is not tested, since any intersection of the output may be one of the input;
-///   `are_all_intersections_known` tells.
+///   the input was cut short, it is not tested, because any intersection of the output may be one of the input;
+///   `are_all_intersections_known` is false then.
 ///
 /// `delaunay`:
 /// - The stored plane coordinates are the projections of the vertices. This and the next are tested for planes.
@@ -141,18 +141,19 @@ struct Claim {
 ///   stay) that meet in a vertex; the ends are equally far from that vertex to 1e-9, and nearer to each other than to
 ///   it, which means an angle under 60 degrees. For kBoundaryLocked, boundaries are not to be split, or the patch or
 ///   one beside it is frozen.
-/// - The sizes that gaps and short edges ask for are measured anew (verify/varying_sizes.h).
+/// - The sizes that gaps and short edges require are measured anew (verify/varying_sizes.h).
 /// - Edges that refinement made are at least min_edge_length long.
 ///
 /// Holds:   the verdict does not depend on the number of threads.
 /// Cost:    O(n log n).
 Verdict verify(const Claim& claim, RunControl& control);
 
-/// The check in two steps. Finding the faces that miss sizes that vary takes as long as all the rest, so the pipeline
-/// does that only for a result that has passed the first step.
+/// The check in two steps. The test for sizes that vary takes as long as all other tests, so the pipeline makes it only
+/// for a result that has passed the first step.
 class Verification {
  public:
-  /// Tests all but the goals of refinement. Until finish(), `claim.refinement` need not list faces that miss them.
+  /// Tests all promises except the goals of refinement. Until finish(), `claim.refinement` need not list faces that
+  /// miss the goals.
   /// Input: the claim must outlive this object.
   Verification(const Claim& claim, RunControl& control);
   ~Verification();
