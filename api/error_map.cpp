@@ -12,7 +12,7 @@ int status_of(Code code) {
     case Code::kNotAcceptable: return 406;
     case Code::kMeshTooLarge:
     case Code::kDecompressedTooLarge:
-    // The bound depends on the mesh alone, so another attempt would end alike.
+    // The memory bound depends on the mesh alone, so another attempt would fail as well.
     case Code::kOutOfMemory: return 413;
     case Code::kUnsupportedMediaType: return 415;
     case Code::kInvalidMesh:

@@ -45,8 +45,8 @@ RequestOptions bounded(RequestOptions options, const Limits& limits) {
   return options;
 }
 
-/// The remark that is added to a reader's message. It says if the format was a guess, and why a text may have only
-/// one line.
+/// The remark that is added to a reader's message: whether the format was a guess, or why a text may have only one
+/// line.
 std::string remark(Format format, bool is_named, std::string_view mesh) {
   std::string text;
   if (!is_named) {

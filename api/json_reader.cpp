@@ -500,7 +500,8 @@ ReadResult read_plain_first(std::string_view text, const ReadLimits& limits, Run
     return result;
   } catch (const NotPlain&) {
   } catch (const Error&) {
-    // Unless it was cancelled, read everything again: the parser has not seen the arrays and misjudges its position.
+    // Unless the reading was cancelled, read everything again: the parser has not seen the arrays and misjudges its
+    // position.
     control.check();
   }
   return read_document(text, limits, control, options, Arrays::kByEvents, building);

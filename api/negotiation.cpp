@@ -97,8 +97,8 @@ OutputFormat choose_output_format(std::optional<Format> option, std::string_view
   const double weight_of_others = ranges.empty() ? 1 : anything == nullptr ? 0 : anything->weight;
 
   // Formats are ranked by weight. With equal weights, the input's format comes first, even if only "*/*" permits it and
-  // another one is named: many clients name one kind before "*/*" and mean nothing by it. Of the others, a named format
-  // ranks before one that only "*/*" permits. A weight of 0 is never chosen.
+  // another format is named: many clients name one format before "*/*" without a preference for it. Of the other
+  // formats, a named one ranks before one that only "*/*" permits. A weight of 0 is never chosen.
   using Rank = std::tuple<double, bool, bool>;
   std::optional<Format> best;
   Rank best_rank{0, true, true};

@@ -18,7 +18,7 @@ namespace {
 
 using Surfaces = std::vector<const RecognisedSurface*>;
 
-/// More sizes than this are not listed one by one.
+/// If there are more sizes than this, some are counted together.
 constexpr std::size_t kMaxSizes = 8;
 constexpr int kMaxDigits = 6;
 /// A surface that covers a larger part of a turn goes all around its axis.
@@ -39,21 +39,21 @@ double rounded(double value, int digits) {
   return value;
 }
 
-/// Formats a number with as few digits as its error allows.
+/// Formats a number with only as many digits as its error allows.
 std::string measure_text(const Measure& measure) {
   int digits = 1;
   while (digits < kMaxDigits && std::fabs(rounded(measure.value, digits) - measure.value) > measure.error) ++digits;
   return number_text(rounded(measure.value, digits));
 }
 
-/// Returns the factor by which a radius may be more wrong than the points on its arc are.
+/// Returns the max ratio of a radius's error to the error of the points on its arc.
 double arc_leverage(double sweep_deg) {
   if (sweep_deg >= 180) return 1;
   constexpr double kMinHeight = 1e-6;
   return 1 / std::max(1 - std::cos(sweep_deg / 2 * std::numbers::pi / 180), kMinHeight);
 }
 
-/// Returns the numbers that tell the size of a surface. All surfaces of a kind have equally many.
+/// Returns the numbers that describe the size of a surface. All surfaces of a kind have the same number of them.
 /// Input: `error` is the distance of the true surface from this one over its facets.
 std::vector<Measure> measures_of(const RecognisedSurface& surface, double error) {
   const AnalyticSurface& shape = surface.shape;
@@ -173,7 +173,7 @@ std::string sizes_text(const Surfaces& surfaces) {
     return size_text(largest_of(size.second)) + look;
   };
   if (sizes.size() == 1) return " " + describe(sizes.front());
-  // One more is listed rather than to say that there is one other size.
+  // One more size is listed rather than a note that there is one other size.
   const std::size_t listed = sizes.size() > kMaxSizes + 1 ? kMaxSizes : sizes.size();
   std::string text;
   for (std::size_t i = 0; i < listed; ++i)

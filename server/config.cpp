@@ -102,7 +102,7 @@ Setting byte_limit(std::string flag, std::string help, std::uint64_t& (*member)(
       [member](Config c) { return member(c) == 0 ? "none" : format_bytes(member(c)); }};
 }
 Setting count(std::string flag, std::string help, std::uint64_t& (*member)(Config&)) {
-  // The limit exists because the core numbers elements with 32 bits.
+  // Setting this limit higher would have no effect, because the core numbers elements with 32 bits.
   return {std::move(flag), std::move(help),
           [member](Config& c, const std::string& text) { member(c) = between(1, 2'000'000'000, parse_count(text)); },
           [member](Config c) { return format_count(member(c)); }};
@@ -297,8 +297,8 @@ std::uint64_t default_memory_budget() {
   return std::max<std::uint64_t>(1, api::usable_memory() / 10 * 7 / kMebibyte) * kMebibyte;
 }
 
-/// Sets the limits of the queue. The small requests that wait may take half of the memory, and so much time that most
-/// of --request-timeout is left, since no request waits for a worker longer than that.
+/// Sets the limits of the queue. Waiting small requests may take half of the memory, and an expected time that leaves
+/// most of --request-timeout, because no request waits for a worker longer than that.
 void complete_queue(Config& config) {
   api::QueueLimits& queue = config.limits.queue;
   if (queue.max_large == 0) queue.max_large = static_cast<std::size_t>(std::max(16, 4 * config.limits.workers));
@@ -385,7 +385,7 @@ std::vector<std::string> unknown_variables() {
   std::vector<std::string> unknown;
   for (char** entry = environ; *entry != nullptr; ++entry) {
     const std::string name(api::cut(*entry, '=').first);
-    // Kubernetes sets variables of these names for everything that runs beside a service called remeshd.
+    // Kubernetes sets variables of these names in all containers beside a service called remeshd.
     const bool is_of_service = name.starts_with("REMESHD_SERVICE_") || name.starts_with("REMESHD_PORT");
     if (!name.starts_with("REMESHD_") || is_of_service || name == "REMESHD_API_KEY") continue;
     const bool is_known = std::any_of(settings().begin(), settings().end(),

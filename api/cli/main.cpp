@@ -147,8 +147,9 @@ void parse(CLI::App& app, int argc, char** argv, Arguments& arguments) {
   }
 }
 
-/// The limits of the command line: only those of the ids. If the user sets no bound, a result is bounded like on a
-/// server, because needles of 1e7 to 1 would otherwise be refined until memory is full.
+/// The limits of the command line. Without options, the only limit on a mesh is the range of ids. A result is bounded
+/// as on a server if the user sets no bound, because needles of 1e7 to 1 would otherwise be refined until memory is
+/// full.
 api::Limits limits_for(int workers) {
   api::Limits limits;
   limits.decompression.max_bytes = std::numeric_limits<std::uint64_t>::max();
@@ -183,8 +184,8 @@ void tell_origin(const std::string& origin) {
   std::cerr << "remesh: the coordinates written are relative to the origin " << origin << "\n";
 }
 
-/// Returns the media type that the ending of the output asks for. An ending that the input has, too, asks for nothing
-/// by name: the format is the input's in any case, as text if need be.
+/// Returns the media type that the ending of the output asks for. If the input has the same ending, the result is
+/// empty: the format is then the input's in any case, as text if need be.
 std::string accept_of(const Arguments& arguments) {
   const auto format = format_from_file_name(arguments.output);
   return format && format != format_from_file_name(arguments.input) ? std::string(media_type(*format)) : "";
@@ -213,7 +214,7 @@ void remesh_one(const Arguments& arguments, api::Job job, RunControl& control) {
     if (told.code == DiagnosticCode::kOutputAsText) std::cerr << "remesh: " << told.message << "\n";
 }
 
-/// Prints what the mesh consists of.
+/// Prints a description of the mesh.
 void analyze_one(const Arguments& arguments, api::Job job, RunControl& control) {
   job.input_format = format_from_file_name(arguments.input);
   FileContent mesh = read_file(arguments.input, control);
@@ -233,7 +234,7 @@ void analyze_one(const Arguments& arguments, api::Job job, RunControl& control) 
   if (!arguments.report.empty()) write_file(arguments.report, report);
 }
 
-/// Does the same as remesh_one, but by a server.
+/// Does the same as remesh_one, but on a server.
 void remesh_one_remotely(const Arguments& arguments, RunControl& control) {
   RemoteJob job;
   job.server = arguments.server;
@@ -270,7 +271,7 @@ int remesh_folder(const Arguments& arguments, RunControl& control) {
 
 /// Makes a result that does not fit into memory an ordinary error, before the system kills the largest process.
 void limit_memory(int workers) {
-  // The stacks of threads count in full, although hardly anything of them is touched.
+  // The stacks of threads count in full, although threads use hardly any part of them.
   constexpr std::uint64_t kStack = std::uint64_t{16} << 20;
   api::limit_own_memory(api::usable_memory() / 10 * 9 + kStack * (static_cast<std::uint64_t>(workers) + 4));
 }

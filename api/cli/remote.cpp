@@ -111,7 +111,8 @@ class Remote::Client {
       cancel(path);  // we were told to stop, so the server need not continue
       throw;
     }
-    // An error of the mesh is reported alone. An error of the server names the job, so that one can ask about it.
+    // An error of the mesh is reported alone. An error of the server names the job, so that the user can ask about the
+    // job.
     if (failure) throw failure->status < 500 ? *failure : with_job(*failure, path);
     return answer;
   }
@@ -163,7 +164,7 @@ class Remote::Client {
       if (answer.status != 202) throw problem_of(answer);
       return path_of_job(answer);
     } catch (const Error&) {
-      // We were told to stop before there was an answer, which may already be under way. Sending again with the same
+      // The user asked to stop before there was an answer, which may already be under way. Sending again with the same
       // key tells which job it was.
       if (!is_sent) throw;
       if (const httplib::Result answer = post(); answer && answer->status == 202) cancel(path_of_job(*answer));

@@ -25,7 +25,7 @@ constexpr double kSnap = 4;
 struct CurvedReading {
   Range distance;
   Range area;           ///< sum of CurvedFace::area
-  double along = 0;     ///< area of the faces that look along the surface's normal, minus that of those against it
+  double along = 0;     ///< area of the faces that look along the surface's normal, minus that of the others
   double snapped = 0;   ///< see CurvedFace
   double reach = 0;     ///< largest coordinate
   double low_area = 0;  ///< area of faces so low that noise decides their direction

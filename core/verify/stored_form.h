@@ -62,7 +62,7 @@ enum class StoredFault {
 struct StoredVerdict {
   std::optional<StoredFault> fault;  ///< the fault of the first test that failed; later tests are not made then
   std::uint64_t count = 0;           ///< number of elements with that fault
-  double largest_move = 0;           ///< largest distance by which a vertex moved, measured on what a reader gets
+  double largest_move = 0;           ///< largest distance by which a vertex moved, as a reader gets it
   std::vector<double> patch_moves;   ///< the largest move among the vertices of each patch
   double volume_bound = 0;           ///< bound on the change of volume, if the mesh is closed
   bool has_intersections = false;  ///< false: no vertex has moved, so the intersections are those of the verified mesh

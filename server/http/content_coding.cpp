@@ -16,7 +16,7 @@ constexpr int kFastest = 1;
 constexpr int kGzipWindow = 15 + 16;  // the largest window, in gzip's format
 constexpr int kMemory = 8;
 constexpr std::size_t kStep = 1 << 20;
-/// Smaller answers are not compressed, since they fit into a packet or two anyway.
+/// Smaller answers are not compressed, because they fit into a packet or two anyway.
 constexpr std::size_t kMinCompressed = 1024;
 
 class Deflater {

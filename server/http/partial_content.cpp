@@ -68,7 +68,7 @@ bool names_tag(std::string_view list, std::string_view tag) {
 Response with_ranges(Response answer, const RequestHead& request) {
   const std::string digest(value_of(answer.headers, "Repr-Digest"));
   if (answer.status != 200 || digest.empty()) return answer;
-  // The digest is that of the bytes as they are sent, so that another format or coding has another tag.
+  // The digest covers the bytes as they are sent, so that another format or coding has another tag.
   const std::string tag = "\"" + digest.substr(digest.find(':') + 1, 22) + "\"";
   answer.headers.emplace_back("ETag", tag);
   answer.headers.emplace_back("Accept-Ranges", "bytes");

@@ -75,7 +75,7 @@ void parse_target(std::string_view target, RequestHead& head) {
   head.path = path.empty() ? "/" : percent_decode(path);
 }
 
-/// True for a well-formed version that is not spoken here, such as the HTTP/2.0 with which HTTP/2 begins.
+/// True for a well-formed version that is not supported here, such as the HTTP/2.0 with which HTTP/2 begins.
 bool is_other_version(std::string_view version) {
   const bool is_version = version.size() == 8 && version.starts_with("HTTP/") && is_digit(version[5]) &&
                           version[6] == '.' && is_digit(version[7]);

@@ -24,8 +24,8 @@ HttpError cross_site(std::string_view origin) {
                        "field, or --public-url must name the page's address");
 }
 
-/// True if a page may show or link to this from anywhere: it asks for a file of the daemon's own page, as images,
-/// scripts or the address bar do. Answers to such requests cannot be read by the page that caused them.
+/// True if pages of other sites may show or link to this: the request is for a file of the daemon's own page, as
+/// images, scripts or the address bar send it. The page that caused such a request cannot read the answer.
 bool is_plain_read(const RequestHead& head, Access access) {
   if (access != Access::kPageFile || (head.method != "GET" && head.method != "HEAD")) return false;
   const std::string mode = head.list("sec-fetch-mode");

@@ -35,7 +35,8 @@ const Histogram::BucketBoundaries kSeconds{0.001, 0.005, 0.02, 0.1, 0.5, 2, 10, 
 const Histogram::BucketBoundaries kStoreSeconds{0.0005, 0.001, 0.002, 0.005, 0.01, 0.05, 0.2, 1, 5, 30};
 const Histogram::BucketBoundaries kFaces{100, 1e3, 1e4, 1e5, 1e6, 1e7};
 
-/// Returns the label of a method. Any method that is not in the list, whatever a client sends, becomes "other".
+/// Returns the label of a method. Any method that is not in the list becomes "other", because clients may send any
+/// text.
 std::string method_label(std::string_view method) {
   constexpr std::array<std::string_view, 8> kMethods{"GET",   "HEAD",   "POST",    "PUT",
                                                      "PATCH", "DELETE", "OPTIONS", "none"};
@@ -54,8 +55,8 @@ double seconds_of(const timeval& time) {
   return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_usec) * 1e-6;
 }
 
-/// The metrics of a family that were used before, found by their labels. The library would make a new metric for each
-/// look-up, and each request needs a dozen.
+/// Metrics of a family that have been used before, found by their labels. The library would make a new metric for each
+/// look-up, and each request needs a dozen look-ups.
 template <class Metric>
 class Known {
  public:
