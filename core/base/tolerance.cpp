@@ -32,7 +32,7 @@ constexpr std::size_t kRates = 64;
 constexpr std::size_t kEnoughCoarser = 6;
 /// A number counts as short if it has at most this many units.
 constexpr double kShort = 4294967296.0;
-/// That all coordinates are multiples of one quantum proves more than that a single number is short. So the largest
+/// If all coordinates are multiples of one quantum, this proves more than a single short number. So the largest
 /// coordinate may have up to this many units of the quantum.
 constexpr double kShortTogether = 0x1p45;
 /// If the smallest coordinates have more decimals than fit beside the largest one, then only coordinates of at least

@@ -142,7 +142,7 @@ class Cull {
           progress.add(end - first);
           return near;
         });
-    // Whether the counts exceed the limits does not depend on the order in which blocks are counted.
+    // The order in which blocks are counted does not decide whether the counts exceed the limits.
     if (are_too_many(parts.load(std::memory_order_relaxed), looks.load(std::memory_order_relaxed))) {
       faces_.resize(surface_.face_count());
       std::iota(faces_.begin(), faces_.end(), 0u);

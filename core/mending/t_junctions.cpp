@@ -158,7 +158,7 @@ class Search {
           progress.add(end - begin);
           return junctions;
         });
-    // Whether the counts exceed the limits does not depend on the order in which edges are tested.
+    // The order in which edges are tested does not decide whether the counts exceed the limits.
     result.is_complete = !are_too_many();
     std::vector<Junction>& all = result.junctions;
     if (result.is_complete)

@@ -49,7 +49,7 @@ struct ClaimTable {
   std::vector<SurfaceClaim> claims;        ///< some may have lost all of their facets
 };
 
-/// Whether a facet belongs to a claim, while claims are made.
+/// The state of a facet while claims are made: whether it belongs to a claim, and how firmly.
 enum class Taken : std::uint8_t {
   kFree,
   kWeakly,  ///< it belongs to a claim that a larger one may replace

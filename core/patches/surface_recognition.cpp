@@ -402,7 +402,7 @@ class Recogniser {
   }
 
   const FacetGraph& graph_;
-  double min_tolerance_, max_tolerance_;         ///< of the growths
+  double min_tolerance_, max_tolerance_;         ///< the range of `tolerance_`
   double tolerance_ = 0;                         ///< of the growths of this seed
   bool is_doubtful_ = false;                     ///< whether the growths of this seed are doubtful
   IdVector<PatchId, std::uint8_t> was_dropped_;  ///< whether a facet was in a claim that was dropped

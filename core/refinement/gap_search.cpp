@@ -133,7 +133,7 @@ class StepCounter {
   std::uint64_t left_, taken_ = 0, next_check_ = kStepsPerCheck;
 };
 
-/// What a search finds: only patches that the place faces, or also patches beside it.
+/// The patches that a search finds: only those that the place faces, or also those beside it.
 enum class What { kFaced, kAll };
 
 /// Selects on which side of a patch a search looks.

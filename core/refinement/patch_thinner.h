@@ -16,7 +16,7 @@
 
 namespace remesh {
 
-/// What is tried for a point that the bounds may not need.
+/// The changes that are tried for a point that the bounds may not need.
 enum class Thinning {
   kFull,
   /// A point is only left out, and no two points are replaced by one. That takes half the time. It is enough where the

@@ -155,7 +155,7 @@ class MissSearch {
     }
   }
 
-  /// What is recorded for the triangles of a block that were not tested when the steps had been taken.
+  /// The record for the triangles of a block that were not tested when the steps had been taken.
   enum class Rest {
     kWaits,    ///< nothing of the block is recorded, because it is treated again
     kUnknown,  ///< they are recorded as possibly missing their bounds

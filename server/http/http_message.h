@@ -63,7 +63,7 @@ struct Response : api::Response {
   std::function<std::string()> next_piece;
   std::string problem_code;  ///< empty unless the answer is an error
   std::string job;           ///< the id of the job that this request has submitted
-  bool is_told = false;      ///< the error is the outcome of a job that was asked for; this request itself succeeded
+  bool is_told = false;      ///< the error is the outcome of a job that the client asked about; this request succeeded
 };
 
 /// Makes an answer of JSON that is valid only now, so caches must not store it.

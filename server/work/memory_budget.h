@@ -153,7 +153,7 @@ class MemoryBudget {
   /// The state of the first in line, once its patience is over.
   struct Turn {
     const MemoryShare* first;
-    std::uint64_t newcomers;                         ///< the `number_` from which on holders came after the turn began
+    std::uint64_t newcomers;                         ///< the `number_` of the first holder after the turn began
     std::uint64_t old_bytes;                         ///< the bytes that earlier holders have reserved
     std::chrono::seconds length;                     ///< how long newcomers may be held up
     Clock::time_point pause_end;                     ///< until this time, newcomers pass

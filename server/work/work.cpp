@@ -219,7 +219,7 @@ api::Response run_until_done(const Workplace& place, const Operation& operation,
                              std::uint64_t effort) {
   Request& request = call.request;
   const std::chrono::milliseconds timeout = place.limits.api.request_timeout;
-  if (request.memory->budget().is_closed()) throw draining();  // its upload lasted until after others were cancelled
+  if (request.memory->budget().is_closed()) throw draining();  // its upload ended after the others were cancelled
   const Clock::time_point start = Clock::now();
   const Clock::time_point end_of_retries = start + timeout;
   // The time to wait for a worker is the rest of the time to wait for memory, or enough to find a free worker.
