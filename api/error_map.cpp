@@ -87,7 +87,7 @@ Problem to_problem(const Error& error) {
   // The name that was sent may be empty, which is also the name of an unknown option.
   if (!error.option.empty() || error.code == RequestCode::kUnknownOption) problem.option = error.option;
   if (error.code == Code::kInternal)
-    problem.detail = "something went wrong here; the log says more under this request id";
+    problem.detail = "an internal error has occurred; the server's log has the details under this request id";
   return problem;
 }
 

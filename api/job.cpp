@@ -50,9 +50,10 @@ RequestOptions bounded(RequestOptions options, const Limits& limits) {
 std::string remark(Format format, bool is_named, std::string_view mesh) {
   std::string text;
   if (!is_named) {
-    text = format == Format::kObj
-               ? "; it was read as obj, because its content looks like no other format"
-               : "; it was read as " + std::string(format_name(format)) + ", because its content looks like it";
+    text = format == Format::kObj ? "; it was read as obj, because its content fits no other format"
+                                  : "; it was read as " + std::string(format_name(format)) +
+                                        ", because its content looks like this "
+                                        "format";
   }
   const bool is_one_line = !mesh.empty() && mesh.find_first_of(std::string_view("\n\r\0", 3)) == std::string_view::npos;
   if (is_one_line && format != Format::kJson)

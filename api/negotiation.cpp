@@ -81,7 +81,7 @@ std::optional<Format> format_of_content_type(std::string_view content_type) {
 Format choose_input_format(std::optional<Format> named, std::string_view content) {
   if (const auto foreign = named ? std::nullopt : foreign_format(content)) {
     throw Error(Code::kUnsupportedMediaType, Stage::kRead,
-                "this looks like " + std::string(*foreign) + "; the formats that can be read are " +
+                "the content looks like " + std::string(*foreign) + "; the formats that can be read are " +
                     names_of_formats(can_read) + ", also compressed by gzip");
   }
   const Format format = named ? *named : sniff_format(content);
@@ -113,9 +113,10 @@ OutputFormat choose_output_format(std::optional<Format> option, std::string_view
     const MediaRange* const named = find_range(ranges, media_type(*best));
     return {*best, named != nullptr && named->weight > weight_of_others};
   }
-  throw Error(Code::kNotAcceptable, Stage::kRead,
-              "none of the formats that Accept asks for (" + shortened(accept, 200) +
-                  ") can be written; these can be: " + names_of_formats([](Format) { return true; }));
+  throw Error(
+      Code::kNotAcceptable, Stage::kRead,
+      "none of the formats that Accept asks for (" + shortened(accept, 200) +
+          ") can be written; the formats that can be written are: " + names_of_formats([](Format) { return true; }));
 }
 
 OutputRounding rounding_for(const OutputFormat& wanted) {

@@ -37,7 +37,9 @@ bool is_compressed(const Request& request) {
     if (coding.empty() || coding == "identity") continue;
     if (is_gzip || (coding != "gzip" && coding != "x-gzip")) {
       throw Error(Code::kUnsupportedMediaType, Stage::kRead,
-                  "the content coding " + in_quotes(request.content_encoding) + " is not supported; gzip is");
+                  "the content coding " + in_quotes(request.content_encoding) +
+                      " is not supported; the "
+                      "supported coding is gzip");
     }
     is_gzip = true;
   }
@@ -96,11 +98,13 @@ void read_form(std::string_view body, const Request& request, RunControl& contro
     bool& seen = part.name == "mesh" ? has_mesh : has_options;
     if (part.name != "mesh" && part.name != "options") {
       throw Error(as_code(RequestCode::kMalformedMultipart), Stage::kRead,
-                  "the form has a part " + in_quotes(part.name) + "; it takes \"mesh\" and \"options\"");
+                  "the form has a part " + in_quotes(part.name) +
+                      "; the only parts allowed are \"mesh\" and "
+                      "\"options\"");
     }
     if (std::exchange(seen, true)) {
       throw Error(as_code(RequestCode::kMalformedMultipart), Stage::kRead,
-                  "the form has two parts " + in_quotes(part.name));
+                  "the form has more than one part " + in_quotes(part.name));
     }
     if (part.name == "options") {
       read_options_part(part.content, control, parsed.job.options);

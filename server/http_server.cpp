@@ -142,8 +142,9 @@ std::string regex_of(std::string_view path) {
 
 HttpError not_found(const std::string& near = {}) {
   return HttpError(404, "not_found",
-                   near.empty() ? std::string("there is nothing at this path")
-                                : "there is nothing at this path; without the slash at its end there is " + near);
+                   near.empty()
+                       ? std::string("there is nothing at this path")
+                       : "there is nothing at this path; without the slash at the end, the path would be " + near);
 }
 
 std::string http_date() {
@@ -415,7 +416,10 @@ class HttpServer::Listener : public httplib::Server {
 
   static void check_routable(const RequestHead& head) {
     static const std::set<std::string> methods{"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"};
-    if (methods.count(head.method) == 0) throw HttpError(501, "not_implemented", "the method is not known here");
+    if (methods.count(head.method) == 0)
+      throw HttpError(501, "not_implemented",
+                      "this server does not support "
+                      "the request method");
     if (head.path.size() > kMaxPath) throw not_found();
   }
 
@@ -463,7 +467,7 @@ class HttpServer::Listener : public httplib::Server {
       if (shown != request.query.end()) owner = settings_.keys->owner_by_token(shown->second, request.path, now);
     }
     if (!owner) {
-      throw HttpError(401, "unauthorized", "an API key is needed: send it as Authorization: Bearer KEY")
+      throw HttpError(401, "unauthorized", "an API key is required: send it as Authorization: Bearer KEY")
           .with_header("WWW-Authenticate", "Bearer");
     }
     request.owner = *owner;

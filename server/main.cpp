@@ -121,7 +121,8 @@ int ask_health(const Config& config) {
   if (address.host == "::") address.host = "::1";
   const int status = probe(address, "/livez");
   if (status == 200) return EXIT_SUCCESS;
-  std::cerr << "remeshd: " << address.text() << (status == 0 ? " does not answer" : " is not well") << "\n";
+  std::cerr << "remeshd: " << address.text() << (status == 0 ? " does not answer" : " answers, but is not healthy")
+            << "\n";
   return kFailed;
 }
 

@@ -90,7 +90,7 @@ void check_outputs(const std::vector<File>& files, const BatchJob& job) {
     throw Error(Code::kInvalidOption, Stage::kRead, "--output " + why).for_option("output");
   };
   if (is_same_folder(job.folder, job.output_folder)) {
-    refuse(job.output_folder + " is the folder that --batch reads, so its meshes would be overwritten");
+    refuse(job.output_folder + " is the folder that --batch reads; the results would overwrite its meshes");
   }
   std::error_code missing;
   std::set<fs::path> inputs;

@@ -109,11 +109,11 @@ void parse(CLI::App& app, int argc, char** argv, Arguments& arguments) {
   app.set_version_flag("--version", std::string("remesh ") + version());
   app.add_option("input", arguments.input, "the mesh to read; - for standard input");
   app.add_option("-o,--output", arguments.output,
-                 "the mesh to write; - for standard output; compressed if it ends in .gz");
+                 "the mesh to write; - for standard output; compressed if the name ends in .gz");
   app.add_option("--report", arguments.report, "also write the report, as JSON");
   app.add_flag("--analyze", arguments.is_analysis,
-               "remesh nothing, but list what the mesh consists of: its cylinders, cones and other surfaces with their "
-               "sizes, its defects, and how many faces a remeshing with these options would make");
+               "do not remesh, but describe the mesh: its cylinders, cones and other surfaces with their sizes, "
+               "its defects, and how many faces a remeshing with these options would make");
   app.add_option(
       "--batch", arguments.batch,
       "remesh every mesh in this folder instead of one input; --report is then a table (CSV) with one line per "
@@ -143,7 +143,7 @@ void parse(CLI::App& app, int argc, char** argv, Arguments& arguments) {
     if (flags[spec.name]->count() > 0) arguments.options.emplace_back(spec.name, values[spec.name]);
   }
   if (arguments.batch.empty() && flags["format"]->count() == 0 && has_unknown_ending(arguments.output)) {
-    throw UsageError("the ending of " + arguments.output + " does not tell the format; give it with --format");
+    throw UsageError("the ending of " + arguments.output + " does not name a format; give one with --format");
   }
 }
 
@@ -181,7 +181,7 @@ void stop_on_signals(RunControl& control) {
 
 /// Prints the origin, because whoever reads the coordinates needs to know what they are relative to.
 void tell_origin(const std::string& origin) {
-  std::cerr << "remesh: the coordinates written are relative to the origin " << origin << "\n";
+  std::cerr << "remesh: the written coordinates are relative to the origin " << origin << "\n";
 }
 
 /// Returns the media type that the ending of the output asks for. If the input has the same ending, the result is

@@ -23,7 +23,7 @@ constexpr std::chrono::milliseconds kFirstPoll{100};
 constexpr std::chrono::milliseconds kSlowestPoll{1000};
 
 Error no_url(const std::string& text) {
-  return Error(Code::kInvalidOption, Stage::kRead, text + " is no http or https URL").for_option("server");
+  return Error(Code::kInvalidOption, Stage::kRead, text + " is not an http or https URL").for_option("server");
 }
 
 /// Splits a URL into the part that the HTTP client needs and the path: "http://host:80", "/path".
@@ -68,7 +68,7 @@ std::string random_key() {
 
 RemoteError problem_of(int status, const json& problem) {
   const std::string code = "http_" + std::to_string(status);
-  const std::string remark = status == 401 ? "; the key is taken from REMESH_API_KEY" : "";
+  const std::string remark = status == 401 ? "; the API key is read from the environment variable REMESH_API_KEY" : "";
   const std::string detail = "the server answers " + std::to_string(status);
   if (!problem.is_object()) return {status, code, detail + remark};
   RemoteError error(status, problem.value("code", code), problem.value("detail", detail) + remark);

@@ -88,9 +88,8 @@ class SegmentTable {
                const IdVector<PatchId, std::uint8_t>& is_frozen, const SizeField& sizes, const Goals& goals,
                RunControl& control);
 
-  /// Plans where segments are cut along strips and at sharp corners. It has to be called once, after the constructor.
-  /// This is the only part whose time and memory grow with the number of cuts, so a hopeless refinement can be refused
-  /// before it.
+  /// Plans the cuts along strips and at sharp corners. It has to be called once, after the constructor. Only here, time
+  /// and memory grow with the number of cuts, so a hopeless refinement can be refused before.
   /// Input: The same as for the constructor.
   void plan_cuts(const TriangulatedPatches& triangulated, const SizeField& sizes, const Goals& goals,
                  RunControl& control);

@@ -66,7 +66,9 @@ void check_content_coding(const RequestHead& head) {
     if (is_gzip && ++count == 1) continue;
     throw HttpError(415, "unsupported_media_type",
                     is_gzip ? std::string("a body that is compressed twice is not supported")
-                            : "the content coding \"" + coding.substr(0, 100) + "\" is not supported; gzip is")
+                            : "the content coding \"" + coding.substr(0, 100) +
+                                  "\" is not supported; the "
+                                  "supported coding is gzip")
         .with_header("Accept-Encoding", "gzip");
   }
 }

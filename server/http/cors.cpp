@@ -16,7 +16,7 @@ constexpr const char* kAnyOrigin = "*";
 Cors::Cors(std::string_view origins) {
   for (const std::string_view origin : list_elements(origins)) {
     if (origin != kAnyOrigin && !parse_origin(origin)) {
-      throw std::invalid_argument("\"" + std::string(origin) + "\" is no origin such as https://tool.example");
+      throw std::invalid_argument("\"" + std::string(origin) + "\" is not an origin, such as https://tool.example");
     }
     origins_.emplace_back(origin);
   }

@@ -24,7 +24,8 @@ std::optional<std::uint64_t> number(std::string_view digits) {
 }
 
 HttpError beyond(std::uint64_t size) {
-  return HttpError(416, "range_not_satisfiable", "the range is beyond the end, which is at " + std::to_string(size))
+  return HttpError(416, "range_not_satisfiable",
+                   "the range begins beyond the end of the content, which is at byte " + std::to_string(size))
       .with_header("Content-Range", "bytes */" + std::to_string(size));
 }
 

@@ -147,7 +147,7 @@ std::vector<std::string> BlobTable::remove(Database& database, const std::string
 }
 
 const BlobFolder& BlobTable::folder() const {
-  if (!folder_) throw NoFolder("the store keeps blobs in a folder: --blob-dir is missing");
+  if (!folder_) throw NoFolder("the inputs and results of jobs are in a folder, but --blob-dir is not set");
   return *folder_;
 }
 

@@ -229,7 +229,9 @@ Admission JobRoutes::admit(const RequestHead& head) const {
   if (!jobs().is_well()) throw store_unavailable();
   // If the folder of jobs is in memory, stored data reduces the memory for all work.
   if (context_.memory.stored() > context_.memory.limit() / 2) {
-    throw HttpError(507, "storage_full", "the store of jobs is in memory, and what it holds takes half of the budget")
+    throw HttpError(507, "storage_full",
+                    "the store of jobs is in memory, and its data takes half of the memory "
+                    "budget")
         .with_header("Retry-After", kFullSeconds);
   }
   if (jobs().is_full()) throw HttpError(503, "overloaded", "the queue of jobs is full: try again later");
@@ -264,7 +266,7 @@ Response JobRoutes::submit(const Call& call) const {
   const auto record = submission.kind == Submission::Kind::kNew
                           ? new_record(job, submission)
                           : ask([&] { return jobs().store().find(submission.id); });
-  if (!record) throw HttpError(410, "result_expired", "the job of this Idempotency-Key is gone");
+  if (!record) throw HttpError(410, "result_expired", "the job of this Idempotency-Key no longer exists");
   Response response = json_response(job_json(*record, links_for(request)));
   response.status = 202;
   response.job = submission.id;
@@ -287,7 +289,9 @@ Response JobRoutes::list(const Call& call) const {
   JobStore& store = jobs().store();
   const std::string& owner = call.request.owner;
   if (owner.empty()) {
-    throw HttpError(403, "forbidden", "jobs are listed only by API key, and this server uses no API keys");
+    throw HttpError(403, "forbidden",
+                    "jobs are listed only for the owner of an API key, and this server uses no "
+                    "API keys");
   }
   return compressed(
       json_response(jobs_json(ask([&] { return store.list(owner, kMaxListed); }), links_for(call.request))),

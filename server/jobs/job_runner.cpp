@@ -21,9 +21,9 @@ constexpr std::chrono::milliseconds kStopPatience{1100};
 /// The error of a job that found no memory or threads in its last attempt. The status 500, unlike 503, means that
 /// trying again is useless.
 HttpError given_up(const std::string& code, int attempts) {
-  return HttpError(
-      500, code,
-      "the job ended because memory or threads were lacking; attempt " + std::to_string(attempts) + " was the last");
+  return HttpError(500, code,
+                   "the job failed because there was not enough memory or no thread; attempt " +
+                       std::to_string(attempts) + " was the last");
 }
 
 }  // namespace
@@ -164,7 +164,9 @@ bool JobRunner::pause_without_folder(const Claim& claim) {
     return false;
   }
   claimer_.pause_until(Clock::now() + settings_.rules.lease);
-  log::write(log::Level::kError, "a job's input is in a folder, but --blob-dir is missing; no jobs are claimed now",
+  log::write(log::Level::kError,
+             "a job's input is in a folder, but --blob-dir is not set; for a while this "
+             "daemon claims no jobs",
              {{"job", claim.id}, {"pause_s", std::chrono::duration<double>(settings_.rules.lease).count()}});
   return true;
 }

@@ -39,7 +39,7 @@ std::unique_ptr<JobStore> open_store(const JobSettings& settings, Metrics& metri
   if (settings.store == "sqlite") {
     const std::string folder = find_state_dir(settings.state_dir);
     if (folder.empty()) {
-      log::write(log::Level::kWarning, "no folder for jobs can be written, so there will be no jobs",
+      log::write(log::Level::kWarning, "no folder for jobs can be written to, so this server accepts no jobs",
                  {{"set", std::string("--state-dir or --store")}});
       return nullptr;
     }

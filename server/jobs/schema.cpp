@@ -89,7 +89,7 @@ void bring_schema_up_to_date(Database& database, const DatabaseDriver& driver) {
   const auto newest = static_cast<std::int64_t>(kVersions.size());
   if (found.value_or(0) > newest) {
     throw StoreError("the store has version " + std::to_string(*found) + ", but this remeshd knows only version " +
-                     std::to_string(newest) + ": a newer remeshd has used it");
+                     std::to_string(newest) + ": a newer version of remeshd has written to it");
   }
   if (found == newest) return transaction.commit();
   database.extend_deadline(kMigration);

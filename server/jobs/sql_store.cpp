@@ -257,7 +257,7 @@ void SqlStore::check_limits(Database& database, const NewJob& job) const {
     if (limit == 0) return;
     const auto stored = static_cast<std::uint64_t>(integer(database.run(sql.c_str(), values).at(0)[0]));
     if (job.body.size() > limit || stored > limit - job.body.size())
-      throw LimitReached("the jobs of " + std::string(whose) + " take all the room that they may take");
+      throw LimitReached("the jobs of " + std::string(whose) + " have reached the limit on their stored bytes");
   };
   check(rules_.max_stored, kStoredBytes, {}, "this store");
   check(rules_.max_stored_per_owner, kStoredBytes + " AND owner = $1", {std::string_view(job.owner)}, "this API key");

@@ -117,8 +117,9 @@ void tell_losses() {
   const std::uint64_t before = told.exchange(lost);
   if (lost <= before) return;
   const std::vector<Field> fields{{"lines", static_cast<std::int64_t>(lost - before)}};
-  logger().log(spdlog::level::warn,
-               render(active_format, "lines of the log were dropped, because nobody took them", fields));
+  logger().log(
+      spdlog::level::warn,
+      render(active_format, "log lines were dropped, because standard error accepted them too slowly", fields));
 }
 
 }  // namespace

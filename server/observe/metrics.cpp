@@ -117,7 +117,7 @@ struct Metrics::Families {
 
   Family<Counter>& requests = prometheus::BuildCounter()
                                   .Name("remeshd_http_requests_total")
-                                  .Help("Requests that are over; code 499: the client left before its answer.")
+                                  .Help("Finished requests by status; code 499: the client left before its answer.")
                                   .Register(registry);
   Family<Histogram>& durations = prometheus::BuildHistogram()
                                      .Name("remeshd_http_request_duration_seconds")
@@ -125,7 +125,7 @@ struct Metrics::Families {
                                      .Register(registry);
   Family<Counter>& rejections = prometheus::BuildCounter()
                                     .Name("remeshd_http_rejected_total")
-                                    .Help("Requests that a limit turned away, by the code of their problem.")
+                                    .Help("Requests that a limit refused, by the code of their problem.")
                                     .Register(registry);
   Family<Histogram>& stages = prometheus::BuildHistogram()
                                   .Name("remeshd_stage_duration_seconds")
@@ -236,15 +236,17 @@ std::string Metrics::text(const Gauges& gauges) const {
   now.gauge("remeshd_http_connections", "Open connections.", static_cast<double>(gauges.connections));
   now.gauge("remeshd_requests_running", "Requests that compute.", static_cast<double>(gauges.running));
   now.gauge("remeshd_requests_queued", "Requests that wait for a worker.", static_cast<double>(gauges.queued));
-  now.gauge("remeshd_workers", "Threads that requests may compute on.", gauges.workers);
+  now.gauge("remeshd_workers", "Largest number of threads on which requests compute.", gauges.workers);
   now.gauge("remeshd_workers_busy", "Threads of requests that compute.", static_cast<double>(gauges.busy));
   now.gauge("remeshd_memory_reserved_bytes", "Memory that requests have reserved.",
             static_cast<double>(gauges.memory_reserved));
   now.gauge("remeshd_memory_waiting", "Requests and jobs that wait for memory.",
             static_cast<double>(gauges.memory_waiting));
-  now.counter("remeshd_log_lines_dropped_total", "Lines of the log that nobody took in time.",
+  now.counter("remeshd_log_lines_dropped_total",
+              "Log lines dropped because standard error accepted them too "
+              "slowly.",
               static_cast<double>(gauges.log_lines_dropped));
-  now.gauge("remeshd_ready", "1 while new work is taken.", gauges.is_ready ? 1 : 0);
+  now.gauge("remeshd_ready", "1 while the daemon accepts new work, otherwise 0.", gauges.is_ready ? 1 : 0);
   if (gauges.has_jobs) {
     now.gauge("remeshd_jobs_queued", "Jobs that wait for a worker, in the whole store.",
               static_cast<double>(gauges.jobs_queued));
