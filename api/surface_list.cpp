@@ -190,10 +190,11 @@ std::string with_article(SurfaceKind kind) { return "a" + count_text(1, kind).su
 
 /// Says why one free region has no surface.
 std::string reason_text(const RecognisedSurface& region) {
-  if (region.reason == FreeReason::kFewFacets) return ": too few to tell what they are";
+  if (region.reason == FreeReason::kFewFacets) return ": too few facets to recognise a surface";
   if (region.nearest_kind == SurfaceKind::kFree) return "";
   const std::string nearest = ": " + with_article(region.nearest_kind);
-  if (region.reason == FreeReason::kUnevenFacets) return nearest + " fits, but they are too unevenly cut to be one";
+  if (region.reason == FreeReason::kUnevenFacets)
+    return nearest + " fits, but the facets are too uneven to be meant as one";
   return nearest + " comes nearest, " + number_text(rounded(region.nearest_deviation, 2)) + " away";
 }
 

@@ -323,10 +323,10 @@ int main(int argc, char** argv) {
   } catch (const CLI::Success& help_or_version) {
     return app.exit(help_or_version);
   } catch (const CLI::ParseError& error) {
-    std::cerr << "remesh: " << error.what() << "; remesh --help tells more\n";
+    std::cerr << "remesh: " << error.what() << "; see remesh --help\n";
     return kMisused;
   } catch (const UsageError& error) {
-    std::cerr << "remesh: " << error.what() << "; remesh --help tells more\n";
+    std::cerr << "remesh: " << error.what() << "; see remesh --help\n";
     return kMisused;
   }
   return run(arguments);

@@ -52,7 +52,7 @@ class CopyOnWrite {
     change(own_);
     items_ = own_;
   }
-  /// Copies shared items, so that the vector refers to nobody else's items from now on.
+  /// Copies shared items, so that the vector refers to no other vector from now on.
   void detach() {
     change([](const std::vector<T>&) {});
   }

@@ -76,7 +76,7 @@ struct Options {
   std::optional<double> surface_tolerance_fraction;  ///< instead of surface_tolerance; a fraction of the diagonal
   /// Edges per full turn on curved surfaces. Empty: see coarsens_fine_facets.
   std::optional<double> elements_per_circle;
-  /// If nothing else says how curved surfaces are divided, those with many facets per turn are remeshed with fewer
+  /// If no option gives a resolution for curved surfaces, surfaces with many facets per turn are remeshed with fewer
   /// (elements_per_circle=auto); false: facets stay (elements_per_circle=none). See are_fine_facets_coarsened.
   bool coarsens_fine_facets = true;
   CircleFit circle_fit = CircleFit::kInscribed;
@@ -126,7 +126,7 @@ bool are_fine_facets_coarsened(const Options& options);
 /// Errors: Code::kInvalidOption - a value is out of its range, or two options exclude each other (`option` is set).
 void check_options(const Options& options);
 
-/// Checks what depends on the input: lengths that are given as a fraction of its bounding box's diagonal.
+/// Checks the options that depend on the input: lengths given as a fraction of its bounding box's diagonal.
 /// Errors: as above.
 void check_options(const Options& options, double diagonal);
 
@@ -136,7 +136,7 @@ enum class Storage {
   kFloat,   ///< floats of 32 bits
 };
 
-/// Says what becomes of the coordinates of a result that is meant for a storage.
+/// The treatment of a result's coordinates for a storage format.
 enum class OutputRounding : std::uint8_t {
   kRequired,  ///< they are rounded; a result that the storage cannot hold is refused
   kIfHeld,    ///< as kRequired, but a result that the storage cannot hold keeps its doubles, and a diagnostic says so

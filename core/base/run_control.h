@@ -24,7 +24,7 @@ class RunControl {
   void expire() { request_stop(Reason::kTimeout); }
   bool is_stopped() const { return stop_.load(std::memory_order_relaxed) != Reason::kNone; }
 
-  /// Errors: kCancelled or kTimeout - somebody asked the work to stop.
+  /// Errors: kCancelled or kTimeout - the work was asked to stop.
   void check() const {
     const Reason reason = stop_.load(std::memory_order_relaxed);
     if (reason != Reason::kNone) throw_stopped(reason);

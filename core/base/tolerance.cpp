@@ -335,7 +335,7 @@ std::vector<Factors> longest_numbers(const Coordinates& coordinates, const Latti
 /// number's size.
 class SignificantDigits {
  public:
-  /// The number of digits is that of `longest`, a longest number. Its last digit tells to which power of two times ten
+  /// The number of digits is that of `longest`, a longest number. Its last digit shows to which power of two times ten
   /// the digits refer.
   SignificantDigits(const Lattice& lattice, const Factors& longest)
       : last_(lattice.times(longest.twos, longest.fives)),
@@ -349,8 +349,8 @@ class SignificantDigits {
   Lattice place(double x) const { return decimal_place(x, 1 - digits_); }
   /// The largest of the digits' decimal places that is not above the step.
   double not_above(double step) const { return decimal_place(step, 0).step(); }
-  /// Returns whether a number needs more than half of the digits that the file writes. A number that needs fewer may be
-  /// exact, as 1 is, and then says nothing about rounding.
+  /// Returns whether a number needs more than half of the digits that the file writes. A number that needs fewer digits
+  /// may be exact, as 1 is, and is then no evidence of rounding.
   /// Input: the number as a multiple of its last digit's place.
   bool is_long(std::int64_t units) const { return units % half_ != 0; }
 
@@ -453,15 +453,15 @@ std::optional<Significant> significant_digits(const Coordinates& coordinates, co
   return result;
 }
 
-/// Returns whether the coordinates are floats that were printed as decimal numbers, with so many digits that their
-/// rounding to floats shows. There are two conditions. First, each coordinate must be what one gets by printing the
-/// float that is nearest to it, with as many decimal places as the coordinate has. Second, there must be so many
-/// coordinates that they cannot all be that near to a float by chance.
+/// Returns whether the coordinates are floats that were printed as decimal numbers, with enough digits to show their
+/// rounding to floats. There are two conditions. First, each coordinate must be the decimal number that results from
+/// printing its nearest float with the coordinate's number of decimal places. Second, there must be too many
+/// coordinates for all to be that near to a float by chance.
 /// Input: all coordinates are multiples of `unit`.
 bool are_printed_floats(const Coordinates& coordinates, double unit, Decimals decimals) {
   const auto place_of = [&](double x) { return std::max(unit, shortest(x, decimals).quantum); };
-  // Counts the binary digits between the last digit of a float near x and the printed digit at `place`. So many bits
-  // of x can show that it was a float. The result is in quarters of a bit.
+  // Counts the binary digits between the last digit of a float near x and the printed digit at `place`. This number of
+  // bits of x can show that x was a float. The result is in quarters of a bit.
   const auto seen = [](double x, double place) {
     const double ratio = last_place(x, kFloatBits) / place;
     return std::ilogb(ratio * ratio * ratio * ratio);
@@ -524,7 +524,8 @@ std::optional<Claim> claim_of_decimals(const Coordinates& coordinates, Decimals 
       unit = last;
       return significant->claim;
     }
-    // The largest numbers lack the last digits of the others, but they are so few that this may be chance.
+    // The largest numbers lack the last digits that smaller ones have, but there are so few large numbers that this may
+    // be chance.
     fixed.claim.is_in_doubt = true;
     return fixed.claim;
   }
@@ -565,7 +566,7 @@ Rounding rounding_of(const Coordinates& coordinates) {
 /// Returns the steps if all coordinates were printed with as many significant digits as the longest of them has. For
 /// each axis, its largest number with more than half as many digits counts; shorter ones may be exact.
 Vec3 steps_of_printed_digits(std::span<const Vec3> positions, const RunControl& control) {
-  // Decimal numbers with more digits are not told from doubles.
+  // Decimal numbers with more digits cannot be distinguished from doubles.
   constexpr int kMaxDigits = 9;
   struct Printed {
     int digits = 0, exponent = 0;

@@ -116,8 +116,8 @@ class BoxTree {
   };
 
   using Entries = std::vector<Entry, DefaultInit<Entry>>;
-  /// Makes n entries in parallel: calls set(i, entry) with the i-th one, whose box is empty. To clear millions of them
-  /// first would take a while in which nobody could stop the work.
+  /// Makes n entries in parallel: calls set(i, entry) with the i-th one, whose box is empty. Clearing millions of
+  /// entries first would take long and could not be cancelled.
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
   template <class Set>
   static Entries make_entries(std::size_t n, RunControl& control, const Set& set);

@@ -22,9 +22,9 @@ namespace remesh {
 
 using FacePairs = std::vector<std::pair<FaceId, FaceId>>;
 
-/// A test of two faces takes about as long as this many looks at nodes of a tree.
+/// The time of one test of two faces, in visits of a node of a tree.
 inline constexpr std::uint64_t kStepsPerTest = 8;
-/// A look at a box along the triangles of a node takes about as long as this many looks at nodes.
+/// The time of one test of a box along the triangles of a node, in visits of a node.
 inline constexpr std::uint64_t kStepsPerOrientedBox = 4;
 
 /// The pairs that a search has found so far, and its limits.
@@ -68,8 +68,8 @@ class PairSearch {
       if (!result_.is_complete) return;
     }
   }
-  /// Adds steps to the progress within the stage. Nobody knows how many steps there will be, so progress takes ever
-  /// smaller steps towards 1, but never stops. Several threads may call this at once.
+  /// Adds steps to the progress within the stage. The number of steps is unknown, so progress takes ever smaller steps
+  /// towards 1, but never stops. Several threads may call this at once.
   void tell_progress(std::uint64_t steps) {
     constexpr double kHalfTheWay = 1 << 26;
     const std::lock_guard lock(told_mutex_);
@@ -128,7 +128,7 @@ struct FoundInTurn {
 /// Output:  the number of items that were treated. It is less than n if the search was cut short, because there are
 ///          more than max_pairs or because it took more than max_steps.
 /// Holds:   the result is the same for any number of threads. To this end, work is done in rounds, and limits are
-///          looked at between rounds. In a round, a block of items has a bounded turn. What is left of it comes first
+///          checked between rounds. In a round, a block of items has a bounded turn. The rest of the block comes first
 ///          in the next round.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
 template <class Item>

@@ -38,7 +38,7 @@ constexpr std::size_t kFewPatches = 16;
 constexpr std::size_t kMaxPartsPerFace = 4;
 constexpr std::size_t kManyParts = 1 << 16;
 
-/// If there are more than this many tests per face whether the face is near a patch, culling by patches gains nothing
+/// If the tests whether a face is near a patch are more than this many per face, culling by patches gains nothing
 /// either. For example, if the facets of a cone stand on a fan of needles, all boxes meet all others in one point.
 constexpr std::size_t kMaxLooksPerFace = 64;
 
@@ -187,7 +187,7 @@ class Cull {
   struct Near {
     std::vector<std::uint32_t> faces;
     std::deque<Part> parts;  ///< a deque, because there may be millions, and none is moved when more are added
-    std::size_t looks = 0;   ///< number of patches that were looked at
+    std::size_t looks = 0;   ///< number of patches that were tested
   };
 
   bool has_few(PatchId p) const { return count_[p.value].load(std::memory_order_relaxed) <= kFewFaces; }
@@ -446,7 +446,7 @@ class Meetings {
     return std::minmax({parts_[part].of, parts_[part].near});
   }
   std::size_t size() const { return begin_.size() - 1; }
-  /// The parts of two patches near each other. Those of the one patch come first.
+  /// The parts of two patches near each other. The parts of the first patch come first.
   std::span<const std::uint32_t> meeting(std::size_t m) const {
     return std::span(order_).subspan(begin_[m], begin_[m + 1] - begin_[m]);
   }
@@ -521,7 +521,7 @@ class Meetings {
     });
   }
 
-  /// Returns whether the boxes of parts meet so many boxes of the tree that they tell little. It looks at some parts
+  /// Returns whether the boxes of parts meet so many boxes of the tree that they separate little. It tests some parts
   /// that are evenly spread.
   bool do_many_boxes_meet(std::span<const std::uint32_t> parts, const TriangleTree& tree) const {
     constexpr std::size_t kSamples = 64, kMany = 64;

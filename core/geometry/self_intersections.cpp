@@ -319,7 +319,7 @@ class Search {
       pages.clear();
       for (std::size_t i = begin; i < end; ++i) {
         if (i % kFacesBetweenChecks == 0) control_.check_and_move();
-        // A face without a third corner is the edge itself, and meets the others only in what they share.
+        // A face without a third corner is the edge itself. It meets the other faces only in shared vertices and edges.
         for (const VertexId v : faces_[at_edge_[i].second.value])
           if (v != from && v != to) pages.push_back({v, at_edge_[i].second});
       }

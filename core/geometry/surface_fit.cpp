@@ -259,7 +259,7 @@ std::optional<AnalyticSurface> surface_of(const Parameters& at, double scale) {
       break;
     default: return std::nullopt;
   }
-  // A surface that is so much larger than the points is a plane, or one of a kind with fewer parameters.
+  // A surface that is more than this many times as large as the points is a plane, or of a kind with fewer parameters.
   constexpr double kMaxRadius = 1e5;
   const bool is_small = std::fabs(s.radius) * scale < kMaxRadius && s.minor_radius * scale < kMaxRadius;
   const bool has_radius =

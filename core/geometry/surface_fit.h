@@ -20,7 +20,7 @@ struct FacetPlace {
 /// The number of free parameters of a kind.
 int parameter_count(SurfaceKind kind);
 
-/// The following functions make a first guess, from which `fit_from` goes on. Each returns nothing if the points or
+/// The following functions make a first guess, with which `fit_from` begins. Each returns nothing if the points or
 /// normals do not determine a surface of the kind.
 std::optional<AnalyticSurface> guess_sphere(std::span<const Vec3> points);
 /// Input: the direction of the axis.

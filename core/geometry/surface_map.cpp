@@ -16,8 +16,8 @@ constexpr double kNoPart = 1e-6;
 /// back to it.
 constexpr double kNearEnd = 1 - 1e-9, kHalfTurn = 0.999 * std::numbers::pi;
 
-/// A squeezed map multiplies lengths along rulings by this. A patch that is a thousand times as long as its edges are
-/// wide is then about as long as they are.
+/// A squeezed map multiplies lengths along rulings by this. A patch whose length is a thousand times the width of its
+/// edges then has about the same length and width.
 constexpr double kSqueeze = 0x1p-10;
 
 /// Returns a unit vector across an axis: in the direction of `towards`, or any if that is along the axis.

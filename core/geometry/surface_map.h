@@ -18,7 +18,7 @@ struct MappedPiece {
 /// A map between a surface and a plane that keeps angles. It is a small value. A cylinder and a cone are unrolled, so
 /// that lengths stay, too. A sphere is projected from the point opposite to the middle of the piece (stereographic
 /// projection). A torus is laid out in the angle around its axis and in the integral of ds / rho along its tube, where
-/// rho is the distance from the axis. Seen in the plane, what runs counter-clockwise runs counter-clockwise on the
+/// rho is the distance from the axis. A curve that is counter-clockwise in the plane is counter-clockwise on the
 /// surface, seen from the facets' outside.
 /// Source: M. do Carmo, Differential Geometry of Curves and Surfaces, 1976, sections 4-2 and 4-3.
 class SurfaceMap {
@@ -29,9 +29,9 @@ class SurfaceMap {
   SurfaceMap(const AnalyticSurface& shape, const MappedPiece& piece);
 
   /// Returns this map with the plane of a cylinder or a cone squeezed along the rulings, which makes them short. It
-  /// does not keep angles. A Delaunay triangulation there joins what is nearest around the axis, so its edges run along
-  /// the rulings, and the surface turns little along them. A cone is laid out in the angle around its axis and in the
-  /// distance from its apex. The maps of other surfaces do not change.
+  /// does not keep angles. A Delaunay triangulation there joins points that are nearest around the axis, so its edges
+  /// run along the rulings, and the surface turns little along them. A cone is laid out in the angle around its axis
+  /// and in the distance from its apex. The maps of other surfaces do not change.
   SurfaceMap squeezed() const;
   /// Returns whether lengths along rulings are squeezed. `squeezed` does not do this for all surfaces.
   bool is_squeezed() const { return squeeze_ != 1; }

@@ -12,7 +12,7 @@
 
 namespace remesh {
 
-/// A file's content as the formats look at it to tell whether it is theirs.
+/// A file's content, in the form in which the formats check whether it is theirs.
 struct Sniffed {
   explicit Sniffed(std::string_view whole);
 

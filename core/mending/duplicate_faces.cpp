@@ -183,7 +183,7 @@ class Duplicates {
   Duplicates(const Surface& surface, const Adjacency& edges, const FaceLabels& labels, RunControl& control)
       : surface_(surface), edges_(edges), labels_(labels), control_(control) {}
 
-  /// Output: what to do with each face; empty if none repeats another.
+  /// Output: the fate of each face; empty if no face repeats another.
   const std::vector<std::uint8_t>& find() {
     const std::vector<FaceId> suspects = find_suspects();
     if (suspects.empty()) return fate_;

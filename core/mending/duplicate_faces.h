@@ -15,8 +15,8 @@ namespace remesh {
 /// Finds faces over the same loop of vertices, and drops all but one of them. The one whose labels are on the smallest
 /// part of the surface stays, so that a wall which two bodies share becomes that of the inner body. Among equals, a
 /// whole face of the input stays rather than a piece of one, and then the first one.
-/// Two kinds of faces may stay all the same:
-/// - A face that repeats another one with the opposite orientation. Such pairs that hang together over edges without
+/// Two kinds of faces may still stay:
+/// - A face that repeats another one with the opposite orientation. Such pairs that are connected over edges without
 ///   other faces are a sheet, and each sheet is judged by itself. One face of each pair is dropped if each edge of the
 ///   sheet has exactly two faces then. Which one that is does not depend on their order, if their labels or the faces
 ///   around them decide it (back_to_back.h). Both faces are dropped if the sheet is a fin: it has a free edge, and

@@ -30,12 +30,12 @@ constexpr std::size_t kMaxTestedEdges = 1024;
 /// The max number of holes that a message names.
 constexpr std::size_t kMaxNamedHoles = 20;
 
-/// An opening, and what becomes of it.
+/// An opening, and the decision about it.
 struct Hole {
   const Opening* opening;
   bool is_small = false;     ///< without regard to the options
-  bool is_selected = false;  ///< the options ask for it to be closed
-  bool is_tested = false;    ///< its triangles were looked for
+  bool is_selected = false;  ///< the options select it to be closed
+  bool is_tested = false;    ///< its triangles were searched for faces that they meet
   bool is_unknown = false;   ///< it was not found out whether its face would meet other faces
   bool is_taken = false;     ///< one of its edges belongs to another hole that can be closed
   FaceId met;                ///< a face that the face over the hole would meet elsewhere than in its rim

@@ -18,7 +18,7 @@
 namespace remesh {
 namespace {
 
-/// Counts the faces that are mended, by what is wrong with them.
+/// Counts the faces that are mended, by their defects.
 struct MendedFaces {
   Diagnostic repeated{DiagnosticCode::kDuplicateVertex,
                       0,

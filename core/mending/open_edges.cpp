@@ -101,8 +101,8 @@ Fit OpenEdges::fit(std::size_t i, std::size_t j, double reach) const {
 
 bool OpenEdges::do_lie_on_each_other(std::size_t i, std::size_t j, double reach) const {
   // The distance between the two faces grows with the distance from their edges. If it is at most this many times
-  // `reach` even at the far end of the face with the smaller depth, the faces count as lying on each other. Then nobody
-  // can tell whether they were meant to be a single face.
+  // `reach` even at the far end of the face with the smaller depth, the faces count as lying on each other. Then it
+  // cannot be decided whether they were meant to be a single face.
   constexpr double kOnEachOther = 4;
   const OpenEdge &a = edges_[i], &b = edges_[j];
   if (!(dot(a.inward, b.inward) > 0)) return false;

@@ -1,4 +1,4 @@
-/// The openings of a surface: what its open edges bound.
+/// The openings of a surface, which its open edges bound.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ struct Rim {
   double size = 0;    ///< twice the distance of the farthest vertex from `middle`, in local units
 };
 
-/// Says whether a flat face closes an opening, or why none does.
+/// The kind of an opening: whether a flat face closes it, or why none does.
 enum class OpeningKind : std::uint8_t {
   kFlat,         ///< `outline` closes it
   kNotFlat,      ///< no plane has all vertices of its rim within the tolerance

@@ -68,7 +68,7 @@ class Ring {
       const auto [from, to] = sides_of(tip);
       if (!turns_back(from, tip, to)) continue;
       if (reversals_ == Reversals::kKeepSlits && is_slit(from, tip, to)) continue;
-      // If the tip is blunt, the corners beside it go first.
+      // If the tip is blunt, the corners beside it are cut off first.
       while (next_[from] != tip) take(next_[from], spikes);
       while (next_[tip] != to) take(next_[tip], spikes);
       take(tip, spikes);

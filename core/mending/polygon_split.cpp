@@ -183,7 +183,7 @@ PolygonSplit split_outline(std::span<const Vec3> points, double plane_tolerance,
   return result;
 }
 
-/// Splits what is left after these spikes have been cut off.
+/// Splits the rest of a polygon after these spikes have been cut off.
 PolygonSplit split_without(Spikes spikes, std::span<const Vec3> points, double plane_tolerance, RunControl& control) {
   if (spikes.needles.empty()) return split_outline(points, plane_tolerance, control);
   std::vector<Vec3> outline;

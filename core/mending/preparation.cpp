@@ -86,7 +86,7 @@ class Preparation {
   }
 
   /// The diagonal of the bounding box of all faces with an area. A face without area may have a corner anywhere, which
-  /// says nothing about the size of the model.
+  /// has nothing to do with the size of the model.
   double diagonal_of_faces() {
     if (summary_.statistics.quality.min_angle_deg > 0) return summary_.statistics.bounding_box.diagonal();
     const FaceGeometries& of_face = prepared_.geometry(control_);
@@ -151,7 +151,7 @@ class Preparation {
     // Faces without area are dropped.
     if_changed(repair.degenerate && !are_clearly_sound() &&
                clean_faces(surface(), limits_.keep_verbatim, Mend::kYes, found, control_));
-    // Faces that repeat others are dropped.
+    // Faces that repeat other faces are dropped.
     const std::size_t place = found.size();
     std::vector<Diagnostic> repeated;
     // Polygons become comparable with the triangles that lie over them.
@@ -294,7 +294,7 @@ class Preparation {
   InputSummary& summary_;
   RunControl& control_;
   Prepared prepared_;
-  std::string holes_left_;      ///< what is said of them
+  std::string holes_left_;      ///< the text about the open holes
   double rounding_ = 0;         ///< in model units; how far the rounding of coordinates may move a point
   double spike_rounding_ = 0;   ///< in model units; the same for the step that the digits allow without proof
   bool is_as_measured_ = true;  ///< nothing has been mended since the surface was measured

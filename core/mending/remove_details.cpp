@@ -25,8 +25,8 @@ namespace {
 constexpr int kMaxTries = 8;
 
 /// Removes the details of one surface.
-/// This class is larger than the bound because it looks at two kinds of details with the same tests of shapes, links
-/// and folds. Those of slits are in a class of their own.
+/// This class is larger than the bound because it treats two kinds of details with the same tests of shapes, links and
+/// folds. The tests for slits are in another class.
 class DetailRemover {
  public:
   DetailRemover(const DetailRules& rules, const std::vector<std::uint8_t>& is_fixed, RunControl& control)

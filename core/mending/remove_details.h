@@ -59,8 +59,8 @@ inline constexpr StageWork kWorkOfDetails{4, 0, 1 << 18};
 /// - A face that is not noise would be turned by more than 60 degrees, or turned over if it is narrow itself, or become
 ///   narrower than the details that are removed.
 /// - Two faces that are no details would lie on each other, as the walls of a slot would.
-/// - It is one end of a strip whose other end cannot be removed: between two such faces, or between two borders. Where
-///   a corner can take either of two places, it takes the one that bends planes and creases by less.
+/// - It is one end of a strip whose other end cannot be removed: between two such faces, or between two borders.
+/// Where a corner can take either of two places, it takes the one that bends planes and creases by less.
 ///
 /// A part that is connected with nothing else and is no larger than a detail (Specks) is removed as a whole, if the
 /// remaining surface has a point within the allowed distance of all points of the part. Otherwise it stays as it is. A

@@ -36,12 +36,12 @@ struct SeamPartners {
 /// 1. leaves the fewest edges without a partner,
 /// 2. turns over the fewest faces,
 /// 3. joins faces that are connected already (over edges, or over partners that had no alternative), and then faces
-/// with the same label,
+///    with the same label,
 /// 4. has the smallest angles behind the faces, that is, through the bodies, so that two bodies that touch stay two,
-/// 5. bends the surface by the smallest angles. Several pairings may be equally good, for example if a surface occurs
-/// twice in the same place. Then all these edges become one, as they would if coordinates were exact; or if some have
-/// no partner, all stay open. An edge that runs the same way as its partner gets none if that would make a piece
-/// one-sided.
+/// 5. bends the surface by the smallest angles.
+/// Several pairings may be equally good, for example if a surface occurs twice in the same place. Then all these edges
+/// become one, as they would if coordinates were exact; or if some have no partner, all stay open. An edge that runs
+/// the same way as its partner gets none if that would make a piece one-sided.
 /// Cost:    O(b log b) for b edges; O(n) more if positions alone do not decide.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
 SeamPartners find_seam_partners(const Surface& surface, const Adjacency& edges, const OpenEdges& open,

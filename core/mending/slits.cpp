@@ -151,7 +151,7 @@ std::vector<std::uint32_t> Slits::close(std::uint32_t tip, const Slit& slit) {
   return joined;
 }
 
-/// Joins one of two nodes to the other one. Output: the one that is kept, or nothing if neither may go.
+/// Joins one of two nodes to the other one. Output: the node that is kept, or nothing if neither node may be joined.
 std::optional<std::uint32_t> Slits::join_nodes(std::uint32_t first, std::uint32_t second) {
   const auto to_second = look_at_join(first, second), to_first = look_at_join(second, first);
   if (!to_second && !to_first) return {};

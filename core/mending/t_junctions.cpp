@@ -183,7 +183,7 @@ class Search {
   }
 
  private:
-  /// The numbers of vertices and of nodes of the tree that were looked at.
+  /// The numbers of vertices and of tree nodes that were tested.
   struct Looks {
     std::size_t vertices = 0, nodes = 0;
   };

@@ -14,7 +14,7 @@
 
 namespace remesh {
 
-/// Faces that will replace those of a surface.
+/// Faces that will replace the faces of a surface.
 struct FaceList {
   std::vector<std::uint32_t> face_begin{0};
   std::vector<VertexId> corners;

@@ -18,10 +18,10 @@ namespace remesh {
 /// - the length of the edge itself;
 /// - the length that fits beside a near vertex or another edge, at the bound on angles;
 /// - the size that is asked for;
-/// - the length at any other sample of the same triangle, plus a part of the distance from that sample. Edges belong to
-///   all patches that have them, so lengths spread from patch to patch as cuts do. No length is below the floor of its
-///   edge, and an edge without room for a cut stays as it is. From its short side, nothing spreads into a triangle with
-///   an angle of the input below the bound, because such a triangle may stay.
+/// - the length at any other sample of the same triangle, plus its growth over the distance from there.
+/// Edges belong to all patches that have them, so lengths spread from patch to patch as cuts do. No length is below the
+/// floor of its edge, and an edge without room for a cut stays as it is. From its short side, nothing spreads into a
+/// triangle with an angle of the input below the bound, because such a triangle may stay.
 /// Holds:  the lengths do not depend on the number of threads. With another order of patches, they may differ by about
 ///         a tenth: a length that would fall by less than that stays.
 /// Cost:   O(n log n) for n edges; some 100 bytes an edge and 20 a sample. Each length is changed a bounded number of

@@ -42,8 +42,8 @@ struct StoredClaim {
 
 /// The goals that a triangle must meet once its corners have moved by up to `move`. The bound on angles does not
 /// change. The bounds on edges and areas grow by the amount by which such a move can enlarge a triangle that just meets
-/// them, but by at most a millionth. For example, a cube with ten edges of 0.1 along each side meets a bound of 0.1,
-/// although 0.1 is not a float.
+/// them, but by at most a millionth of the bound. For example, a cube with ten edges of 0.1 along each side meets a
+/// bound of 0.1, although 0.1 is not a float.
 Goals goals_after_rounding(const Goals& goals, double move);
 
 enum class StoredFault {
@@ -74,15 +74,15 @@ struct StoredVerdict {
 /// Compares the stored mesh with the verified one.
 /// Output:  a verdict without a fault if all of these are true:
 ///          - Every stored coordinate is a finite number of the format.
-/// - No vertex moved by more than permitted, measured on the coordinates that a reader gets: origin + stored, in
-///   doubles.
+///          - No vertex moved by more than permitted, measured on the coordinates that a reader gets: origin + stored,
+///            in doubles.
 ///          - No two vertices are at the same place.
-/// - Every triangle has an area and points along its patch's normal, except triangles that did not before. A triangle
-///   of a curved patch does not point against its direction before rounding.
+///          - Every triangle has an area and points along its patch's normal, except triangles that did not before. A
+///            triangle of a curved patch does not point against its direction before rounding.
 ///          - The faces that miss the goals (see goals_after_rounding) are in `refinement->unrefined`. The other faces
-///   in that list are in `unrefined_before` too, because they are larger than gaps or short edges allow. A face with
-///   the reason kOutputRounding is not in `unrefined_before`. Every other reason is the one that the face has in
-///   `unrefined_before`.
+///            in that list are in `unrefined_before` too, because they are larger than gaps or short edges allow. A
+///            face with the reason kOutputRounding is not in `unrefined_before`. Every other reason is the one that the
+///            face has in `unrefined_before`.
 ///          - Faces intersect (geometry/patch_intersections.h) only where their patches do in the verified mesh.
 /// Holds:   the verdict does not depend on the number of threads. If no vertex moved, only the first two tests are
 ///          made.

@@ -201,7 +201,7 @@ void parse_head(std::string_view bytes, const HeadLimits& limits, RequestHead& h
   }
   const std::size_t hosts = count(head, "host");
   if (hosts > 1 || (hosts == 0 && head.minor_version >= 1)) malformed("there must be exactly one Host field");
-  if (!is_host(head.header("host"))) malformed("the Host field is no host");
+  if (!is_host(head.header("host"))) malformed("the Host field is not a valid host name");
   for (const std::string_view name : {"content-type", "authorization", "x-api-key", "idempotency-key"}) {
     if (count(head, name) > 1) malformed("the field " + std::string(name) + " is sent more than once");
   }
