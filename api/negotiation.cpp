@@ -17,7 +17,8 @@ struct MediaRange {
   double weight = 1;  ///< the parameter q
 };
 
-/// Returns the parameter q. A malformed q counts as 1, because a slightly wrong header still says what is wanted.
+/// Returns the parameter q, the weight of a format. A malformed q counts as 1, because the client still wants the
+/// format.
 double weight_of(std::string_view parameters) {
   while (!parameters.empty()) {
     const auto [parameter, rest] = cut(parameters, ';');

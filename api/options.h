@@ -18,7 +18,7 @@ namespace remesh::api {
 
 /// A name for values of several options.
 enum class Preset {
-  kVolume,  ///< what suits volume meshing: small edges at narrow gaps, and 16 edges per circle
+  kVolume,  ///< settings for volume meshing: small edges at narrow gaps, and 16 edges per circle
   kExact,   ///< facets and boundaries stay as they are: feature_angle_deg=0, split_boundaries=false, defeature_size=0
 };
 

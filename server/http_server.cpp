@@ -384,8 +384,8 @@ class HttpServer::Listener : public httplib::Server {
     return false;
   }
 
-  /// True if a connection may continue to read bytes that are dropped. Reading them occupies a thread, and many refused
-  /// clients must not take the threads of others, nor delay the end of the process.
+  /// True if a connection may continue to read and drop what its client sends. This occupies a thread, and many refused
+  /// clients must not take the threads of other clients, nor delay the end of the process.
   bool may_linger() const {
     return !draining_ && places_.served() <= settings_.connections.max_connections / 2 + kRefusers / 2;
   }

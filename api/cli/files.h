@@ -42,7 +42,7 @@ class FileContent {
 FileContent read_file(const std::string& path, const RunControl& control);
 
 /// Writes the whole file or nothing: the content goes into a new file in the same folder, which then replaces the old
-/// one. Anything that is not an ordinary file, such as /dev/null or a pipe, is written directly.
+/// one. A target that is not an ordinary file, such as /dev/null or a pipe, is written directly.
 /// Errors: FileError; no temporary file is left behind.
 void write_file(const std::string& path, std::string_view content);
 

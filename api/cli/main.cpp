@@ -179,7 +179,7 @@ void stop_on_signals(RunControl& control) {
   ::signal(SIGPIPE, SIG_IGN);  // a reader that goes away then causes an error of write()
 }
 
-/// Prints the origin, because whoever reads the coordinates needs to know what they are relative to.
+/// Prints the origin, because the coordinates in the output are relative to it.
 void tell_origin(const std::string& origin) {
   std::cerr << "remesh: the written coordinates are relative to the origin " << origin << "\n";
 }

@@ -108,7 +108,7 @@ class Remote::Client {
     } catch (const RemoteError& error) {
       throw with_job(error, path);  // the job continues at the server, or its result is there
     } catch (const Error&) {
-      cancel(path);  // we were told to stop, so the server need not continue
+      cancel(path);  // the caller asked us to stop, so the server need not continue
       throw;
     }
     // An error of the mesh is reported alone. An error of the server names the job, so that the user can ask about the

@@ -221,8 +221,8 @@ class EarlierSearch {
 
  private:
   std::vector<std::uint32_t> slot_before_;    ///< by slot: that of the same face in the earlier tree
-  std::vector<std::uint8_t> is_left_;         ///< by node: the last earlier slot that is not searched again, or 0
-  std::vector<std::uint32_t> last_finished_;  ///< by node: the last earlier slot of those that are not left, or 0
+  std::vector<std::uint8_t> is_left_;         ///< by slot: whether it is searched again
+  std::vector<std::uint32_t> last_finished_;  ///< by node: the last earlier slot that is not searched again, or 0
 };
 
 /// Returns the groups without those that have only a few faces, as for a TriangleTree. A node of a large group makes no

@@ -38,8 +38,8 @@ constexpr std::size_t kFewPatches = 16;
 constexpr std::size_t kMaxPartsPerFace = 4;
 constexpr std::size_t kManyParts = 1 << 16;
 
-/// If the tests whether a face is near a patch are more than this many per face, culling by patches gains nothing
-/// either. For example, if the facets of a cone stand on a fan of needles, all boxes meet all others in one point.
+/// Culling by patches gains nothing if it needs more than this many tests per face of whether the face is near a patch.
+/// For example, if the facets of a cone stand on a fan of needles, all boxes meet all others in one point.
 constexpr std::size_t kMaxLooksPerFace = 64;
 
 /// The rounding error of heights, relative to the largest coordinate. Heights are sums of three products.
@@ -159,9 +159,9 @@ class Cull {
     }
   }
 
-  /// The faces that are tested against all others among them.
+  /// The whole faces, which are tested against all other whole faces.
   const std::vector<std::uint32_t>& faces() const { return faces_; }
-  /// The rest: parts of faces that are near another patch.
+  /// The parts of the other faces, which are near another patch.
   const std::vector<Part>& parts() const { return parts_; }
 
   TriangleTree tree_of(const std::vector<Box3>& boxes) const {
@@ -521,8 +521,8 @@ class Meetings {
     });
   }
 
-  /// Returns whether the boxes of parts meet so many boxes of the tree that they separate little. It tests some parts
-  /// that are evenly spread.
+  /// Returns whether each part's box meets so many boxes of the tree that boxes hardly cull any pair. Only an evenly
+  /// spread sample of the parts is tested.
   bool do_many_boxes_meet(std::span<const std::uint32_t> parts, const TriangleTree& tree) const {
     constexpr std::size_t kSamples = 64, kMany = 64;
     const std::size_t step = std::max<std::size_t>(1, parts.size() / kSamples);

@@ -39,6 +39,11 @@ struct PointOfTriangle {
 };
 
 /// For each speck, finds a point that is near all of the speck.
+/// Input:  `kept` - the triangles that are left; `positions` - of the specks' vertices.
+/// Output: for each speck, the point of these triangles that is nearest to the middle of the speck's bounding box, if
+///         no point of the speck is farther from it than `allowed`.
+/// Errors: kCancelled, kTimeout - asked to stop through `control`.
+/// Cost:   O(n log n) for n triangles, and O(log n) for each speck.
 std::vector<std::optional<PointOfTriangle>> points_near_specks(const Specks& specks, std::span<const Vec3> positions,
                                                                std::span<const Corners3> kept, double allowed,
                                                                RunControl& control);

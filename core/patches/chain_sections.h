@@ -74,8 +74,8 @@ class SectionChain {
   explicit SectionChain(const SectionCurve& curve, std::span<const Vec3> points) : curve_(curve), points_(points) {}
 
   struct Misfit {
-    double by_length = 0;       ///< largest ratio of a distance to its limit, among those that shorter pieces make less
-    double largest = 0;         ///< max ratio of a distance to its limit, of distances that shrink with the pieces
+    double by_length = 0;       ///< max ratio of a distance to its limit, of distances that shrink with the pieces
+    double largest = 0;         ///< largest of all distances
     bool is_off_input = false;  ///< some new point is too far from the input, whatever the number of pieces
   };
 

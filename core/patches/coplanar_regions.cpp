@@ -85,7 +85,7 @@ class Growth {
 
  private:
   struct NewRegion {
-    bool is_thin;  ///< thin regions come after all others
+    bool is_thin;  ///< thin regions come after all thick ones
     Seed seed;
     Plane plane;
     Extent extent;

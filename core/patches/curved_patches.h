@@ -33,8 +33,8 @@ struct CurvedLimits {
 
 /// A rung is the treatment of a face of a curved surface after patches with the face have failed, or were too fine.
 enum class CurvedRung : std::uint8_t {
-  kJoined,     ///< it is joined with others
-  kTightened,  ///< it is joined with others, within finer limits
+  kJoined,     ///< the face is joined with others
+  kTightened,  ///< the face is joined with others, within finer limits
   kCoarser,    ///< its facet stays a planar patch because that is coarser; nothing has failed
   kFacet       ///< its facet stays a planar patch
 };

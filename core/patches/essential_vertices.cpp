@@ -164,8 +164,8 @@ class Selection {
     simplify(0, run_.size() - 1);
   }
 
-  /// Simplifies a closed boundary without a corner. It is anchored at its smallest vertex and at the one farthest from
-  /// that.
+  /// Simplifies a closed boundary without a corner. Its anchors are its smallest vertex and the vertex farthest from
+  /// there.
   void close_ring(VertexId start) {
     run_.assign(1, start);
     EdgeId e = boundary_.edges_at(start)[0];
@@ -194,9 +194,9 @@ class Selection {
       for (const VertexId v : run_) essential_[v] = 1;
   }
 
-  /// Makes as many vertices of a run essential, between two that are, as the tolerance requires. It takes the one
-  /// farthest from the chord, and then does the same on both sides (Douglas and Peucker, 1973). Among equally far
-  /// vertices, the one at the smallest place counts.
+  /// Makes vertices of a run essential, between two essential vertices, where the tolerance requires this. The vertex
+  /// farthest from the chord becomes essential, and then both sides of it are treated in the same way (Douglas and
+  /// Peucker, 1973). Among equally far vertices, the one at the smallest place counts.
   void simplify(std::size_t begin, std::size_t end) {
     std::size_t looks = 0;
     spans_.assign(1, {begin, end});

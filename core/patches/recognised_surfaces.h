@@ -18,8 +18,8 @@ namespace remesh {
 /// The reason why the facets of a free region belong to no surface.
 enum class FreeReason : std::uint8_t {
   kNone,
-  kNoKindFits,  ///< a kind fits, but the facets are too few to prove it
-  kFewFacets,   ///< a kind fits, but so few facets prove nothing
+  kNoKindFits,  ///< no kind comes within the tolerance of all vertices
+  kFewFacets,   ///< a kind fits, but the facets are too few to prove it
   /// A kind fits all vertices, but the facets are cut so unevenly that they are probably meant to be flat.
   kUnevenFacets
 };

@@ -189,8 +189,8 @@ class Recogniser {
     if (is_better(*claim, *best)) best = std::move(claim);
   }
 
-  /// The larger surface is better. Of two that are about as large, it is the one that the facets explain, or else the
-  /// one from which they deviate less, or else the one with fewer parameters.
+  /// The larger surface is better. Of two surfaces of about the same size, the one that the facets explain is better,
+  /// or else the one from which they deviate less, or else the one with fewer parameters.
   static bool is_better(const SurfaceClaim& a, const SurfaceClaim& b) {
     if (a.area > kLarger * b.area) return true;
     if (b.area > kLarger * a.area) return false;
@@ -415,7 +415,7 @@ class Recogniser {
   std::vector<FacetPlace> places_;
   std::uint64_t wasted_ = 0;  ///< work of growths without a result
   std::vector<PatchId> seed_, others_;
-  std::set<std::pair<std::uint32_t, std::uint32_t>> are_compared_;  ///< pairs of claims without a common surface
+  std::set<std::pair<std::uint32_t, std::uint32_t>> are_compared_;  ///< pairs of claims that were tried together
   StopCheck check_;
   RunControl& control_;
 };

@@ -18,7 +18,7 @@ namespace {
 /// A free region has at least this many facets. Fewer facets that meet smoothly count as planes.
 constexpr std::size_t kMinFreeFacets = 12;
 
-/// A facet of a free region is a plane if it is this many times as large as the others.
+/// A facet of a free region is a plane if its area is this many times the median.
 constexpr double kFlatArea = 20;
 
 /// The best kind is determined for at most this many free regions, each by at most this many corners.
@@ -274,7 +274,7 @@ class Records {
     }
   }
 
-  /// Removes facets from a region that are much larger than the others.
+  /// Removes facets from a region that are much larger than its median facet.
   void drop_flat(std::vector<PatchId>& region) const {
     if (region.size() < kMinFreeFacets) return;
     std::vector<double> areas;

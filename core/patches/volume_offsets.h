@@ -54,7 +54,7 @@ class VolumeOffsets {
   /// Cost:    O(n log n).
   bool move_outside(const CutPatches& cut, CurvedPatches& curved, Surface& with_cuts, RunControl& control);
 
-  /// Returns what each surface has to enclose. It is empty if no surface is moved.
+  /// Returns the goal of each surface: the volume to enclose, or the area. The result is empty if no surface is moved.
   const IdVector<SurfaceId, OffsetGoal>& goals() const { return goals_; }
   const IdVector<SurfaceId, double>& offsets() const { return offsets_; }
   /// Returns the moves of all vertices on boundaries of curved patches, from their places on the true surfaces.

@@ -157,8 +157,8 @@ bool release_reserved(PatchMesh& patch, const IsWanted& is_wanted, RunControl& c
 }
 
 /// Calls `treat` for each chord in turn. A chord is skipped if flips for an earlier chord have changed its half-edge;
-/// the next pass looks at it again. `treat` returns whether it succeeded; if not, it has changed nothing. The result
-/// says whether any call succeeded.
+/// the next pass treats it again. `treat` returns whether it succeeded; if not, it has changed nothing. The result is
+/// true if any call succeeded.
 template <class Treat>
 bool for_chords(PatchMeshes& meshes, const std::vector<Chord>& chords, RunControl& control, const Treat& treat) {
   std::vector<Key> keys;
@@ -209,8 +209,8 @@ bool flip_chords(PatchMeshes& meshes, std::size_t vertex_end, RunControl& contro
   if (std::all_of(meshes.begin(), meshes.end(), [](const PatchMesh& patch) { return patch.reserved.empty(); }) &&
       find_chords(meshes, vertex_end, control).empty())
     return true;
-  // A flip may make edges that are chords themselves. It may also remove the edge for whose sake another edge was
-  // constrained. The number of passes is limited, because this may go on forever.
+  // A flip may make new chords. It may also remove an edge because of which another edge was constrained. Such changes
+  // may go on forever, so the number of passes is limited.
   constexpr int kMaxPasses = 8;
   for (int pass = 0;; ++pass) {
     const ChordUses uses = edge_uses(meshes, vertex_end, control);

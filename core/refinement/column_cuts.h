@@ -13,7 +13,7 @@
 
 namespace remesh {
 
-/// Returns where segments along the axis of a cylinder or a cone are cut before anything else. Such a segment is a
+/// Returns where segments along the axis of a cylinder or a cone are cut before all other cuts. Such a segment is a
 /// column itself, so it gets the points of a column, one in every second row. If it was halved again and again instead,
 /// its points would not fit those of the columns beside it, and triangles there would have to be refined. Segments
 /// beside a plane are left out if there are few columns, because the cuts would add more triangles in the plane than

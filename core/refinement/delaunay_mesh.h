@@ -21,7 +21,7 @@ namespace remesh {
 /// Holds: After each operation this is the unique constrained Delaunay triangulation of its points. Cocircular points
 ///        are decided as in `in_circle_perturbed`. No triangle is degenerate or turned over.
 /// This class is larger than the bound because all its operations change the same arrays of corners, twins and sides:
-/// each of them must leave these arrays such that the promises under Holds are true for the others.
+///        each operation must keep the promises under Holds, on which the other operations rely.
 class DelaunayMesh {
  public:
   /// One edge of a cavity's rim, seen from inside. It belongs to a triangle that would be removed.

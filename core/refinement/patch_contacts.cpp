@@ -29,8 +29,8 @@ double way_over(const Vec3& a, const Vec3& b, const Vec3& p, const Vec3& q) {
   return std::hypot(crossing - s, p_off) + std::hypot(crossing - t, q_off);
 }
 
-/// Stores what two patches share, if that is little. A search for gaps asks about the same few pairs of patches at
-/// place after place, and without this store each answer would walk along a whole border.
+/// Stores the vertices and edges that two patches share, if there are only a few. A search for gaps asks about the same
+/// few pairs of patches at place after place, and without this store each answer would walk along a whole border.
 struct PatchContacts::Shared {
   /// An edge, or a vertex with a = b.
   struct Item {

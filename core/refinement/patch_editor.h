@@ -14,7 +14,8 @@
 
 namespace remesh {
 
-/// Says what a new point may do to pieces of the boundary, and how near it may come to other points.
+/// The permissions of a new point: which pieces of the boundary it may encroach on, and how near it may come to other
+/// points.
 enum class Encroachment : std::uint8_t {
   kForbid,  ///< it must not encroach on any piece
   kAllow,   ///< it may encroach on pieces that can be cut

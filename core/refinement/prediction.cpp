@@ -162,7 +162,7 @@ class PatchPrediction {
     return sizes_.is_uniform() ? longest_edge() : std::min(longest_edge(), sizes_.at(chart_.to_space(p)));
   }
 
-  /// Returns null if no side is fixed.
+  /// Returns null if no side is fixed, or if every fixed side is short enough.
   std::unique_ptr<const FixedSideSizes> fixed_side_sizes(RunControl& control) const {
     if (goals_.split_boundaries || (sizes_.is_uniform() && !std::isfinite(longest_edge()))) return nullptr;
     const Triangulation2d& mesh = patch_.mesh;
@@ -305,8 +305,8 @@ class LeastFaces {
     if (s.is_locked()) return 1;
     const double pieces = count_pieces(s.length, longest_);
     if (s.is_floor_asked) return s.floor * kSizesOverFloor <= longest_ ? pieces : 1;
-    // If rounding leaves no room for a cut, this shows only when all cuts are made, provided that so many cuts can be
-    // made.
+    // Refinement finds out by itself where rounding leaves no room for a cut. But it cannot make more than kMaxFaces
+    // cuts to find this out, so then all pieces count.
     return s.floor <= longest_ || pieces > static_cast<double>(kMaxFaces) ? pieces : 1;
   }
 
@@ -314,8 +314,9 @@ class LeastFaces {
   /// the sizes: the wanted edge is shorter than `sizes_over_floor` times the floor.
   bool is_floor_a_matter(double floor, double sizes_over_floor) const { return !(floor * sizes_over_floor <= edge_); }
 
-  /// Returns whether a segment stays because an option or a frozen patch requires it. If only rounding leaves no room
-  /// to cut it, sizes that ask for so many faces are refused as well: a result would miss them everywhere.
+  /// Returns whether a segment stays because an option or a frozen patch requires it. A segment that only rounding
+  /// leaves no room to cut does not count as fixed, so sizes that ask for too many faces are refused there, too: a
+  /// result would miss them everywhere.
   static bool is_fixed(const BoundarySegment& s) { return s.lock == Lock::kFixed || s.lock == Lock::kAsked; }
 
   /// Returns the number of faces that the area away from fixed sides needs. Beside these sides, triangles are as large

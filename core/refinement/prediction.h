@@ -1,11 +1,11 @@
 /// Estimates, before a refinement, how many faces it will make.
 ///
 /// There are two predictions, because there are two purposes:
-/// - predict_roughly steers refinement: it shares out the faces allowed among patches, and tells which attempts are not
-///   worth while. Each attempt makes one, so it has to be fast. Results depend on it, so a change of the prediction
+/// - predict_roughly steers refinement: it divides the allowed faces among patches, and rules out attempts that are not
+///   worth their time. Each attempt calls it, so it has to be fast. Results depend on it, so a change of the prediction
 ///   changes results.
-/// - predict_closely is what users are told. It is more accurate, but takes several times as long. It is made once for
-///   each answer, and no result depends on it.
+/// - predict_closely makes the number that users see. It is more accurate, but takes several times as long. It is made
+///   once for each answer, and no result depends on it.
 #pragma once
 
 #include <cstdint>

@@ -296,7 +296,7 @@ class Rounds {
     budget_.add_made(made - std::min(made, given));
   }
 
-  /// Calls `body` for all items in parallel: the large ones one by one, the others in blocks.
+  /// Calls `body` for all items in parallel: for each large item alone, and for small items in blocks.
   template <class Body>
   static void for_each_in(const LargeFirst& items, const Body& body) {
     for_all(std::size_t{0}, items.large, [&](std::size_t k) { body(items.order[k]); });

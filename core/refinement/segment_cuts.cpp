@@ -50,7 +50,7 @@ void SegmentCuts::begin(const SizeField& sizes, std::uint64_t max_triangles, std
   sort_messages();
 }
 
-/// Leaves this share of the pieces of each segment. The other half of the triangles is for what patches do inside.
+/// Keeps this share of the pieces of each segment. The other half of the triangles is for refinement inside patches.
 void SegmentCuts::thin_out(const SizeField& sizes, std::uint64_t max_cuts, IdVector<SegmentId, std::uint32_t>& counts,
                            double share) {
   for_blocks(segments_.size(), kSegmentsPerBlock, control_, [&](std::size_t from, std::size_t to) {

@@ -128,9 +128,9 @@ class MissSearch {
     unfinished_.push_back(block);
   }
 
-  /// Treats again the blocks that needed more steps than they were allowed. They get the steps that the others have
-  /// left, one batch after the other. If there are many such blocks, the first ones may take far more than their share,
-  /// so that at least some are completed.
+  /// Treats again the blocks that needed more steps than they were allowed. They get the steps that the finished blocks
+  /// have not used, one batch after the other. If there are many such blocks, the first ones may take far more than
+  /// their share, so that at least some are completed.
   void finish() {
     constexpr std::size_t kBatches = 16, kMinBatch = 64;
     constexpr std::uint64_t kUneven = 16;

@@ -21,8 +21,8 @@ class TriangleJudge {
   struct Shape {
     std::uint32_t shortest;  ///< the half-edge of the shortest edge
     TriangleMeasures measures;
-    bool is_sharp;      ///< it has an angle below the bound
-    bool is_too_large;  ///< the triangle has an angle below the bound
+    bool is_sharp;      ///< the triangle has an angle below the bound
+    bool is_too_large;  ///< the triangle exceeds the allowed size, or one of its edges does
   };
 
   /// Both objects must outlive this one.

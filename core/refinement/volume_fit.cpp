@@ -413,8 +413,8 @@ class Fitter {
   RunControl& control_;
   std::vector<FitSurface> surfaces_;
   IdVector<SurfaceId, std::uint8_t> keeps_boundary_;                 ///< empty if all boundaries may move
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> neighbours_;  ///< how far vertices move, per offset, at most
-  IdVector<SurfaceId, double> largest_moves_;                        ///< how far vertices move, per offset, at most
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> neighbours_;  ///< indices of `surfaces_`, the smaller one first
+  IdVector<SurfaceId, double> largest_moves_;                        ///< max distance that vertices move, per offset
   IdVector<SurfaceId, double> allowed_;                              ///< the tolerances of the surfaces
   IdVector<SurfaceId, std::uint32_t> group_of_;
   std::vector<FitSum> sums_;  ///< one per group, under its representative

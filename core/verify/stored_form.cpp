@@ -359,7 +359,7 @@ class StoredCheck {
       const auto& [a, b, c] = claim_.faces[f];
       return is_asked[claim_.face_patch[f].value] != 0 && is_rim[a.value] + is_rim[b.value] + is_rim[c.value] >= 2;
     });
-    // Each patch gets its own plane above the others, and its own vertices.
+    // The faces of each patch are copied onto a plane of its own, with vertices of its own.
     using Key = std::pair<PatchId, VertexId>;
     std::vector<Key> keys;
     keys.reserve(3 * rim.size());

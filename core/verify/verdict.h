@@ -27,7 +27,7 @@ struct Verdict {
   double deviation = 0;              ///< largest distance found between input and output
   DistanceBound distance_bound;      ///< proven for the whole surface
   std::vector<double> patch_bounds;  ///< the proven distance between input and output, both ways, one per patch
-  double volume_bound = 0;  ///< bound on the change of volume, if both are closed: what deviations and rounding explain
+  double volume_bound = 0;  ///< bound on the change of volume if both meshes are closed, from deviations and rounding
   /// The patches on which a test failed, ascending. It is empty if only a property of the whole mesh failed.
   std::vector<PatchId> failed_patches;
   /// Pairs of output faces that intersect, sorted. If there are very many, only some of them are listed.

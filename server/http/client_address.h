@@ -14,10 +14,10 @@ namespace remesh::server {
 /// The proxies whose information about their clients is trusted (--trusted-proxies).
 class TrustedProxies {
  public:
-  /// Trusts nobody.
+  /// Trusts no proxy.
   TrustedProxies() = default;
   /// Input:  addresses and networks, separated by commas, such as `127.0.0.1, 10.0.0.0/8, fd00::/8`.
-  /// Errors: std::invalid_argument - an element is neither.
+  /// Errors: std::invalid_argument - an element is neither an address nor a network.
   explicit TrustedProxies(std::string_view addresses);
 
   /// Input: `address` - a numeric address; any other text is never trusted.

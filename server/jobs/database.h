@@ -143,7 +143,7 @@ class DatabaseDriver {
   /// Output: true if there may be more room now.
   virtual bool cut_log(Database&) const { return false; }
   /// Frees the room that is kept for deletions.
-  /// Output: true if there was any.
+  /// Output: true if there was such room.
   virtual bool release_reserve() const { return false; }
   /// Lets the store's clock follow the system's clock. It is called repeatedly.
   virtual void keep_clock(Database& database) = 0;

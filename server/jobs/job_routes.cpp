@@ -102,8 +102,8 @@ std::optional<Response> answer_without_result(const JobRecord& job) {
   return response;
 }
 
-/// True if the answer may have the format with the largest texts. A request that names no format gets the one that was
-/// asked for when the job was submitted.
+/// True if the answer may have the format with the largest texts. A request that names no format gets the format that
+/// was chosen when the job was submitted.
 bool may_get_vtu(const Request& request) {
   const auto named = std::find_if(request.query.begin(), request.query.end(),
                                   [](const auto& option) { return option.first == "format"; });

@@ -147,7 +147,7 @@ Connected begin_connection(const Login& login, const Host& host, const StoreDead
 Connected open_connection(const Login& login, const StoreDeadline& deadline) {
   const std::vector<Host> hosts = hosts_of(login.url);
   if (hosts.empty()) return begin_connection(login, Host{}, deadline);
-  // Each host gets only a part of the time, so that one that does not answer leaves time for the others.
+  // Each host gets only a part of the time, so that a host that does not answer leaves time for the other hosts.
   for (std::size_t i = 0;; ++i) {
     try {
       const auto left = deadline.left(std::chrono::minutes(1)) / static_cast<int>(hosts.size() - i);
@@ -245,8 +245,8 @@ class PostgresDatabase final : public Database {
                         ", which cannot store all text: create it with the encoding UTF8");
   }
 
-  /// Waits like libpq does, but with a deadline: a server that does not answer counts as one that went away.
-  /// Errors: StoreError - nobody can tell what became of the statement.
+  /// Waits for the answer like libpq does, but with a deadline: a server that does not answer in time counts as gone.
+  /// Errors: StoreError - it is unknown whether the statement took effect.
   Answered wait_for_answer() {
     while (::PQisBusy(connection_.get()) == 1) {
       pollfd entry{::PQsocket(connection_.get()), POLLIN, 0};

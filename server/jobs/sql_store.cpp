@@ -215,8 +215,8 @@ std::optional<std::uint64_t> SqlStore::blob_size(const std::string& id, BlobKind
 std::optional<Submission> SqlStore::find_repeated(Database& database, const NewJob& job) {
   if (!job.idempotency) return std::nullopt;
   const auto& [key, digest] = *job.idempotency;
-  // The first of several equal submissions inserts the row; the others wait for that transaction and then find the
-  // row. An expired row counts as absent.
+  // The first of several equal submissions inserts the row. The other submissions wait for that transaction and then
+  // find the row. An expired row counts as absent.
   const Rows inserted = database.run(
       "INSERT INTO remeshd_idempotency (owner, key, digest, job, expires_ms) "
       "VALUES ($1, $2, $3, $4, remeshd_now() + $5) ON CONFLICT (owner, key) DO UPDATE "

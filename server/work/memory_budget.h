@@ -1,16 +1,15 @@
-/// The memory that all requests together may take. Memory is reserved before it is used, so that a request that does
-/// not fit waits or is refused at its start, and the system does not kill the process in the middle of other people's
-/// work.
+/// The memory that all requests together may take. Memory is reserved before it is used. So a request that does not fit
+/// waits or is refused at its start, and the system does not kill the process while it computes other requests.
 ///
-/// Whoever finds no memory may stand in line. Small reservations may pass larger ones there, so that memory is not
-/// idle. Once the first in line has waited for `kPatience`, it goes before all newcomers, and memory that becomes free
-/// is set aside for it. These rules prevent that everybody waits for nothing:
-/// - Newcomers pass if enough is left for the first in line besides what they take.
-/// - Whoever holds memory already may reserve more, since the first in line can wait for it to end.
-/// - Newcomers pass while the first in line could not begin in any case, because those who held memory before it went
-///   first take too much.
-/// - The first in line goes first for a while only. Then newcomers pass for `kPause`, and its next while is longer.
-/// - If all who hold memory stand in line for more, the last of them is refused.
+/// A request that finds no memory may stand in line. Small reservations may pass larger ones there, so that memory is
+/// not idle. Once the first request in line has waited for `kPatience`, it goes before all newcomers, and memory that
+/// becomes free is set aside for it. These rules prevent that all requests wait in vain:
+/// - Newcomers pass if enough is left for the first in line besides their own memory.
+/// - A request that holds memory already may reserve more, since the first in line can wait for it to end.
+/// - Newcomers pass while the first in line could not begin in any case, because requests that held memory before its
+///   turn take too much.
+/// - The turn of the first in line is limited. Then newcomers pass for `kPause`, and its next turn is longer.
+/// - If all requests that hold memory stand in line for more, the last of them is refused.
 #pragma once
 
 #include <algorithm>

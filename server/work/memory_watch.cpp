@@ -95,8 +95,8 @@ void MemoryWatch::measure_and_look() {
     next_measurement_ = {};
     used = used_of(resident);
   }
-  // If memory cannot be returned, because small blocks in use are between the free ones, it counts as in use. But
-  // threads that were asked for their free memory have some time to return it. Work may grow before it stops, so at
+  // Free memory that cannot be returned, because small blocks in use lie between the free ones, counts as in use. But
+  // threads that were asked to return their free memory have some time for this. Work may grow before it stops, so at
   // most half of the memory that the process may take beyond its budget counts as still to be returned.
   const auto taken = [&] {
     const bool may_come_back = now < asked_ + kTimeToReturn && resident <= budget_.limit() / 20 * 21;

@@ -24,9 +24,9 @@ class MemoryWatch {
   ///        ended now has stopped.
   void look(std::uint64_t used, std::uint64_t soon);
   void look(std::uint64_t used) { look(used, used); }
-  /// Notes a measurement.
-  /// Output: the growth until work that is ended now has stopped, if memory goes on to grow as it did lately, beyond
-  ///         what was ever in use lately. It is 0 unless nearly all of the budget is in use.
+  /// Records a measurement.
+  /// Output: the expected growth, beyond the recent maximum, until work that is cancelled now has stopped, if memory
+  ///         continues to grow as it did recently. It is 0 unless nearly all of the budget is in use.
   std::uint64_t expected_growth(std::uint64_t used, Clock::time_point now);
 
  private:

@@ -21,8 +21,8 @@ struct WorkLimits {
   /// The memory for all requests together. An error reports it to a request that is too large for it.
   std::uint64_t memory_budget = 0;
 
-  /// A small request may wait for memory for as long as its work may take. A large one gives up sooner, because others
-  /// may have gone before it for good reasons.
+  /// A small request may wait for memory for as long as its work may take. A large request gives up sooner, because
+  /// other requests may have gone before it for good reasons.
   MemoryPatience memory_patience() const {
     MemoryPatience patience;
     patience.small = api.request_timeout;
