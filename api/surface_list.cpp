@@ -63,7 +63,8 @@ std::vector<Measure> measures_of(const RecognisedSurface& surface, double error)
     case SurfaceKind::kTorus:
       return {{shape.radius, error * arc_leverage(surface.sweep_deg)}, {shape.minor_radius, error}};
     case SurfaceKind::kCone: {
-      // The facets are at least as long, from the apex outwards, as their area over the largest circle around them.
+      // This is a lower bound of the facets' length from the apex outwards: their area over the length of the largest
+      // circle around them.
       const double length = surface.area / (std::numbers::pi * surface.extent.diagonal());
       const double angle = length > 0 ? 2 * error / length : 0;
       constexpr double kDegrees = 180 / std::numbers::pi;
@@ -125,7 +126,8 @@ double area_of(std::span<const RecognisedSurface* const> surfaces) {
   return area;
 }
 
-/// Divides surfaces of one kind and look into those of equal size, by each of their measures in turn.
+/// Divides surfaces with the same kind and look into groups of equal size. Each group is divided by each measure in
+/// turn.
 std::vector<Surfaces> divide_by_size(Surfaces surfaces) {
   const std::size_t measures = measures_of(*surfaces.front(), 0).size();
   std::vector<Surfaces> parts{std::move(surfaces)};

@@ -28,7 +28,7 @@ class RunControl {
   void check() const {
     const Reason reason = stop_.load(std::memory_order_relaxed);
     if (reason != Reason::kNone) throw_stopped(reason);
-    // The count goes on from one run of the thread to the next. Which check moves the progress makes no difference.
+    // The count continues through all runs of a thread. It makes no difference which check reports progress.
     thread_local std::uint32_t checks = 0;
     if (++checks % kChecksPerMove == 0) moves_.fetch_add(1, std::memory_order_relaxed);
   }

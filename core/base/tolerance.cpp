@@ -398,7 +398,8 @@ std::optional<Significant> significant_digits(const Coordinates& coordinates, co
       Found{},
       [&](Found& f, double x, int axis) {
         const Lattice place = significant.place(x);
-        // A number that is too small for this is ignored. If its place is too large instead, the rule cannot hold.
+        // A number that is too small for a place within reach is ignored. If the number is too large, the rule cannot
+        // hold.
         if (!place.is_within_reach()) return place.decimals > 0;
         if (!place.holds(x)) return false;
         const std::int64_t units = std::abs(place.units(x));

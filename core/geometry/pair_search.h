@@ -113,7 +113,7 @@ class PairSearch {
   double progress_before_;
   double told_ = 0;             ///< the steps that progress has counted since `progress_before_`
   double told_fraction_ = -1;   ///< the progress that was told last
-  std::size_t unexpected_ = 0;  ///< the number of pairs that are not expected; 0 if nothing is
+  std::size_t unexpected_ = 0;  ///< the number of unexpected pairs; 0 without `is_expected`
 };
 
 /// The pairs of some items that were treated one after the other.

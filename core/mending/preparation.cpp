@@ -246,7 +246,7 @@ class Preparation {
     return true;
   }
 
-  /// Adds a finding to the diagnostic with the same message, or to the end.
+  /// Adds a finding to the diagnostic with the same message. If there is none, appends the finding to the list.
   static void add_to(std::vector<Diagnostic>& diagnostics, Diagnostic&& found) {
     const auto same = std::find_if(diagnostics.begin(), diagnostics.end(),
                                    [&](const Diagnostic& d) { return d.message == found.message; });

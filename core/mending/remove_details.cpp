@@ -69,7 +69,8 @@ class DetailRemover {
     double size;
     Kind kind;
     std::uint32_t first, second;  ///< the edge's nodes; or the triangle, or the slit's tip, twice
-    /// The smaller place first: those of the edge, of the triangle's longest edge, or twice that of the tip.
+    /// Two places, the smaller one first: the ends of the edge, or of the triangle's longest edge; or the slit's tip,
+    /// twice.
     std::array<Vec3, 2> places;
 
     /// The smallest detail is the last in this order, since a priority queue serves the last one first.

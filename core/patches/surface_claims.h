@@ -30,7 +30,7 @@ struct SurfaceClaim {
   double deviation = 0;       ///< largest distance of a corner from the surface
   bool is_clear = false;      ///< nearly all corners are so near to the surface that rounding alone explains them
   bool is_explained = true;   ///< the turns between the facets explain the facets' distance from the surface
-  double chord_height = 0;    ///< the facets' distance from the surface: the mean of their largest ones, by area
+  double chord_height = 0;    ///< the mean, weighted by area, of each facet's largest distance from the surface
   std::vector<SurfaceClaim>
       bands;  ///< only a surface of revolution has them: the cones and cylinders that it was made of
 };

@@ -97,7 +97,8 @@ double ring_height(const AnalyticSurface& shape, const Vec3& a, const Vec3& b, d
   return std::fabs(0.5 * (radius(a) + radius(b)) - radius(0.5 * (a + b)));
 }
 
-/// Returns the normal of the surface at a corner. That of a surface of revolution stands for its turn around the axis.
+/// Returns the normal of the surface at a corner. For a surface of revolution, returns the direction away from the
+/// axis, which shows only the turn around the axis.
 Vec3 normal_at(const AnalyticSurface& shape, const Vec3& p) {
   if (shape.kind != SurfaceKind::kRevolution) return shape.normal(p);
   const Vec3 q = p - shape.origin;

@@ -34,7 +34,7 @@ struct ChordUse {
   /// True if the edge is inside its patch. Boundary edges sort first.
   bool is_inside;
   PatchId patch;
-  std::uint32_t half_edge;  ///< number in the patch's mesh; valid until that changes
+  std::uint32_t half_edge;  ///< number in the patch's mesh; valid until that mesh changes
 
   friend bool operator<(const ChordUse& a, const ChordUse& b) {
     return std::tie(a.key, a.is_inside, a.patch) < std::tie(b.key, b.is_inside, b.patch);

@@ -60,7 +60,7 @@ struct Side {
   double length;
   double floor;
   double reach;  ///< the max distance up to which both this side and the other side of one of its corners extend
-  double width;  ///< distance to the other side of its sharpest corner, at the distance 1
+  double width;  ///< distance to the other side of its sharpest corner, per distance from the corner
   bool is_between = false;
   double common = 0;  ///< the distance up to which this side is near the other side of a corner
 };

@@ -39,8 +39,8 @@ struct Corner {
 class CornerShells {
  public:
   CornerShells() = default;
-  /// Input:  The corners of all patches, in any order. The table has their segments, with floors. If goals.max_faces is
-  ///         small, the sides of a corner are cut together for fewer pieces.
+  /// Input:  The corners of all patches, in any order. The table has their segments, with floors. A small
+  ///         goals.max_faces lowers the number of pieces for which the two sides of a corner are cut together.
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
   /// Cost:   A few look-ups of sizes for each piece of each side. The sides around one vertex are the work of one
   ///         thread.

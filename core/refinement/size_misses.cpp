@@ -200,7 +200,8 @@ class MissSearch {
     const auto gap_at = [&](const Vec3& place, double limit, double limit_there) {
       const auto [low, high] = std::minmax(limit, limit_there);
       if (!(high > tolerance_)) return HUGE_VAL;
-      // No gap that counts is below the tolerance, so one below the floor may not be possible at all.
+      // A gap below the tolerance does not count. If the lower limit is below the tolerance, only the higher limit
+      // matters.
       const double lower = low > tolerance_ ? low : high;
       const double enough = (at_floor > tolerance_ ? std::min(at_floor, lower) : lower) / kAimSlack;
       return bounds_.gaps->at(in_model(place), block.patch, high * surface_.unit, &work, enough * surface_.unit) /

@@ -112,8 +112,8 @@ double largest_size(const SegmentTable& table, SegmentId s, const SizeField& siz
   return largest;
 }
 
-/// Returns whether sizes come from walls. Otherwise few facets have one size everywhere that is not the size of the
-/// whole surface.
+/// Returns whether sizes come from gaps behind walls. Without such gaps, hardly any facet has a size that is the same
+/// everywhere on the facet but differs from the size of the whole surface.
 bool is_behind_walls(const Goals& goals, const SizeField& sizes) { return goals.proximity > 0 && !sizes.is_uniform(); }
 
 double parts_of_size(const BoundarySegment& segment, double size) {

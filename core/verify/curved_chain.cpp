@@ -74,7 +74,7 @@ class SurfaceGap {
     const double bend = (dot(way_x, way_x) + dot(way_y, way_y)) / (8 * nearest * nearest);
     const double max_turn = at_ends + bend;
     if (!(max_turn <= 2 * kFastTurn)) return HUGE_VAL;
-    // Between the two points, the axis is nearer by up to this distance than it would be if the distance were linear.
+    // The distance from the axis between the two points is below its linear interpolation by at most this.
     const double closest = nearest * std::cos(max_turn / 2);
     const double dip = far * far * far * far * max_turn * max_turn / (8 * closest * closest * closest);
     const double deviation = shape_.sine() * (nearest * bend + dip);

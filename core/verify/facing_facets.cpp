@@ -317,8 +317,8 @@ bool FacingFacets::is_clear_gap(const Vec3& from, PatchId p, const Vec3& there, 
          !is_any_nearer(q, from, squared, looks);
 }
 
-/// Returns whether a gap that is too narrow to count may exist at most as far away as `there`, a point across a gap,
-/// and on the same side of patch p. Parts that are not searched may contain one.
+/// Returns whether a gap that is too narrow to count may exist on the same side of patch p, no farther away than
+/// `there`, a point across a gap. Parts that are not searched may contain such a gap.
 /// Input: `there` - the point of patch q that is nearest to `from`.
 bool FacingFacets::may_be_narrow(const Vec3& from, PatchId p, const Vec3& there, PatchId q, std::size_t& looks) const {
   // If patches were divided into other triangles, other points might be the nearest ones. These are hidden up to about

@@ -213,8 +213,8 @@ class GoalCheck {
     return false;
   }
 
-  /// Checks that edges with a new end are as long as they must be. The exception are edges inside a patch from one
-  /// line to another, if these meet under less than 60 degrees: they are as short as the angle makes them.
+  /// Checks that edges with a new end are as long as they must be. Exceptions are edges inside a patch between two
+  /// lines that meet at less than 60 degrees: the angle makes these edges short.
   void check_new_edges() {
     const auto blocks =
         map_blocks<Found>(edges_.vertex_count(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {

@@ -132,7 +132,7 @@ bool JobClaimer::holds_up_jobs() {
   PassedOver& first = *passed_over_;
   if (now < first.since + memory_.patience() || now < first.others_until) return false;
   if (!leases_.jobs().empty()) {
-    // The running jobs will end, and no job follows them.
+    // No job may follow the running jobs, so their memory becomes free for the first job in line.
     first.alone_since.reset();
     return true;
   }

@@ -38,7 +38,7 @@ class JobClaimer {
     WaitingJob job;
     Clock::time_point since;
     std::shared_ptr<MemoryShare> share;
-    std::optional<Clock::time_point> alone_since;  ///< since when only requests are in its way, and no job may pass
+    std::optional<Clock::time_point> alone_since;  ///< since when only requests keep memory from it; no job may pass
     Clock::time_point others_until;                ///< until this time, other jobs may pass
   };
   /// The last claim that found no job for the available memory, and the time when it may be repeated with the same
