@@ -28,7 +28,8 @@ struct FoundIntersections {
 /// The search stops at this many pairs, because with more, the surface lies on itself all over. It also stops after
 /// many times the number of steps that is usual for a surface of its size (SearchLimits::steps_for).
 inline constexpr std::size_t kMaxIntersections = 100'000;
-/// A small surface lies on itself all over with fewer pairs. A remeshed result would have many times more pairs.
+/// The limit for a surface with few faces is lower, because it lies on itself all over with fewer pairs, and its
+/// remeshed result would have many times more.
 constexpr std::size_t max_intersections(std::size_t faces) {
   constexpr std::size_t kAlways = 1 << 14, kPerFace = 16;
   return std::min(kMaxIntersections, kAlways + kPerFace * std::min(faces, kMaxIntersections));

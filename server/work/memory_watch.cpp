@@ -75,7 +75,7 @@ void MemoryWatch::measure_and_look() {
   const Clock::time_point now = Clock::now();
   bool has_much_free = is_idle ? resident > resident_after_trim_ + kSlack : resident > used + kSlack;
   if (is_idle && now >= next_small_trim_) {
-    // Less memory may be in use than at the last check.
+    // `resident_after_trim_` may be too high, because less memory may be in use now than after the last trim.
     has_much_free = has_much_free || resident > allocated_memory() + kBesides + kSmallSlack;
     next_small_trim_ = now + kBetweenSmallTrims;
   }
