@@ -12,7 +12,7 @@ int status_of(Code code) {
     case Code::kNotAcceptable: return 406;
     case Code::kMeshTooLarge:
     case Code::kDecompressedTooLarge:
-    // The bound depends on the mesh alone, so another attempt would end alike.
+    // The memory bound depends on the mesh alone, so another attempt would fail as well.
     case Code::kOutOfMemory: return 413;
     case Code::kUnsupportedMediaType: return 415;
     case Code::kInvalidMesh:
@@ -87,7 +87,7 @@ Problem to_problem(const Error& error) {
   // The name that was sent may be empty, which is also the name of an unknown option.
   if (!error.option.empty() || error.code == RequestCode::kUnknownOption) problem.option = error.option;
   if (error.code == Code::kInternal)
-    problem.detail = "something went wrong here; the log says more under this request id";
+    problem.detail = "an internal error has occurred; the server's log has the details under this request id";
   return problem;
 }
 

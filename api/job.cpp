@@ -45,14 +45,15 @@ RequestOptions bounded(RequestOptions options, const Limits& limits) {
   return options;
 }
 
-/// The remark that is added to a reader's message. It says if the format was a guess, and why a text may have only
-/// one line.
+/// The remark that is added to a reader's message: whether the format was a guess, or why a text may have only one
+/// line.
 std::string remark(Format format, bool is_named, std::string_view mesh) {
   std::string text;
   if (!is_named) {
-    text = format == Format::kObj
-               ? "; it was read as obj, because its content looks like no other format"
-               : "; it was read as " + std::string(format_name(format)) + ", because its content looks like it";
+    text = format == Format::kObj ? "; it was read as obj, because its content fits no other format"
+                                  : "; it was read as " + std::string(format_name(format)) +
+                                        ", because its content looks like this "
+                                        "format";
   }
   const bool is_one_line = !mesh.empty() && mesh.find_first_of(std::string_view("\n\r\0", 3)) == std::string_view::npos;
   if (is_one_line && format != Format::kJson)
@@ -150,6 +151,7 @@ Remeshed remesh_for_job(Job job, const Limits& limits, Purpose purpose, RunContr
   RunSettings settings{.workers = limits.workers, .serial_corners = limits.serial_corners};
   settings.want_face_source = purpose == Purpose::kKeeping || format == Format::kJson;
   settings.storage = storage_of(format);
+  settings.trace = job.trace;
   settings.rounding = purpose == Purpose::kKeeping ? OutputRounding::kLater : rounding_for(remeshed.wanted);
   remeshed.result =
       remesh_surface(input.read.mesh, input.options.core, settings, control, std::move(input.read.diagnostics));

@@ -25,6 +25,7 @@ struct Job {
   OptionReader options;
   /// Called once the mesh has been read and its bytes are no longer needed.
   std::function<void()> release_mesh = nullptr;
+  std::function<void(const std::string&)> trace = nullptr;  ///< see RunSettings
 };
 
 /// The answer to a remeshing: the mesh as bytes, and its report.
@@ -55,14 +56,14 @@ struct Remeshed {
 /// The purpose that a result is computed for.
 enum class Purpose {
   kAnswer,   ///< it is written at once, rounded and measured for the chosen format
-  kKeeping,  ///< it is written later in any format, so it has doubles and everything that any format shows
+  kKeeping,  ///< it is written later in any format, so it keeps doubles and all data that any format shows
 };
 
 /// Checks everything that can be refused before the mesh is read.
 /// Errors: those of options and of formats.
 void check_job(const Job& job, const Limits& limits);
 
-/// Does everything but the writing.
+/// Makes the result of a job, but does not write it.
 /// Errors: those of options, of the format, of reading and of the pipeline.
 Remeshed remesh_for_job(Job job, const Limits& limits, Purpose purpose, RunControl& control);
 

@@ -238,7 +238,7 @@ bool Handler::key(std::string& name) {
     return true;
   }
   if (seen_[static_cast<std::size_t>(key_)]) {
-    fail_json("the key " + in_quotes(name) + " stands twice, or both in \"mesh\" and outside of it");
+    fail_json("the key " + in_quotes(name) + " occurs twice, or both inside and outside of \"mesh\"");
   }
   seen_[static_cast<std::size_t>(key_)] = true;
   return true;
@@ -399,7 +399,7 @@ void Handler::close_face() {
   if (corners < 3) {
     fail_at(Code::kInvalidMesh, face_count(),
             "face " + number_text(face_count()) + " has " + number_text(std::uint64_t{corners}) +
-                " corners; it takes at least 3");
+                " corners; a face must have at least 3");
   }
   if (building_ == Building::kNothing) return mesh_.corners.clear();
   mesh_.face_begin.push_back(static_cast<std::uint32_t>(mesh_.corners.size()));
@@ -476,7 +476,7 @@ ReadResult Handler::take_mesh() {
     Diagnostic dropped;
     dropped.code = DiagnosticCode::kAttributeDropped;
     dropped.count = unknown_key_count_;
-    dropped.message = "keys that are not understood were skipped:";
+    dropped.message = "unknown keys were skipped:";
     for (const std::string& name : unknown_keys_) dropped.message += " " + in_quotes(name);
     if (unknown_key_count_ > unknown_keys_.size()) dropped.message += " ...";
     result.diagnostics.push_back(std::move(dropped));
@@ -500,7 +500,8 @@ ReadResult read_plain_first(std::string_view text, const ReadLimits& limits, Run
     return result;
   } catch (const NotPlain&) {
   } catch (const Error&) {
-    // Unless it was cancelled, read everything again: the parser has not seen the arrays and misjudges its position.
+    // Unless the reading was cancelled, read everything again: the parser has not seen the arrays and misjudges its
+    // position.
     control.check();
   }
   return read_document(text, limits, control, options, Arrays::kByEvents, building);

@@ -20,7 +20,7 @@ namespace remesh::api {
 /// Cost:    O(length); twice as much if it ends with an error.
 ReadResult read_json(std::string_view text, const ReadLimits& limits, RunControl& control, OptionReader& options);
 
-/// Reads the same, but gets every number as an event of nlohmann-json's parser. read_json falls back to it if
+/// Reads the same texts, but gets every number as an event of nlohmann-json's parser. read_json falls back to it if
 /// anything is unusual or wrong.
 ReadResult read_json_by_events(std::string_view text, const ReadLimits& limits, RunControl& control,
                                OptionReader& options);
@@ -28,7 +28,7 @@ ReadResult read_json_by_events(std::string_view text, const ReadLimits& limits, 
 /// Checks a text that read_json is to read later, without building its mesh. The text must be JSON, and the options in
 /// it must be valid. The first error in the mesh itself ends the check and is not reported, since read_json will.
 /// Output:  options go to `options`.
-/// Holds:   it takes no memory but for the parser, which copies one string of the text at a time.
+/// Holds:   only the parser takes memory, because it copies one string of the text at a time.
 /// Errors:  kMalformedJson - with the line; those of OptionReader::add.
 /// Cost:    as read_json.
 void check_json_text(std::string_view text, const ReadLimits& limits, RunControl& control, OptionReader& options);

@@ -63,7 +63,7 @@ void read_part_header(std::string_view line, FormPart& part) {
   } else if (name == "content-transfer-encoding") {
     const std::string encoding = ascii_lower(value);
     if (encoding != "binary" && encoding != "8bit" && encoding != "7bit") {
-      fail("the encoding " + in_quotes(value) + " of a part is not known");
+      fail("the encoding " + in_quotes(value) + " of a part is not supported");
     }
   }
 }

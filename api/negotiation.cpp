@@ -17,7 +17,8 @@ struct MediaRange {
   double weight = 1;  ///< the parameter q
 };
 
-/// Returns the parameter q. A malformed q counts as 1, because a slightly wrong header still says what is wanted.
+/// Returns the parameter q, the weight of a format. A malformed q counts as 1, because the client still wants the
+/// format.
 double weight_of(std::string_view parameters) {
   while (!parameters.empty()) {
     const auto [parameter, rest] = cut(parameters, ';');
@@ -81,7 +82,7 @@ std::optional<Format> format_of_content_type(std::string_view content_type) {
 Format choose_input_format(std::optional<Format> named, std::string_view content) {
   if (const auto foreign = named ? std::nullopt : foreign_format(content)) {
     throw Error(Code::kUnsupportedMediaType, Stage::kRead,
-                "this looks like " + std::string(*foreign) + "; the formats that can be read are " +
+                "the content looks like " + std::string(*foreign) + "; the formats that can be read are " +
                     names_of_formats(can_read) + ", also compressed by gzip");
   }
   const Format format = named ? *named : sniff_format(content);
@@ -97,8 +98,8 @@ OutputFormat choose_output_format(std::optional<Format> option, std::string_view
   const double weight_of_others = ranges.empty() ? 1 : anything == nullptr ? 0 : anything->weight;
 
   // Formats are ranked by weight. With equal weights, the input's format comes first, even if only "*/*" permits it and
-  // another one is named: many clients name one kind before "*/*" and mean nothing by it. Of the others, a named format
-  // ranks before one that only "*/*" permits. A weight of 0 is never chosen.
+  // another format is named: many clients name one format before "*/*" without a preference for it. Of the other
+  // formats, a named one ranks before one that only "*/*" permits. A weight of 0 is never chosen.
   using Rank = std::tuple<double, bool, bool>;
   std::optional<Format> best;
   Rank best_rank{0, true, true};
@@ -113,9 +114,10 @@ OutputFormat choose_output_format(std::optional<Format> option, std::string_view
     const MediaRange* const named = find_range(ranges, media_type(*best));
     return {*best, named != nullptr && named->weight > weight_of_others};
   }
-  throw Error(Code::kNotAcceptable, Stage::kRead,
-              "none of the formats that Accept asks for (" + shortened(accept, 200) +
-                  ") can be written; these can be: " + names_of_formats([](Format) { return true; }));
+  throw Error(
+      Code::kNotAcceptable, Stage::kRead,
+      "none of the formats that Accept asks for (" + shortened(accept, 200) +
+          ") can be written; the formats that can be written are: " + names_of_formats([](Format) { return true; }));
 }
 
 OutputRounding rounding_for(const OutputFormat& wanted) {

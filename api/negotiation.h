@@ -28,7 +28,8 @@ Format choose_input_format(std::optional<Format> named, std::string_view content
 /// The format of an answer.
 struct OutputFormat {
   Format format = Format::kObj;
-  /// The format was asked for by its name or its media type, and not only as one of many. No other one will do.
+  /// The format was asked for by its name or its media type, and not only as one of several. No other format is
+  /// acceptable.
   bool is_by_name = false;
 };
 
@@ -37,8 +38,8 @@ struct OutputFormat {
 /// Errors: kNotAcceptable - no format that Accept names can be written.
 OutputFormat choose_output_format(std::optional<Format> option, std::string_view accept, Format input);
 
-/// Returns what becomes of coordinates that the format cannot hold: where it has a form as text and was not asked for
-/// by name, they are written as text.
+/// Returns the treatment of coordinates that the format cannot hold: if the format has a form as text and was not asked
+/// for by name, they are written as text.
 OutputRounding rounding_for(const OutputFormat& wanted);
 
 /// Returns the form of a format as text, which holds all digits; the format itself if it has none.

@@ -70,7 +70,8 @@ const std::array<OptionSpec, 28> kTable{{
     {.name = "max_radius_edge_ratio",
      .type = OptionType::kNumber,
      .field = &Options::max_radius_edge_ratio,
-     .help = "in place of min_angle_deg: the largest ratio of circumradius to shortest edge, 1/(2 sin angle)",
+     .help = "in place of min_angle_deg: the largest ratio of a triangle's circumradius to its shortest edge, "
+             "which is 1/(2 sin min_angle)",
      .unset = "none",
      .excludes = "min_angle_deg",
      .example = "1.2"},
@@ -97,24 +98,24 @@ const std::array<OptionSpec, 28> kTable{{
     {.name = "min_edge_length",
      .type = OptionType::kNumber,
      .field = &Options::min_edge_length,
-     .help =
-         "refinement makes no edge shorter than this, in model units; auto: shorter ones are made as long as the "
-         "result has no more than 20 faces for each triangle of the input, plus 1,000; with proximity no more than 40 "
-         "for each, plus 20,000 (5,000 with elements_per_circle or a surface_tolerance); 0: of any length",
+     .help = "refinement makes no edge shorter than this, in model units; auto: edges of any length, unless the "
+             "result would then have more than 20 faces for each triangle of the input plus 1,000 (with proximity: "
+             "40 for each plus 20,000, or plus 5,000 with elements_per_circle or a surface_tolerance), in which case "
+             "a length is chosen that prevents this; 0: edges of any length",
      .unset = "auto",
      .example = "0.001"},
     {.name = "defeature_size",
      .type = OptionType::kNumber,
      .field = &Options::defeature_size,
-     .help = "details smaller than this are removed, in model units: shorter edges, narrower faces and slits, lower "
-             "steps and flaps; auto: only what the rounding of the coordinates explains (plane_tolerance); 0: nothing",
+     .help = "details smaller than this are removed, in model units: shorter edges, narrower faces and slits, "
+             "lower steps and flaps; auto: only details smaller than plane_tolerance; 0: no details",
      .unset = "auto",
      .example = "0.01"},
     {.name = "proximity",
      .type = OptionType::kNumber,
      .field = &Options::proximity,
-     .help = "number of edges that fit across the gap to the nearest facet that is not a neighbour; the report lists "
-             "triangles that miss this; 0: off",
+     .help = "edges are at most as long as the gap to the nearest facet that is not a neighbour, divided by this "
+             "number; the report lists triangles with longer edges; 0: gaps do not matter",
      .example = "1"},
     {.name = "gradation",
      .type = OptionType::kNumber,
@@ -133,7 +134,7 @@ const std::array<OptionSpec, 28> kTable{{
     {.name = "split_boundaries",
      .type = OptionType::kBoolean,
      .field = &Options::split_boundaries,
-     .help = "false: put no new vertex on any patch boundary",
+     .help = "true: patch boundaries may get new vertices; false: they get none",
      .example = "false"},
     {.name = "keep_boundary_vertices",
      .type = OptionType::kBoolean,
@@ -143,8 +144,8 @@ const std::array<OptionSpec, 28> kTable{{
     {.name = "plane_tolerance",
      .type = OptionType::kNumber,
      .field = &Options::plane_tolerance,
-     .help = "how far a patch's vertices may lie from its plane, in model units; auto: what the rounding of the "
-             "coordinates explains, from 1e-9 to 1e-4 of the bounding box's diagonal",
+     .help = "largest distance of a patch's vertices from its plane, in model units; auto: the distance that "
+             "follows from the rounding of the coordinates, from 1e-9 to 1e-4 of the bounding box's diagonal",
      .unset = "auto",
      .example = "1e-5"},
     {.name = "feature_angle_deg",
@@ -156,10 +157,9 @@ const std::array<OptionSpec, 28> kTable{{
     {.name = "surface_tolerance",
      .type = OptionType::kNumber,
      .field = &Options::surface_tolerance,
-     .help = "how far the curved parts of input and result may be apart, both ways, in model units; auto: where "
-             "elements_per_circle acts, as far as the input's own facets are from each curved surface, and otherwise "
-             "facets "
-             "stay as they are; 0: facets stay as they are",
+     .help = "largest distance between the curved parts of input and result, in both directions, in model units; "
+             "auto: for surfaces that elements_per_circle remeshes, the distance of the input's own facets from "
+             "the surface, and for all others facets stay as they are; 0: facets stay as they are",
      .unset = "auto",
      .excludes = "surface_tolerance_fraction",
      .example = "0.01"},
@@ -173,19 +173,20 @@ const std::array<OptionSpec, 28> kTable{{
     {.name = "elements_per_circle",
      .type = OptionType::kNumber,
      .field = ElementsField{},
-     .help = "number of edges per full turn on curved surfaces and arcs; the distance of such an edge from its arc is "
-             "allowed on top of surface_tolerance; 16 is usual before volume meshing; none: facets stay unless a "
-             "surface_tolerance is given; auto: as none, but where no tolerance is given either and boundaries may be "
-             "divided, surfaces with more than 32 facets per turn are remeshed with 24",
+     .help = "number of edges per full turn on curved surfaces and arcs; the distance of such an edge from its "
+             "arc is allowed on top of surface_tolerance; 16 is usual before volume meshing; none: facets stay "
+             "unless a surface_tolerance is given; auto: like none, but if no surface_tolerance is given and "
+             "boundaries may be divided, surfaces with more than 32 facets per turn are remeshed with 24 edges "
+             "per turn",
      .unset = "auto",
      .example = "16"},
     {.name = "circle_fit",
      .type = OptionType::kChoice,
      .field = &Options::circle_fit,
-     .help =
-         "where vertices of circles and curved surfaces lie; inscribed: on them, so that shafts lose volume and "
-         "holes get smaller; volume: about half the chord height outside, so that the volume of the recognised "
-         "solid is kept, or the area of an open surface; it acts where elements_per_circle or a surface_tolerance does",
+     .help = "where vertices of circles and curved surfaces lie; inscribed: on the surface, so that shafts lose "
+             "volume and holes get smaller; volume: outside of the surface by about half the chord height, so that "
+             "the volume of the recognised solid is kept, or the area of an open surface; it has an effect only on "
+             "surfaces that are remeshed because of elements_per_circle or a surface_tolerance",
      .example = "volume"},
     {.name = "normal_tolerance",
      .type = OptionType::kNumber,
@@ -201,23 +202,23 @@ const std::array<OptionSpec, 28> kTable{{
     {.name = "repair",
      .type = OptionType::kWords,
      .field = &Options::repair,
-     .help =
-         "what is repaired in the input, each counted in the report; seams: open edges are joined with partners beside "
-         "them, as near as the rounding of the coordinates explains; a plain list replaces the default, +word or "
-         "-word changes it",
+     .help = "the defects of the input that are repaired; the report counts each repair; seams: open edges are "
+             "joined with open edges beside them, if their distance can be explained by the rounding of the "
+             "coordinates; a list of words replaces the default, +word or -word changes it",
      .example = "duplicates,degenerate"},
     {.name = "max_hole_edges",
      .type = OptionType::kInteger,
      .field = &Options::max_hole_edges,
-     .help = "with holes in repair: flat holes whose rims have at most so many edges are closed; none: those smaller "
-             "than defeature_size, or without it those of at most 12 edges or under 5 % of the bounding box's diagonal",
+     .help = "with holes in repair: flat holes whose rims have at most this many edges are closed; none: holes "
+             "smaller than defeature_size are closed, or if that is not given, holes with at most 12 edges or "
+             "smaller than 5 % of the bounding box's diagonal",
      .unset = "none",
      .example = "64"},
     {.name = "barriers",
      .type = OptionType::kWords,
      .field = &Options::barriers,
-     .help = "the labels that separate patches even in one plane; a plain list replaces the default, +word or -word "
-             "changes it",
+     .help = "the labels that separate patches even in one plane; a list of words replaces the default, +word or "
+             "-word changes it",
      .example = "none"},
     {.name = "local_origin",
      .type = OptionType::kBoolean,
@@ -233,18 +234,16 @@ const std::array<OptionSpec, 28> kTable{{
     {.name = "preset",
      .type = OptionType::kChoice,
      .field = PresetField{},
-     .help = "a name for values of several options; volume: what suits volume meshing best (proximity=0.25, "
-             "elements_per_circle=16); exact: facets and boundaries stay as they are "
-             "(feature_angle_deg=0, split_boundaries=false, defeature_size=0); options that are given themselves go "
-             "before it",
+     .help = "sets several options at once; volume: values that suit volume meshing (proximity=0.25, "
+             "elements_per_circle=16); exact: facets and boundaries stay as they are (feature_angle_deg=0, "
+             "split_boundaries=false, defeature_size=0); an option that is given itself overrides the preset",
      .unset = "none",
      .example = "exact"},
     {.name = "format",
      .type = OptionType::kChoice,
      .field = FormatField{},
-     .help =
-         "the format of the result; auto: what the Accept header asks for, otherwise the format of the input, as text "
-         "(stl_ascii) if binary STL cannot hold the result",
+     .help = "the format of the result; auto: the format that the Accept header asks for, otherwise the format of "
+             "the input, but text (stl_ascii) if binary STL cannot hold the result",
      .unset = "auto",
      .example = "json"},
 }};
@@ -356,7 +355,7 @@ T parse_words(const OptionSpec& spec, const std::array<Word<T>, N>& words, std::
     const auto word = std::find_if(words.begin(), words.end(), [&](const auto& w) { return w.first == part; });
     if (word == words.end() || given.*(word->second)) fail_value(spec, text);
     if ((sign != WordSign::kNone) != are_changes)
-      fail(spec, "mixes words with a sign, which change the default, and words without, which replace it: " +
+      fail(spec, "mixes words with a sign, which change the default, and words without a sign, which replace it: " +
                      in_quotes(text) + "; a blank before a word counts as a plus");
     given.*(word->second) = true;
     set.*(word->second) = sign != WordSign::kMinus;

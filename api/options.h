@@ -18,12 +18,12 @@ namespace remesh::api {
 
 /// A name for values of several options.
 enum class Preset {
-  kVolume,  ///< what suits volume meshing: small edges at narrow gaps, and 16 edges per circle
+  kVolume,  ///< settings for volume meshing: small edges at narrow gaps, and 16 edges per circle
   kExact,   ///< facets and boundaries stay as they are: feature_angle_deg=0, split_boundaries=false, defeature_size=0
 };
 
-/// Everything that a caller may ask for: the options of the pipeline, which have the values of the preset already,
-/// and the format of the answer.
+/// All settings that a caller may choose: the options of the pipeline, with the preset already applied, and the format
+/// of the answer.
 struct RequestOptions {
   Options core;
   std::optional<Preset> preset;
@@ -41,7 +41,7 @@ enum class OptionType {
 
 /// Marks the option that does not belong to the pipeline: the format of the answer.
 struct FormatField {};
-/// Marks the option that stands for values of others.
+/// Marks the option that stands for values of other options.
 struct PresetField {};
 /// Marks the option that sets both `reference_axis` and `reference_direction`.
 struct AxisField {};
@@ -79,9 +79,9 @@ using OptionValue = std::variant<std::monostate, bool, double, std::uint64_t, st
 OptionValue option_value(const OptionSpec& spec, const RequestOptions& options);
 /// The value as text, in the form that a query string accepts.
 std::string option_text(const OptionSpec& spec, const RequestOptions& options);
-/// Replaces values that were left open by those that the pipeline will use: min_angle_deg if neither it nor
-/// max_radius_edge_ratio is set, gradation if proximity is set, and `none` for elements_per_circle where `auto`
-/// does not act. The returned options ask for the same result.
+/// Replaces unset values by those that the pipeline will use: min_angle_deg if neither it nor max_radius_edge_ratio is
+/// set, gradation if proximity is set, and `none` for elements_per_circle where `auto` does not act. The returned
+/// options ask for the same result.
 RequestOptions with_defaults(RequestOptions options);
 
 /// The JSON type of an option's value before it became text. Query strings and flags are untyped.
@@ -91,7 +91,7 @@ enum class ValueKind { kUntyped, kBoolean, kNumber, kString, kList, kObject, kNu
 class OptionReader {
  public:
   /// Reads one option. The items of a list are separated by commas.
-  /// Holds:  the order does not matter: an option that is given goes before the value that a preset has for it.
+  /// Holds:  the order does not matter: a given option overrides the value that a preset has for it.
   /// Errors: kUnknownOption - the message names the nearest known one; kInvalidOption - given twice, of the wrong
   ///         type, not a number, out of range, or together with an option that excludes it. Each error has `option`
   ///         set.

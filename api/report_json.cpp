@@ -23,8 +23,8 @@ class Pace {
   std::uint32_t count_ = 0;
 };
 
-/// Does the same, and reserves memory for the rest of a list whose elements have about the same length. To copy half a
-/// gigabyte of text each time it has doubled would take a while in which nobody could stop.
+/// Does the same, and reserves memory for the rest of a list whose elements have about the same length. Growing by
+/// doubling would copy half a gigabyte of text, and such a copy cannot be cancelled.
 class PaceOfList : Pace {
  public:
   PaceOfList(RunControl& control, JsonWriter& json, std::size_t elements)
@@ -156,7 +156,7 @@ void write_options(JsonWriter& json, const RequestOptions& options) {
   json.end_object();
 }
 
-/// Writes what describes a surface of its kind: where it is, and how large.
+/// Writes the numbers that describe a surface of its kind: its position and its size.
 void write_shape(JsonWriter& json, const RecognisedSurface& surface) {
   const AnalyticSurface& shape = surface.shape;
   const SurfaceKind kind = shape.kind;
@@ -190,7 +190,7 @@ void write_shape(JsonWriter& json, const RecognisedSurface& surface) {
   }
 }
 
-/// Writes the reason why a free region has no surface, and which kind of surface comes nearest to it.
+/// Writes the reason why a free region belongs to no surface, and the kind of surface that comes nearest to it.
 void write_freedom(JsonWriter& json, const RecognisedSurface& region) {
   json.member("reason", reason_name(region.reason));
   const bool has_nearest = region.nearest_kind != SurfaceKind::kFree;
@@ -250,7 +250,7 @@ void write_surfaces(JsonWriter& json, const RecognisedSurfaces& surfaces, Report
 
 void write_patches(JsonWriter& json, const std::vector<PatchSummary>& patches, const RecognisedSurfaces& surfaces,
                    ReportKind kind, RunControl& control) {
-  // The surfaces follow. Most of them take less than twice as much text as a patch.
+  // Surfaces follow after the patches. Most surfaces take less than twice as much text as a patch.
   PaceOfList pace(control, json, patches.size() + 2 * surfaces.surfaces.size());
   json.begin_array();
   for (std::size_t id = 0; id < patches.size(); ++id) {

@@ -135,7 +135,7 @@ class Unpacker {
     if (!rest_.empty()) fail();
   }
   [[noreturn]] static void fail() {
-    throw Error(Code::kInternal, Stage::kWrite, "a kept result is damaged or of another version");
+    throw Error(Code::kInternal, Stage::kWrite, "the stored result is damaged or was written by another version");
   }
 
  private:

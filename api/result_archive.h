@@ -1,5 +1,5 @@
-/// The form in which the result of a job is stored. Any format can be written from it later, with the same bytes that
-/// the request itself would have got.
+/// The form in which the result of a job is stored. Any format can be written from it later, with the same bytes that a
+/// direct answer to the request would have had.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@
 
 namespace remesh::api {
 
-/// Everything that the writers of mesh formats need, except the report.
+/// All data that the writers of mesh formats need, except the report.
 struct KeptResult {
   Format format = Format::kObj;  ///< the format that the job asked for
   bool local_origin = false;     ///< the option of the job

@@ -37,7 +37,9 @@ bool is_compressed(const Request& request) {
     if (coding.empty() || coding == "identity") continue;
     if (is_gzip || (coding != "gzip" && coding != "x-gzip")) {
       throw Error(Code::kUnsupportedMediaType, Stage::kRead,
-                  "the content coding " + in_quotes(request.content_encoding) + " is not supported; gzip is");
+                  "the content coding " + in_quotes(request.content_encoding) +
+                      " is not supported; the "
+                      "supported coding is gzip");
     }
     is_gzip = true;
   }
@@ -61,8 +63,8 @@ std::string_view decoded_body(const Request& request, const Limits& limits, RunC
 }
 
 /// Reads the options of a form.
-/// Errors: as read_json_options. The message says where the options stand, since a line or byte alone would be taken
-///         for one of the mesh.
+/// Errors: as read_json_options. The message says that the fault is in the options, because a line or byte alone would
+///         be taken for a place in the mesh.
 void read_options_part(std::string_view content, RunControl& control, OptionReader& options) {
   try {
     read_json_options(content, control, options);
@@ -96,11 +98,13 @@ void read_form(std::string_view body, const Request& request, RunControl& contro
     bool& seen = part.name == "mesh" ? has_mesh : has_options;
     if (part.name != "mesh" && part.name != "options") {
       throw Error(as_code(RequestCode::kMalformedMultipart), Stage::kRead,
-                  "the form has a part " + in_quotes(part.name) + "; it takes \"mesh\" and \"options\"");
+                  "the form has a part " + in_quotes(part.name) +
+                      "; the only parts allowed are \"mesh\" and "
+                      "\"options\"");
     }
     if (std::exchange(seen, true)) {
       throw Error(as_code(RequestCode::kMalformedMultipart), Stage::kRead,
-                  "the form has two parts " + in_quotes(part.name));
+                  "the form has more than one part " + in_quotes(part.name));
     }
     if (part.name == "options") {
       read_options_part(part.content, control, parsed.job.options);
@@ -122,6 +126,7 @@ void parse_request(const Request& request, const Limits& limits, RunControl& con
   }
   const std::string_view body = decoded_body(request, limits, control, parsed.decoded);
   parsed.job.accept = request.accept;
+  parsed.job.trace = limits.trace;
   parsed.job.release_mesh = [&] {
     std::string().swap(parsed.decoded);
     if (request.release_body) request.release_body();
@@ -259,7 +264,7 @@ StoredRemesh run_remesh_to_keep(const Request& request, const Limits& limits, Ru
   kept.result = std::move(remeshed.result);
   answer.mesh = pack_result(kept);
   // The report describes the result in the job's own format. If this format cannot hold the result, the report stays
-  // about doubles, and the job gives the result in all others.
+  // about doubles, and the job gives the result in all other formats.
   const Rounded rounded =
       round_output(storage_of(format), kept.local_origin, OutputRounding::kIfHeld, kept.result, control);
   if (rounded == Rounded::kMoved) {
@@ -283,7 +288,7 @@ StoredRemesh run_remesh_to_keep(const Request& request, const Limits& limits, Ru
 bool check_remesh(const Request& request, const Limits& limits) {
   RunControl control;
   ParsedRequest parsed;
-  // A compressed body is not looked at here, but later when it is read.
+  // A compressed body is not checked here, but later when it is read.
   Request head = request;
   if (is_compressed(request)) head.body = head.content_encoding = head.content_type = "";
   parse_request(head, limits, control, parsed);
@@ -317,7 +322,7 @@ Response write_kept(std::string mesh, const std::function<std::string()>& report
   }
   options.check();
   KeptResult kept = unpack_result(mesh);
-  std::string().swap(mesh);  // what follows takes several times as much
+  std::string().swap(mesh);  // the following steps take several times as much memory
   const Format format = choose_output_format(options.options().format, wanted.accept, kept.format).format;
   Response response;
   response.content_type = content_type(format);
@@ -332,7 +337,7 @@ Response write_kept(std::string mesh, const std::function<std::string()>& report
     response.body = json.take();
   } else {
     const bool local_origin = is_origin_named ? options.options().core.local_origin : kept.local_origin;
-    // A job that did not ask for its format by name has one that can hold the result.
+    // If a job did not ask for its format by name, the chosen format can hold the result.
     if (round_output(storage_of(format), local_origin, OutputRounding::kRequired, kept.result, control) ==
         Rounded::kMoved)
       update_summary(kept.result, kept.summary, control);

@@ -20,12 +20,12 @@ namespace remesh::api {
 
 using Fields = std::vector<std::pair<std::string, std::string>>;
 
-/// The limits of what may wait for a worker. Large requests are limited by their number. Small ones, with bodies up to
-/// 1 MiB, are limited by the work that they mean, so that hundreds of them may wait for a moment.
+/// The limits of the queue for a worker. Large requests are limited by their number. Small requests, with bodies up to
+/// 1 MiB, are limited by the expected time of their work, so that hundreds of them may wait for a moment.
 struct QueueLimits {
   std::size_t max_large = 0;                                            ///< requests; 0 until it is set
-  std::uint64_t max_small_bytes = std::uint64_t{32} << 20;              ///< of the bodies of all small ones together
-  std::chrono::milliseconds max_small_wait = std::chrono::seconds(60);  ///< the time that small ones are likely to wait
+  std::uint64_t max_small_bytes = std::uint64_t{32} << 20;              ///< bytes of the bodies of all small requests
+  std::chrono::milliseconds max_small_wait = std::chrono::seconds(60);  ///< the expected waiting time of small requests
 };
 
 /// The limits of a request, with their defaults. The daemon's settings change them, and /v1/capabilities reports them.
@@ -40,7 +40,8 @@ struct Limits {
   QueueLimits queue = {};
   /// The limit for a request that names no `max_output_faces`, if it is below `max_output_faces`.
   std::uint64_t usual_output_faces = std::numeric_limits<std::uint64_t>::max();
-  std::size_t serial_corners = 0;  ///< see RunSettings
+  std::size_t serial_corners = 0;                           ///< see RunSettings
+  std::function<void(const std::string&)> trace = nullptr;  ///< see RunSettings
 };
 
 /// One request, independent of HTTP. `query` has the pairs in their order, percent-decoded.
@@ -84,8 +85,8 @@ struct StoredRemesh {
 /// Remeshes like run_remesh, but returns the result in the form to be stored.
 /// Errors: as run_remesh.
 StoredRemesh run_remesh_to_keep(const Request& request, const Limits& limits, RunControl& control);
-/// Checks everything of a request to remesh that can be refused before its mesh is read: the options, the form and
-/// the media types.
+/// Checks all parts of a request to remesh that can be refused before its mesh is read: the options, the form and the
+/// media types.
 /// Output: true if the mesh is JSON that is not compressed, so that `check_json` can check more.
 /// Errors: as run_remesh.
 bool check_remesh(const Request& request, const Limits& limits);

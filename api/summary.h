@@ -21,7 +21,7 @@ struct Summary {
   std::vector<std::string> warnings;  ///< one line each
   std::vector<std::pair<UnrefinedReason, std::uint64_t>> unrefined;
   std::optional<DistanceBound> distance_bound;
-  std::optional<Vec3> origin;  ///< the origin that the written coordinates are relative to
+  std::optional<Vec3> origin;  ///< the point that the written coordinates are relative to
 
   friend bool operator==(const Summary&, const Summary&) = default;
 };

@@ -18,7 +18,7 @@ namespace {
 
 using Surfaces = std::vector<const RecognisedSurface*>;
 
-/// More sizes than this are not listed one by one.
+/// If there are more sizes than this, some are counted together.
 constexpr std::size_t kMaxSizes = 8;
 constexpr int kMaxDigits = 6;
 /// A surface that covers a larger part of a turn goes all around its axis.
@@ -39,21 +39,21 @@ double rounded(double value, int digits) {
   return value;
 }
 
-/// Formats a number with as few digits as its error allows.
+/// Formats a number with only as many digits as its error allows.
 std::string measure_text(const Measure& measure) {
   int digits = 1;
   while (digits < kMaxDigits && std::fabs(rounded(measure.value, digits) - measure.value) > measure.error) ++digits;
   return number_text(rounded(measure.value, digits));
 }
 
-/// Returns the factor by which a radius may be more wrong than the points on its arc are.
+/// Returns the max ratio of a radius's error to the error of the points on its arc.
 double arc_leverage(double sweep_deg) {
   if (sweep_deg >= 180) return 1;
   constexpr double kMinHeight = 1e-6;
   return 1 / std::max(1 - std::cos(sweep_deg / 2 * std::numbers::pi / 180), kMinHeight);
 }
 
-/// Returns the numbers that tell the size of a surface. All surfaces of a kind have equally many.
+/// Returns the numbers that describe the size of a surface. All surfaces of a kind have the same number of them.
 /// Input: `error` is the distance of the true surface from this one over its facets.
 std::vector<Measure> measures_of(const RecognisedSurface& surface, double error) {
   const AnalyticSurface& shape = surface.shape;
@@ -63,7 +63,8 @@ std::vector<Measure> measures_of(const RecognisedSurface& surface, double error)
     case SurfaceKind::kTorus:
       return {{shape.radius, error * arc_leverage(surface.sweep_deg)}, {shape.minor_radius, error}};
     case SurfaceKind::kCone: {
-      // The facets are at least as long, from the apex outwards, as their area over the largest circle around them.
+      // This is a lower bound of the facets' length from the apex outwards: their area over the length of the largest
+      // circle around them.
       const double length = surface.area / (std::numbers::pi * surface.extent.diagonal());
       const double angle = length > 0 ? 2 * error / length : 0;
       constexpr double kDegrees = 180 / std::numbers::pi;
@@ -125,7 +126,8 @@ double area_of(std::span<const RecognisedSurface* const> surfaces) {
   return area;
 }
 
-/// Divides surfaces of one kind and look into those of equal size, by each of their measures in turn.
+/// Divides surfaces with the same kind and look into groups of equal size. Each group is divided by each measure in
+/// turn.
 std::vector<Surfaces> divide_by_size(Surfaces surfaces) {
   const std::size_t measures = measures_of(*surfaces.front(), 0).size();
   std::vector<Surfaces> parts{std::move(surfaces)};
@@ -173,7 +175,7 @@ std::string sizes_text(const Surfaces& surfaces) {
     return size_text(largest_of(size.second)) + look;
   };
   if (sizes.size() == 1) return " " + describe(sizes.front());
-  // One more is listed rather than to say that there is one other size.
+  // One more size is listed rather than a note that there is one other size.
   const std::size_t listed = sizes.size() > kMaxSizes + 1 ? kMaxSizes : sizes.size();
   std::string text;
   for (std::size_t i = 0; i < listed; ++i)
@@ -190,10 +192,11 @@ std::string with_article(SurfaceKind kind) { return "a" + count_text(1, kind).su
 
 /// Says why one free region has no surface.
 std::string reason_text(const RecognisedSurface& region) {
-  if (region.reason == FreeReason::kFewFacets) return ": too few to tell what they are";
+  if (region.reason == FreeReason::kFewFacets) return ": too few facets to recognise a surface";
   if (region.nearest_kind == SurfaceKind::kFree) return "";
   const std::string nearest = ": " + with_article(region.nearest_kind);
-  if (region.reason == FreeReason::kUnevenFacets) return nearest + " fits, but they are too unevenly cut to be one";
+  if (region.reason == FreeReason::kUnevenFacets)
+    return nearest + " fits, but the facets are too uneven to be meant as one";
   return nearest + " comes nearest, " + number_text(rounded(region.nearest_deviation, 2)) + " away";
 }
 

@@ -80,7 +80,7 @@ T parse_choice(const std::vector<Choice<T>>& choices, const std::string& text) {
     if (text == choice.name) return choice.value;
     names += std::string(names.empty() ? "" : ", ") + choice.name;
   }
-  throw std::invalid_argument("\"" + text + "\" is none of " + names);
+  throw std::invalid_argument("\"" + text + "\" is not one of: " + names);
 }
 
 template <typename T>
@@ -102,7 +102,7 @@ Setting byte_limit(std::string flag, std::string help, std::uint64_t& (*member)(
       [member](Config c) { return member(c) == 0 ? "none" : format_bytes(member(c)); }};
 }
 Setting count(std::string flag, std::string help, std::uint64_t& (*member)(Config&)) {
-  // The limit exists because the core numbers elements with 32 bits.
+  // Setting this limit higher would have no effect, because the core numbers elements with 32 bits.
   return {std::move(flag), std::move(help),
           [member](Config& c, const std::string& text) { member(c) = between(1, 2'000'000'000, parse_count(text)); },
           [member](Config c) { return format_count(member(c)); }};
@@ -129,28 +129,32 @@ const std::vector<Setting>& settings() {
        },
        [](const Config& c) { return c.ops_bind ? c.ops_bind->text() : "none"; }},
       {"--allow-anonymous",
-       "listen on addresses beyond loopback without an API key, so that anyone may use this server",
+       "permit listening on addresses beyond loopback without an API key; then everyone who can reach the "
+       "address may use this server",
        [](Config& c, const auto& text) { c.allow_anonymous = parse_bool(text); },
        [](const Config& c) { return c.allow_anonymous ? "true" : "false"; }, true},
       {"--api-key-file",
-       "file with one key per line, of which a client must show one (none: no key is asked for); read again on SIGHUP",
+       "file with one API key per line; a client must send one of them (none: no key is required); read again on "
+       "SIGHUP",
        [](Config& c, const auto& text) { c.api_key_file = text == "none" ? "" : text; },
        [](const Config& c) { return c.api_key_file.empty() ? "none" : c.api_key_file; }},
       {"--cors-origin",
-       "origins whose pages may use this server from a browser, separated by commas; *: all (none: no page)",
+       "origins of web pages that may use this server from a browser, separated by commas; *: all origins (none: "
+       "no page of another site)",
        [](Config& c, const auto& text) { c.cors = text == "none" ? Cors() : Cors(text); },
        [](const Config& c) { return c.cors.text(); }},
       {"--allowed-hosts",
-       "DNS names, separated by commas, that this server answers to if it asks for no API key, besides addresses and "
-       "localhost; *: all (none: no further name)",
+       "if no API key is required: DNS names, separated by commas, under which this server may be addressed, "
+       "besides IP addresses and localhost; *: all names (none: no further name)",
        [](Config& c, const auto& text) { c.allowed_hosts = text == "none" ? AllowedHosts() : AllowedHosts(text); },
        [](const Config& c) { return c.allowed_hosts.text(); }},
-      {"--public-url", "URL under which clients reach this server through a proxy (none: that of the request)",
+      {"--public-url", "URL under which clients reach this server through a proxy (none: the URL of each request)",
        [](Config& c, const auto& text) { c.public_url = text == "none" ? PublicUrl() : PublicUrl(text); },
        [](const Config& c) { return c.public_url.text(); }},
       {"--trusted-proxies",
-       "addresses and networks, separated by commas, whose X-Forwarded-For, Forwarded and X-Forwarded-Prefix are "
-       "believed, and whose connections are not limited by address (none: nobody)",
+       "addresses and networks of proxies, separated by commas, whose header fields X-Forwarded-For, Forwarded "
+       "and X-Forwarded-Prefix are trusted, and whose connections are not limited by address (none: no proxy is "
+       "trusted)",
        [](Config& c, const auto& text) {
          c.trusted_proxies = text == "none" ? TrustedProxies() : TrustedProxies(text);
        },
@@ -159,14 +163,13 @@ const std::vector<Setting>& settings() {
        [](Config& c, const auto& text) { c.limits.workers = static_cast<int>(between(1, 1024, parse_count(text))); },
        [](const Config& c) { return std::to_string(c.limits.workers); }},
       {"--max-running",
-       "requests that compute at the same time; while all of them take long, up to as many small requests may run "
-       "besides (default: the number of workers)",
+       "largest number of requests that compute at the same time; while all of them take long, up to the same "
+       "number of small requests may compute as well (default: the number of workers)",
        [](Config& c, const auto& text) { c.max_running = static_cast<int>(between(1, 1024, parse_count(text))); },
        [](const Config& c) { return std::to_string(c.max_running); }},
       {"--queue-size",
-       "requests with bodies over 1 MiB that may wait for a worker; smaller ones are limited by the work that they "
-       "mean "
-       "(default: 4 per worker, at least 16)",
+       "largest number of requests with bodies over 1 MiB that wait for a worker; smaller requests are limited "
+       "by their total size and expected waiting time (default: 4 per worker, at least 16)",
        [](Config& c, const auto& text) { c.limits.queue.max_large = between(1, 1'000'000, parse_count(text)); },
        [](const Config& c) { return std::to_string(c.limits.queue.max_large); }},
       duration(
@@ -177,7 +180,7 @@ const std::vector<Setting>& settings() {
       bytes(
           "--max-decompressed", "largest size of a gzip body, or of a gzip mesh in a body, after decompression",
           [](Config & c) -> auto& { return c.limits.decompression.max_bytes; }),
-      {"--max-ratio", "largest ratio of decompressed to compressed size, beyond the first MiB",
+      {"--max-ratio", "largest ratio of decompressed to compressed size; the first MiB does not count",
        [](Config& c, const auto& text) { c.limits.decompression.max_ratio = between(1, 1'000'000, parse_count(text)); },
        [](const Config& c) { return std::to_string(c.limits.decompression.max_ratio); }},
       count(
@@ -190,27 +193,30 @@ const std::vector<Setting>& settings() {
           "--max-output-faces", "largest number of faces of a result",
           [](Config & c) -> auto& { return c.limits.max_output_faces; }),
       bytes(
-          "--memory-budget", "memory that all requests together may use (default: 70 % of what this process may use)",
+          "--memory-budget",
+          "memory that all requests together may use (default: 70 % of the memory that this "
+          "process may use)",
           [](Config & c) -> auto& { return c.memory_budget; }),
-      {"--store", "where jobs are kept: sqlite, a URL postgres://..., or none",
+      {"--store", "store of jobs: sqlite, a URL postgres://..., or none (there are no jobs)",
        [](Config& c, const auto& text) { c.jobs.store = checked_store(text); },
        [](const Config& c) { return jobs::without_password(c.jobs.store); }},
       {"--store-password-file",
-       "file with the password for PostgreSQL, read again for each connection (none: the URL has it)",
+       "file with the password for PostgreSQL, read again for each connection (none: the password is in the URL)",
        [](Config& c, const auto& text) { c.jobs.store_password_file = text == "none" ? "" : text; },
        [](const Config& c) { return c.jobs.store_password_file.empty() ? "none" : c.jobs.store_password_file; }},
       {"--state-dir",
-       "folder of the SQLite file; auto: the first of these that can be written: $STATE_DIRECTORY, "
-       "$XDG_STATE_HOME/remeshd, "
-       "~/.local/state/remeshd, /var/lib/remeshd",
+       "folder of the SQLite file; auto: the first of these folders that can be written to: $STATE_DIRECTORY, "
+       "$XDG_STATE_HOME/remeshd, ~/.local/state/remeshd, /var/lib/remeshd",
        [](Config& c, const auto& text) { c.jobs.state_dir = text; }, [](const Config& c) { return c.jobs.state_dir; }},
-      {"--blob-dir", "folder, shared by all daemons, for the inputs and results of jobs (none: they go into the store)",
+      {"--blob-dir",
+       "folder, shared by all daemons, for the inputs and results of jobs (none: they are stored "
+       "in the database)",
        [](Config& c, const auto& text) { c.jobs.blob_dir = text == "none" ? "" : text; },
        [](const Config& c) { return c.jobs.blob_dir.empty() ? "none" : c.jobs.blob_dir; }},
       {"--role", "what this daemon does: serve (answer requests, but run no jobs), work (only run jobs), or both",
        [](Config& c, const auto& text) { c.jobs.role = parse_choice(kRoles, text); },
        [](const Config& c) { return role_name(c.jobs.role); }},
-      {"--max-queued-jobs", "jobs that may wait, in the whole store",
+      {"--max-queued-jobs", "largest number of waiting jobs in the whole store",
        [](Config& c, const auto& text) {
          c.jobs.max_queued = static_cast<std::int64_t>(between(1, 1'000'000'000, parse_count(text)));
        },
@@ -221,18 +227,26 @@ const std::vector<Setting>& settings() {
           "--job-queue-timeout", "longest time that a job may wait for a worker",
           [](Config & c) -> auto& { return c.jobs.rules.queue_timeout; }),
       duration(
-          "--job-lease", "a job is given to another worker if its own has shown no sign of life for this long",
+          "--job-lease",
+          "a job is given to another worker if its present worker has shown no sign of life for "
+          "this long",
           [](Config & c) -> auto& { return c.jobs.rules.lease; }),
       duration(
-          "--store-timeout", "how long a request waits for the store of jobs, in all its calls together; 503",
+          "--store-timeout",
+          "longest time that a request waits for the store of jobs, in all its calls "
+          "together; after it the answer is 503",
           [](Config & c) -> auto& { return c.jobs.rules.timeout; }),
       byte_limit(
-          "--max-stored", "bytes of the inputs and results of all jobs (none: no limit); 507",
+          "--max-stored",
+          "largest size of the inputs and results of all jobs together (none: no limit); beyond "
+          "it new jobs are answered with 507",
           [](Config & c) -> auto& { return c.jobs.rules.max_stored; }),
       byte_limit(
-          "--max-stored-per-key", "the same for the jobs of one API key",
+          "--max-stored-per-key",
+          "largest size of the inputs and results of all jobs of one API key (none: no "
+          "limit); beyond it new jobs are answered with 507",
           [](Config & c) -> auto& { return c.jobs.rules.max_stored_per_owner; }),
-      {"--job-attempts", "give up on a job after this many workers have crashed on it",
+      {"--job-attempts", "number of workers that may crash on a job before the job fails",
        [](Config& c, const auto& text) {
          c.jobs.rules.max_attempts = static_cast<int>(between(1, 1000, parse_count(text)));
        },
@@ -256,10 +270,11 @@ const std::vector<Setting>& settings() {
          return c.connections.idle_timeout.count() == 0 ? "none" : format_duration(c.connections.idle_timeout);
        }},
       {"--spool-dir",
-       "folder for large answers that are read slowly; auto: the folder of jobs, else the temporary folder",
+       "folder for large answers to clients that read slowly; auto: the folder of jobs, or if there is none the "
+       "temporary folder",
        [](Config& c, const auto& text) { c.spool_dir = text; }, [](const Config& c) { return c.spool_dir; }},
       bytes(
-          "--max-spooled", "total size of the answers in --spool-dir",
+          "--max-spooled", "largest total size of the answers in --spool-dir",
           [](Config & c) -> auto& { return c.max_spooled; }),
       {"--max-head", "largest size of a request's head",
        [](Config& c, const auto& text) {
@@ -273,18 +288,18 @@ const std::vector<Setting>& settings() {
           "--head-timeout", "time in which a request's head must arrive; also the grace period of its body",
           [](Config & c) -> auto& { return c.connections.gate.head_timeout; }),
       bytes(
-          "--min-body-rate", "bytes per second that a client must send or take after the grace period",
+          "--min-body-rate", "bytes per second that a client must send or receive after the grace period",
           [](Config & c) -> auto& { return c.connections.gate.min_body_rate; }),
       duration(
           "--write-timeout", "grace period of an answer; after it, --min-body-rate applies",
           [](Config & c) -> auto& { return c.connections.gate.write_timeout; }),
       duration(
-          "--drain-time", "time that running requests get after SIGTERM",
+          "--drain-time", "time that running requests have to finish after SIGTERM",
           [](Config & c) -> auto& { return c.drain_time; }),
-      {"--log-format", "auto (text on a terminal, else json), text or json",
+      {"--log-format", "format of the log: auto (text on a terminal, json otherwise), text or json",
        [](Config& c, const auto& text) { c.log_format = parse_choice(kFormats, text); },
        [](const Config& c) { return choice_name(kFormats, c.log_format); }},
-      {"--log-level", "debug, info, warning, error or off",
+      {"--log-level", "lowest level of log messages that are written: debug, info, warning, error or off",
        [](Config& c, const auto& text) { c.log_level = parse_choice(kLevels, text); },
        [](const Config& c) { return choice_name(kLevels, c.log_level); }},
   };
@@ -297,8 +312,8 @@ std::uint64_t default_memory_budget() {
   return std::max<std::uint64_t>(1, api::usable_memory() / 10 * 7 / kMebibyte) * kMebibyte;
 }
 
-/// Sets the limits of the queue. The small requests that wait may take half of the memory, and so much time that most
-/// of --request-timeout is left, since no request waits for a worker longer than that.
+/// Sets the limits of the queue. Waiting small requests may take half of the memory, and an expected time that leaves
+/// most of --request-timeout, because no request waits for a worker longer than that.
 void complete_queue(Config& config) {
   api::QueueLimits& queue = config.limits.queue;
   if (queue.max_large == 0) queue.max_large = static_cast<std::size_t>(std::max(16, 4 * config.limits.workers));
@@ -385,7 +400,7 @@ std::vector<std::string> unknown_variables() {
   std::vector<std::string> unknown;
   for (char** entry = environ; *entry != nullptr; ++entry) {
     const std::string name(api::cut(*entry, '=').first);
-    // Kubernetes sets variables of these names for everything that runs beside a service called remeshd.
+    // Kubernetes sets variables of these names in all containers beside a service called remeshd.
     const bool is_of_service = name.starts_with("REMESHD_SERVICE_") || name.starts_with("REMESHD_PORT");
     if (!name.starts_with("REMESHD_") || is_of_service || name == "REMESHD_API_KEY") continue;
     const bool is_known = std::any_of(settings().begin(), settings().end(),

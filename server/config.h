@@ -31,9 +31,9 @@ struct Config {
   PublicUrl public_url;
   TrustedProxies trusted_proxies;
 
-  /// Meshes up to this many corners are computed on one thread. Below it, a second thread makes a request no faster and
-  /// takes time from others. Measured on boxes: 2,000 faces take 1.14 ms on one thread and 1.26 ms on two, 3,900 take
-  /// 2.13 and 2.08, 8,100 take 3.7 and 3.3.
+  /// Meshes up to this many corners are computed on one thread. Below this size, a second thread makes a request no
+  /// faster and takes time from other requests. Measured on boxes: 2,000 faces take 1.14 ms on one thread and 1.26 ms
+  /// on two, 3,900 take 2.13 and 2.08, 8,100 take 3.7 and 3.3.
   static constexpr std::size_t kSerialCorners = 3 * 4096;
 
   api::Limits limits{.serial_corners = kSerialCorners};
@@ -60,14 +60,14 @@ struct Invocation {
   Config config;
 };
 
-/// Reads the command line and the environment. The text of `--help` and `--version` goes to `out`, complaints go to
-/// `err`.
+/// Reads the command line and the environment. The text of `--help` and `--version` goes to `out`, and error messages
+/// go to `err`.
 Invocation read_command_line(int argc, const char* const* argv, std::ostream& out, std::ostream& err);
 
 /// The name of a role on the command line.
 std::string role_name(jobs::Role role);
 
-/// Environment variables that begin like settings but are none. They are most likely misspelt.
+/// Environment variables whose names begin like settings but that are no settings. They are most likely misspelt.
 std::vector<std::string> unknown_variables();
 
 /// All settings as lines of `flag=value`.

@@ -32,20 +32,20 @@ namespace remesh::server {
 namespace {
 
 constexpr int kBacklog = 1024;
-/// Number of threads beyond the permitted connections, which tell further clients that there is no room.
+/// The number of threads beyond the permitted connections. They tell further clients that there is no room.
 constexpr std::size_t kRefusers = 32;
 /// How long a client may continue to send after an answer that came before the end of its body. Two minutes are enough
 /// for 240 MB at 2 MB/s.
 constexpr Connection::Linger kLinger{{std::chrono::seconds(2), 64 << 10}, std::chrono::minutes(2), 1ull << 30};
-/// The same for a client that was refused a connection.
+/// The same limits for a client that was refused a connection.
 constexpr Connection::Linger kRefusalLinger{{}, std::chrono::milliseconds(200), 1 << 20};
 constexpr Connection::Linger kNoLinger{};
 /// The library matches paths with std::regex, which recurses for every character. No route is nearly this long.
 constexpr std::size_t kMaxPath = 1024;
 
-/// Gives our own head to httplib and sends its answer to the client. httplib writes the head and the body separately.
-/// This stream buffers them, so that a small body goes in one packet with its head and wakes the client once.
-/// Streamed answers are sent at once.
+/// Gives httplib a head that this daemon wrote, and sends httplib's answer to the client. httplib writes the head and
+/// the body separately. This stream buffers them, so that a small body goes in one packet with its head and wakes the
+/// client once. Streamed answers are sent at once.
 class ExchangeStream : public httplib::Stream {
  public:
   ExchangeStream(const Exchange& exchange, std::string head) : exchange_(exchange), head_(std::move(head)) {}
@@ -87,7 +87,7 @@ class ExchangeStream : public httplib::Stream {
   std::string held_;
 };
 
-/// httplib passes no context of ours to its handlers. Each thread serves one exchange at a time.
+/// httplib passes no context of the caller to its handlers. Each thread serves one exchange at a time.
 thread_local Exchange* current_exchange = nullptr;
 
 class CurrentExchange {
@@ -98,7 +98,7 @@ class CurrentExchange {
   CurrentExchange& operator=(const CurrentExchange&) = delete;
 };
 
-/// Escapes a path so that it can stand in a request line, whatever bytes it contains.
+/// Escapes a path so that it is valid in a request line, whatever bytes it contains.
 std::string percent_encode(std::string_view path) {
   constexpr std::string_view kDigits = "0123456789ABCDEF";
   std::string encoded;
@@ -115,7 +115,7 @@ std::string percent_encode(std::string_view path) {
   return encoded;
 }
 
-/// Makes the head that httplib sees. It contains only what is needed to find a route.
+/// Makes the head that httplib sees. It contains only the fields needed to find a route.
 std::string canonical_head(const Exchange& exchange) {
   const Request& request = exchange.request;
   const std::string method = exchange.refusal && request.method != "HEAD" ? "GET" : request.method;
@@ -142,8 +142,9 @@ std::string regex_of(std::string_view path) {
 
 HttpError not_found(const std::string& near = {}) {
   return HttpError(404, "not_found",
-                   near.empty() ? std::string("there is nothing at this path")
-                                : "there is nothing at this path; without the slash at its end there is " + near);
+                   near.empty()
+                       ? std::string("there is nothing at this path")
+                       : "there is nothing at this path; without the slash at the end, the path would be " + near);
 }
 
 std::string http_date() {
@@ -156,7 +157,7 @@ std::string http_date() {
   return text.data();
 }
 
-/// Makes a field's value safe against breaking out of its line: control characters become blanks.
+/// Makes a field's value unable to break out of its line: control characters become blanks.
 std::string one_line(std::string value) {
   for (char& c : value) {
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
@@ -182,7 +183,7 @@ class HttpServer::Listener : public httplib::Server {
     register_routes(routes);
     register_ways_out();
     new_task_queue = [this] {
-      // A connection whose wait was ended needs its thread until it has noticed that.
+      // A connection whose wait was ended keeps its thread until it has noticed that.
       return new ConnectionThreads(2 * settings_.connections.max_connections + kRefusers,
                                    [this] { places_.end_all(); });
     };
@@ -244,8 +245,8 @@ class HttpServer::Listener : public httplib::Server {
  private:
   void accept_connections() {
     listener_thread_ = std::this_thread::get_id();
-    // The library ends its loop and closes the socket after any error of accept() that it does not know. A second
-    // descriptor of the socket lets the loop begin again.
+    // The library ends its loop and closes the socket after any unknown error of accept(). A second descriptor of the
+    // socket lets the loop begin again.
     while (!listen_once() && !stopping_) {
       log::write(log::Level::kWarning, "accept failed, listening again", {});
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -255,7 +256,7 @@ class HttpServer::Listener : public httplib::Server {
     }
   }
 
-  /// Output: false if the library gave up, which has closed the socket.
+  /// Output: false if the library gave up and closed the socket.
   bool listen_once() {
     try {
       return listen_after_bind();
@@ -301,8 +302,8 @@ class HttpServer::Listener : public httplib::Server {
         .with_limit(settings_.connections.max_connections_per_address);
   }
 
-  /// Takes what a trusted proxy says of its client. Its connections have no limit of their own, so each client behind
-  /// it is counted while it is served.
+  /// Reads the client's address from the fields of a trusted proxy. The proxy's own connections have no limit, so each
+  /// client behind it is counted while it is served.
   /// Errors: HttpError 429.
   void heed_proxy(Exchange& exchange) {
     Request& request = exchange.request;
@@ -383,8 +384,8 @@ class HttpServer::Listener : public httplib::Server {
     return false;
   }
 
-  /// True if a connection may go on reading what nobody needs. That occupies a thread, and many refused clients must
-  /// not take the threads of others, nor delay the end of the process.
+  /// True if a connection may continue to read and drop what its client sends. This occupies a thread, and many refused
+  /// clients must not take the threads of other clients, nor delay the end of the process.
   bool may_linger() const {
     return !draining_ && places_.served() <= settings_.connections.max_connections / 2 + kRefusers / 2;
   }
@@ -415,7 +416,10 @@ class HttpServer::Listener : public httplib::Server {
 
   static void check_routable(const RequestHead& head) {
     static const std::set<std::string> methods{"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"};
-    if (methods.count(head.method) == 0) throw HttpError(501, "not_implemented", "the method is not known here");
+    if (methods.count(head.method) == 0)
+      throw HttpError(501, "not_implemented",
+                      "this server does not support "
+                      "the request method");
     if (head.path.size() > kMaxPath) throw not_found();
   }
 
@@ -440,7 +444,7 @@ class HttpServer::Listener : public httplib::Server {
            settings_.connections.idle_timeout.count() > 0 && !places_.is_over() && wants_to_be_kept(exchange.request);
   }
 
-  /// Admits a request that a route has accepted, and reads its body if there is one.
+  /// Asks a route for admission of a request, and reads the request's body if there is one.
   void take_in(Exchange& exchange, const Route& route) {
     exchange.route = route.path;
     identify(exchange.request, route);
@@ -449,7 +453,7 @@ class HttpServer::Listener : public httplib::Server {
     take_body(exchange, admission.max_body);
   }
 
-  /// Finds out whose request this is.
+  /// Determines the owner of this request.
   /// Errors: HttpError 401.
   void identify(Request& request, const Route& route) const {
     if (settings_.keys == nullptr) return;
@@ -463,7 +467,7 @@ class HttpServer::Listener : public httplib::Server {
       if (shown != request.query.end()) owner = settings_.keys->owner_by_token(shown->second, request.path, now);
     }
     if (!owner) {
-      throw HttpError(401, "unauthorized", "an API key is needed: send it as Authorization: Bearer KEY")
+      throw HttpError(401, "unauthorized", "an API key is required: send it as Authorization: Bearer KEY")
           .with_header("WWW-Authenticate", "Bearer");
     }
     request.owner = *owner;
@@ -512,7 +516,7 @@ class HttpServer::Listener : public httplib::Server {
     }
     if (!content_type.empty()) out.set_header("Content-Type", content_type);
     if (settings_.spool != nullptr && answer.body.size() > kLargeAnswer) {
-      // The library writes the head alone.
+      // For HEAD, the library writes the head alone.
       out.set_header("Content-Length", std::to_string(answer.body.size()));
       exchange.large_body = std::move(answer.body);
     } else {
@@ -590,8 +594,8 @@ class HttpServer::Listener : public httplib::Server {
     }
   }
 
-  /// The path that is meant by one with a slash too many at its end.
-  /// Output: empty if there is no route at it.
+  /// The path without a superfluous slash at its end.
+  /// Output: empty if there is no route at that path.
   std::string nearby(const Request& request) const {
     if (!request.path.ends_with('/')) return {};
     const std::string path = request.path.substr(0, request.path.size() - 1);
@@ -609,12 +613,12 @@ class HttpServer::Listener : public httplib::Server {
       try {
         std::rethrow_exception(failure);
       } catch (const ConnectionLost&) {
-        throw;  // there is nobody to answer
+        throw;  // there is no client left to answer
       } catch (...) {
         give_failure(*current_exchange, failure, out);
       }
     });
-    // This is called for every status from 400 on, also for those that a route has set.
+    // The library calls this for every status from 400 on, also for those that a route has set.
     set_error_handler(httplib::Server::HandlerWithResponse([this](const httplib::Request&, httplib::Response& out) {
       if (current_exchange->status != 0) return Handled::Unhandled;
       give_failure(*current_exchange, std::make_exception_ptr(not_found(nearby(current_exchange->request))), out);

@@ -1,12 +1,13 @@
 /// The HTTP server. It accepts connections, one thread for each, reads requests through the gate one after another,
-/// and answers them. A connection stays open until the client asks for its end, or until it is not certain where the
-/// next request begins.
+/// and answers them. A connection stays open until the client asks to close it, or until it is uncertain where the next
+/// request begins.
 ///
 /// cpp-httplib binds and accepts, routes, and writes the answers. It never sees a byte that a client sends: its
 /// version 0.11.4 has no overall deadlines and no bound on chunked bodies or lines, and it can be misled about where
-/// a request ends. So the gate reads the head, and httplib gets a head that we wrote, with the method and the
-/// normalised path. The real request waits beside it, and its body is read once a route has accepted it. A request
-/// that the gate refuses goes the same way and fails before routing, so that all answers leave on the same path.
+/// a request ends. So the gate reads the head, and httplib gets a head that this daemon wrote, with the method and the
+/// normalised path. The real request is kept beside it, and its body is read once a route has accepted it. A request
+/// that the gate refuses also passes through httplib and fails before routing, so that all answers are written by the
+/// same code.
 #pragma once
 
 #include <cstddef>
@@ -43,7 +44,8 @@ struct HttpSettings {
 
 class HttpServer {
  public:
-  /// Every path also answers OPTIONS, and answers 405 to methods without a route. Both list the allowed methods.
+  /// Every path also answers OPTIONS, and answers 405 to methods without a route. Both answers list the allowed
+  /// methods.
   HttpServer(const std::vector<Route>& routes, const HttpSettings& settings);
   /// Calls `stop`.
   ~HttpServer();
@@ -59,7 +61,7 @@ class HttpServer {
   /// Closes the listener and all connections, and waits for their threads.
   void stop();
 
-  /// The number of requests whose head was admitted and whose answer is not sent yet.
+  /// The number of requests whose head was admitted and whose answer has not been sent yet.
   std::size_t active_requests() const;
   /// The number of open connections, including idle ones.
   std::size_t open_connections() const;

@@ -64,7 +64,7 @@ int wait_for_signal(const sigset_t& signals, std::optional<std::chrono::millisec
   return number > 0 ? number : 0;
 }
 
-/// Adds the settings in force that matter when something goes wrong.
+/// Adds the settings in force that help to understand a failure.
 void add_settings(const Config& config, const Service& service, std::vector<log::Field>& fields) {
   fields.push_back({"workers", std::int64_t{config.limits.workers}});
   fields.push_back({"max_running", std::int64_t{config.max_running}});
@@ -80,7 +80,7 @@ void add_settings(const Config& config, const Service& service, std::vector<log:
 
 int serve(const Config& config) {
   // The signals are blocked before any thread exists, including the log's, so that all threads inherit the mask and
-  // only this one waits for them. This also lets the process be stopped as process 1 of a container, where unhandled
+  // only this thread waits for them. This also makes it possible to stop process 1 of a container, where unhandled
   // signals are ignored.
   sigset_t signals = stop_signals();
   sigaddset(&signals, SIGHUP);
@@ -114,14 +114,15 @@ int serve(const Config& config) {
   return EXIT_SUCCESS;
 }
 
-/// Asks the server that listens as configured. A server that listens on all addresses is asked on loopback.
+/// Asks the server at the configured address. If a server listens on all addresses, it is asked on loopback.
 int ask_health(const Config& config) {
   Address address = config.ops_bind.value_or(config.bind);
   if (address.host == "0.0.0.0") address.host = "127.0.0.1";
   if (address.host == "::") address.host = "::1";
   const int status = probe(address, "/livez");
   if (status == 200) return EXIT_SUCCESS;
-  std::cerr << "remeshd: " << address.text() << (status == 0 ? " does not answer" : " is not well") << "\n";
+  std::cerr << "remeshd: " << address.text() << (status == 0 ? " does not answer" : " answers, but is not healthy")
+            << "\n";
   return kFailed;
 }
 

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kOpsConnections = 32;
 constexpr std::chrono::milliseconds kProgressPeriod{250};
-/// How long `stop` waits for the answers to requests that it has cancelled.
+/// How long `stop` waits for the answers of cancelled requests.
 constexpr std::chrono::milliseconds kLastAnswers{1000};
 
 Response plain(int status, std::string text) {
@@ -81,7 +81,8 @@ Service::Service(const Config& config, Operations operations)
       work_limits_{config.limits, config.memory_budget},
       work_{pool_, registry_, work_limits_},
       keys_(config.api_key_file, config.api_key),
-      // Each request that waits for memory takes a connection, and others need some to look or to cancel.
+      // Each request that waits for memory takes a connection, and some connections must stay free for requests that
+      // watch or cancel.
       memory_(config.memory_budget, MemoryBudget::kPatience,
               std::max<std::size_t>(1, config.connections.max_connections / 4)),
       memory_watch_(memory_, registry_),
@@ -91,7 +92,8 @@ Service::Service(const Config& config, Operations operations)
       spool_(spool_folder(), config.max_spooled, config.memory_budget / 4),
       http_(routes(), http_settings()) {
   if (!config.ops_bind) return;
-  // This port has neither keys nor metrics. Whoever can reach it may look, and looking is no work that counts.
+  // This port has neither keys nor metrics of requests. Every client that can reach the port may read, and reading is
+  // no work that counts.
   HttpSettings settings;
   settings.connections = config.connections;
   settings.connections.max_connections = settings.connections.max_connections_per_address = kOpsConnections;
@@ -158,7 +160,7 @@ void Service::begin_drain() {
 
 void Service::stop() {
   begin_drain();
-  memory_.close();  // whoever waits for memory is answered while jobs are given back
+  memory_.close();  // requests that wait for memory are answered while jobs are given back
   if (jobs_) jobs_->stop();
   registry_.cancel_all();
   const Clock::time_point deadline = Clock::now() + kLastAnswers;
@@ -185,7 +187,7 @@ Response Service::show_contract(const Call& call) const {
   const std::string url = is_public ? config_.public_url.text() : call.request.prefix;
   const std::size_t at = response.body.find(kServer);
   if (url.empty() || at == std::string::npos) return response;
-  // The URL and the prefix are checked when they are taken in, so that they need no escapes here.
+  // The URL and the prefix are validated when they are configured, so that they need no escapes here.
   response.body.replace(at, kServer.size(), "\"url\": \"" + url + "\"");
   return response;
 }

@@ -55,8 +55,8 @@ class Service {
   void begin_drain();
   /// True if no request and no job is being worked on.
   bool is_idle() const { return http_.active_requests() == 0 && (!jobs_ || jobs_->is_idle()); }
-  /// Cancels the requests that still run, which are answered with the code `draining`. Then it closes all connections
-  /// and waits for their end.
+  /// Cancels the requests that still run, which are answered with the code `draining`. Then closes all connections and
+  /// waits for their end.
   void stop();
 
  private:
@@ -66,10 +66,10 @@ class Service {
   HttpSettings http_settings();
   /// The folder for large answers to slow readers.
   std::string spool_folder() const;
-  /// The rules for the listener at this address. There are none if API keys are asked for.
+  /// The rules for the listener at this address. There are none if API keys are required.
   std::optional<SiteRules> site_rules(const Address& address) const;
-  /// True if a request to remesh becomes a job. Without a job store the client's preference is ignored and it is
-  /// answered at once.
+  /// True if a request to remesh becomes a job. Without a job store the client's preference is ignored, and the request
+  /// is answered at once.
   bool makes_job(const RequestHead& head) const;
   Admission admit_work(const RequestHead& head);
   /// The contract, with the URL of the server as the client sees it.

@@ -17,7 +17,7 @@ struct WebFile {
 };
 
 /// The files of the page, generated from `server/web/` by the build. With -DREMESHD_WEB=OFF there is a single file,
-/// which says that the page is missing. The first file is `/`.
+/// whose text says that the page is missing. The first file is `/`.
 std::vector<WebFile> web_files();
 
 /// Makes a route for each file. The routes are public: clients need no key.

@@ -90,7 +90,7 @@ void check_outputs(const std::vector<File>& files, const BatchJob& job) {
     throw Error(Code::kInvalidOption, Stage::kRead, "--output " + why).for_option("output");
   };
   if (is_same_folder(job.folder, job.output_folder)) {
-    refuse(job.output_folder + " is the folder that --batch reads, so its meshes would be overwritten");
+    refuse(job.output_folder + " is the folder that --batch reads; the results would overwrite its meshes");
   }
   std::error_code missing;
   std::set<fs::path> inputs;
@@ -146,7 +146,7 @@ class BatchRun {
  public:
   BatchRun(const BatchJob& job, RunControl& control)
       : job_(job), control_(control), files_(find_files(job.folder, job.output_folder)) {
-    // Threads are given to files first. The rest are used within the files.
+    // Threads are first used for files side by side. The remaining threads are used within the files.
     const auto files = static_cast<int>(std::min<std::size_t>(files_.size(), 1u << 20));
     threads_ = std::max(1, std::min(job.limits.workers, files));
     limits_ = job.limits;

@@ -50,11 +50,11 @@ Failure failure_of(const std::exception_ptr& thrown, const std::string& input) {
   } catch (const FileError& error) {
     return {kFailed, "file_error", error.what(), error.what()};
   } catch (const std::bad_alloc&) {
-    return failed("out_of_memory", "the mesh needs more memory than there is");
+    return failed("out_of_memory", "the mesh needs more memory than this process may use");
   } catch (const std::exception& error) {
     return failed("internal", error.what());
   } catch (...) {
-    return failed("internal", "something that is no std::exception was thrown");
+    return failed("internal", "an exception of an unknown type was thrown");
   }
 }
 

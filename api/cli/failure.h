@@ -23,8 +23,8 @@ std::string place_of(const Error& error, const std::string& input);
 /// Describes an error in one line: `part.obj:12: index_out_of_range: a face ...`
 std::string describe(const Error& error, const std::string& input);
 
-/// A failure of any kind. `code` is the API's code, or `file_error`, `out_of_memory` or `internal`; `message` says
-/// what happened.
+/// A failure of any kind. `code` is the API's code, or `file_error`, `out_of_memory` or `internal`; `message` describes
+/// the failure.
 struct Failure {
   int exit_code = kFailed;
   std::string code;

@@ -44,8 +44,8 @@ class Descriptor {
   int fd_;
 };
 
-/// Reads into `bytes` what an open file has from position `from` on, with all threads. Copying a large file takes one
-/// thread as long as two threads need to make a mesh of it.
+/// Reads an open file from position `from` on into `bytes`, with all threads. One thread would copy a large file as
+/// slowly as two threads make a mesh of it.
 /// Output: the number of bytes up to the first gap. It is less than wanted if the file has become shorter.
 std::size_t read_blocks(int fd, off_t from, std::span<char> bytes, const std::string& path, const RunControl& control) {
   constexpr std::size_t kBlock = std::size_t{1} << 21;
@@ -172,7 +172,8 @@ void check_writable(const std::string& path) {
     if (::access(path.c_str(), W_OK) != 0) fail(path);
     return;
   }
-  // A new file will replace it, so the folder must be writable. The path "FILE/." does not exist if FILE is a file.
+  // A new file will replace the old one, so the folder must be writable. The path "FILE/." does not exist if FILE is a
+  // file.
   const std::filesystem::path folder = replaced_by_writing(path, exists).parent_path() / ".";
   if (::access(folder.c_str(), W_OK | X_OK) != 0) fail(path);
 }

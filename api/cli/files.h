@@ -38,15 +38,15 @@ class FileContent {
 };
 
 /// Reads a whole file.
-/// Errors: FileError; kCancelled - a signal came and `control` says to stop.
+/// Errors: FileError; kCancelled - a signal came and `control` was asked to stop.
 FileContent read_file(const std::string& path, const RunControl& control);
 
 /// Writes the whole file or nothing: the content goes into a new file in the same folder, which then replaces the old
-/// one. Anything that is not an ordinary file, such as /dev/null or a pipe, is written directly.
+/// one. A target that is not an ordinary file, such as /dev/null or a pipe, is written directly.
 /// Errors: FileError; no temporary file is left behind.
 void write_file(const std::string& path, std::string_view content);
 
-/// Checks that write_file could write there, before much work is done.
+/// Checks that write_file can write to a path, before much work is done.
 /// Errors: FileError - the folder is missing or not writable, or the path is a folder itself.
 void check_writable(const std::string& path);
 

@@ -39,6 +39,7 @@ struct Arguments {
   std::string batch;  // a folder; it replaces the input
   std::string server;
   bool is_analysis = false;
+  bool is_traced = false;
   int workers = 1;
   api::Fields options;  // options by their names in the API
 };
@@ -109,15 +110,17 @@ void parse(CLI::App& app, int argc, char** argv, Arguments& arguments) {
   app.set_version_flag("--version", std::string("remesh ") + version());
   app.add_option("input", arguments.input, "the mesh to read; - for standard input");
   app.add_option("-o,--output", arguments.output,
-                 "the mesh to write; - for standard output; compressed if it ends in .gz");
+                 "the mesh to write; - for standard output; compressed if the name ends in .gz");
   app.add_option("--report", arguments.report, "also write the report, as JSON");
   app.add_flag("--analyze", arguments.is_analysis,
-               "remesh nothing, but list what the mesh consists of: its cylinders, cones and other surfaces with their "
-               "sizes, its defects, and how many faces a remeshing with these options would make");
+               "do not remesh, but describe the mesh: its cylinders, cones and other surfaces with their sizes, "
+               "its defects, and how many faces a remeshing with these options would make");
   app.add_option(
       "--batch", arguments.batch,
       "remesh every mesh in this folder instead of one input; --report is then a table (CSV) with one line per "
       "file, and -o is a folder and may be left out");
+  app.add_flag("--trace", arguments.is_traced,
+               "print a line for each attempt at a result to standard error: what has failed, and what was decided");
   app.add_option("--server", arguments.server,
                  "let the remeshd at this address do the work, as a job: http://host:8080; the API key is taken from "
                  "REMESH_API_KEY");
@@ -143,12 +146,13 @@ void parse(CLI::App& app, int argc, char** argv, Arguments& arguments) {
     if (flags[spec.name]->count() > 0) arguments.options.emplace_back(spec.name, values[spec.name]);
   }
   if (arguments.batch.empty() && flags["format"]->count() == 0 && has_unknown_ending(arguments.output)) {
-    throw UsageError("the ending of " + arguments.output + " does not tell the format; give it with --format");
+    throw UsageError("the ending of " + arguments.output + " does not name a format; give one with --format");
   }
 }
 
-/// The limits of the command line: only those of the ids. If the user sets no bound, a result is bounded like on a
-/// server, because needles of 1e7 to 1 would otherwise be refined until memory is full.
+/// The limits of the command line. Without options, the only limit on a mesh is the range of ids. A result is bounded
+/// as on a server if the user sets no bound, because needles of 1e7 to 1 would otherwise be refined until memory is
+/// full.
 api::Limits limits_for(int workers) {
   api::Limits limits;
   limits.decompression.max_bytes = std::numeric_limits<std::uint64_t>::max();
@@ -178,13 +182,13 @@ void stop_on_signals(RunControl& control) {
   ::signal(SIGPIPE, SIG_IGN);  // a reader that goes away then causes an error of write()
 }
 
-/// Prints the origin, because whoever reads the coordinates needs to know what they are relative to.
+/// Prints the origin, because the coordinates in the output are relative to it.
 void tell_origin(const std::string& origin) {
-  std::cerr << "remesh: the coordinates written are relative to the origin " << origin << "\n";
+  std::cerr << "remesh: the written coordinates are relative to the origin " << origin << "\n";
 }
 
-/// Returns the media type that the ending of the output asks for. An ending that the input has, too, asks for nothing
-/// by name: the format is the input's in any case, as text if need be.
+/// Returns the media type that the ending of the output asks for. If the input has the same ending, the result is
+/// empty: the format is then the input's in any case, as text if need be.
 std::string accept_of(const Arguments& arguments) {
   const auto format = format_from_file_name(arguments.output);
   return format && format != format_from_file_name(arguments.input) ? std::string(media_type(*format)) : "";
@@ -196,6 +200,8 @@ void remesh_one(const Arguments& arguments, api::Job job, RunControl& control) {
   FileContent mesh = read_file(arguments.input, control);
   job.mesh = mesh.view();
   job.release_mesh = [&] { mesh.release(); };
+
+  if (arguments.is_traced) job.trace = [](const std::string& line) { std::cerr << "remesh: " + line + "\n"; };
 
   api::RemeshAnswer answer;
   std::string report;
@@ -213,7 +219,7 @@ void remesh_one(const Arguments& arguments, api::Job job, RunControl& control) {
     if (told.code == DiagnosticCode::kOutputAsText) std::cerr << "remesh: " << told.message << "\n";
 }
 
-/// Prints what the mesh consists of.
+/// Prints a description of the mesh.
 void analyze_one(const Arguments& arguments, api::Job job, RunControl& control) {
   job.input_format = format_from_file_name(arguments.input);
   FileContent mesh = read_file(arguments.input, control);
@@ -233,7 +239,7 @@ void analyze_one(const Arguments& arguments, api::Job job, RunControl& control) 
   if (!arguments.report.empty()) write_file(arguments.report, report);
 }
 
-/// Does the same as remesh_one, but by a server.
+/// Does the same as remesh_one, but on a server.
 void remesh_one_remotely(const Arguments& arguments, RunControl& control) {
   RemoteJob job;
   job.server = arguments.server;
@@ -270,7 +276,7 @@ int remesh_folder(const Arguments& arguments, RunControl& control) {
 
 /// Makes a result that does not fit into memory an ordinary error, before the system kills the largest process.
 void limit_memory(int workers) {
-  // The stacks of threads count in full, although hardly anything of them is touched.
+  // The stacks of threads count in full, although threads use hardly any part of them.
   constexpr std::uint64_t kStack = std::uint64_t{16} << 20;
   api::limit_own_memory(api::usable_memory() / 10 * 9 + kStack * (static_cast<std::uint64_t>(workers) + 4));
 }
@@ -322,10 +328,10 @@ int main(int argc, char** argv) {
   } catch (const CLI::Success& help_or_version) {
     return app.exit(help_or_version);
   } catch (const CLI::ParseError& error) {
-    std::cerr << "remesh: " << error.what() << "; remesh --help tells more\n";
+    std::cerr << "remesh: " << error.what() << "; see remesh --help\n";
     return kMisused;
   } catch (const UsageError& error) {
-    std::cerr << "remesh: " << error.what() << "; remesh --help tells more\n";
+    std::cerr << "remesh: " << error.what() << "; see remesh --help\n";
     return kMisused;
   }
   return run(arguments);

@@ -23,7 +23,7 @@ constexpr std::chrono::milliseconds kFirstPoll{100};
 constexpr std::chrono::milliseconds kSlowestPoll{1000};
 
 Error no_url(const std::string& text) {
-  return Error(Code::kInvalidOption, Stage::kRead, text + " is no http or https URL").for_option("server");
+  return Error(Code::kInvalidOption, Stage::kRead, text + " is not an http or https URL").for_option("server");
 }
 
 /// Splits a URL into the part that the HTTP client needs and the path: "http://host:80", "/path".
@@ -68,7 +68,7 @@ std::string random_key() {
 
 RemoteError problem_of(int status, const json& problem) {
   const std::string code = "http_" + std::to_string(status);
-  const std::string remark = status == 401 ? "; the key is taken from REMESH_API_KEY" : "";
+  const std::string remark = status == 401 ? "; the API key is read from the environment variable REMESH_API_KEY" : "";
   const std::string detail = "the server answers " + std::to_string(status);
   if (!problem.is_object()) return {status, code, detail + remark};
   RemoteError error(status, problem.value("code", code), problem.value("detail", detail) + remark);
@@ -108,10 +108,11 @@ class Remote::Client {
     } catch (const RemoteError& error) {
       throw with_job(error, path);  // the job continues at the server, or its result is there
     } catch (const Error&) {
-      cancel(path);  // we were told to stop, so the server need not continue
+      cancel(path);  // the caller asked us to stop, so the server need not continue
       throw;
     }
-    // An error of the mesh is reported alone. An error of the server names the job, so that one can ask about it.
+    // An error of the mesh is reported alone. An error of the server names the job, so that the user can ask about the
+    // job.
     if (failure) throw failure->status < 500 ? *failure : with_job(*failure, path);
     return answer;
   }
@@ -163,7 +164,7 @@ class Remote::Client {
       if (answer.status != 202) throw problem_of(answer);
       return path_of_job(answer);
     } catch (const Error&) {
-      // We were told to stop before there was an answer, which may already be under way. Sending again with the same
+      // The user asked to stop before there was an answer, which may already be under way. Sending again with the same
       // key tells which job it was.
       if (!is_sent) throw;
       if (const httplib::Result answer = post(); answer && answer->status == 202) cancel(path_of_job(*answer));

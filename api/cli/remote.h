@@ -49,8 +49,8 @@ class Remote {
   explicit Remote(RemoteJob job);
   ~Remote();
 
-  /// Submits the job, waits for it and fetches the result. If nobody answers, it asks again for two minutes; this
-  /// never makes a second job.
+  /// Submits the job, waits for it and fetches the result. If the server does not answer, repeats the request for two
+  /// minutes; this never makes a second job.
   /// Errors: RemoteError - the message names the job unless the mesh is at fault; remesh::Error kCancelled -
   ///         `control` says to stop, and the job was cancelled at the server.
   RemoteAnswer run(const RunControl& control);

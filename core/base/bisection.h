@@ -3,7 +3,7 @@
 
 namespace remesh {
 
-/// Returns the largest number up to `limit` for which `is_too_much` is false, to a 2^40th of the limit.
+/// Returns the largest number up to `limit` for which `is_too_much` is false, with an error of at most limit / 2^40.
 /// Input: a test that is false for 0. Once it is true, it stays true for all larger numbers.
 template <class Test>
 double largest_allowed(double limit, const Test& is_too_much) {

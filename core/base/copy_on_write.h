@@ -1,4 +1,4 @@
-/// A vector that shares another one's items until it is changed.
+/// A vector that shares the items of another vector until the first change.
 #pragma once
 
 #include <algorithm>
@@ -11,8 +11,8 @@
 
 namespace remesh {
 
-/// A vector that refers to another one's items until it is changed, and copies them then.
-/// Holds: the items that it refers to outlive it and do not change.
+/// A vector that refers to the items of another vector. The first change copies them.
+/// Holds: the other vector's items outlive this object and do not change.
 template <class Index, class T>
 class CopyOnWrite {
  public:
@@ -52,7 +52,7 @@ class CopyOnWrite {
     change(own_);
     items_ = own_;
   }
-  /// Copies shared items, so that the vector refers to nobody else's items from now on.
+  /// Copies shared items, so that the vector refers to no other vector from now on.
   void detach() {
     change([](const std::vector<T>&) {});
   }

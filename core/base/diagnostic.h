@@ -1,4 +1,4 @@
-/// The findings about an input, and what was done about each, as the report lists them.
+/// The findings about an input and the repairs that followed, as the report lists them.
 #pragma once
 
 #include <algorithm>

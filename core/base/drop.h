@@ -13,8 +13,8 @@
 
 namespace remesh {
 
-/// Empties a vector whose items own memory, in parallel. To free the memory of a million patches takes a tenth of a
-/// second, and somebody who has cancelled the work waits for it.
+/// Empties a vector whose items own memory, in parallel. Freeing the memory of a million patches takes a tenth of a
+/// second, which a cancelled run would still have to wait for.
 /// Holds:  nothing is thrown. The work is parallel even if the caller's group of tasks has been cancelled, but not if
 ///         there is no memory for tasks.
 template <class T>

@@ -1,5 +1,5 @@
-/// Ids of different kinds, which the compiler does not let anybody mix up: a VertexId is no FaceId, and neither is a
-/// number.
+/// Ids of different kinds. The compiler does not accept one kind in place of another: a VertexId is no FaceId, and
+/// neither is a number.
 #pragma once
 
 #include <compare>

@@ -1,4 +1,4 @@
-/// An order for parallel work: large items go first, so that no thread is left with one of them at the end.
+/// An order for parallel work: large items go first, so that no thread still works on a large item at the end.
 #pragma once
 
 #include <algorithm>
@@ -45,8 +45,8 @@ LargeFirst large_first(std::size_t n, std::size_t limit, const Work& work) {
   return result;
 }
 
-/// Calls `body(i)` for 0 .. n-1 in parallel. Each item with work(i) above `limit` is a task of its own, and the others
-/// are grouped. Checks for cancellation before each task.
+/// Calls `body(i)` for 0 .. n-1 in parallel. Each item with work(i) above `limit` is a task of its own, and several
+/// smaller items share a task. Checks for cancellation before each task.
 template <class Work, class Body>
 void for_large_first(std::size_t n, std::size_t limit, const Work& work, RunControl& control, const Body& body) {
   const LargeFirst by_work = large_first(n, limit, work);

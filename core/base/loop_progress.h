@@ -8,7 +8,7 @@
 
 namespace remesh {
 
-/// Tells how far a loop has come. Nobody knows what else the stage has to do, so a loop takes a share of the progress
+/// Reports the progress of a loop. The rest of the stage's work is unknown, so a loop takes a share of the progress
 /// that is left when it begins. Progress never goes back. Several threads may add at once.
 class LoopProgress {
  public:
@@ -16,7 +16,7 @@ class LoopProgress {
   LoopProgress(RunControl& control, std::size_t total)
       : control_(control), from_(control.told_fraction()), total_(static_cast<double>(total > 0 ? total : 1)) {}
 
-  /// Tells that some items were treated.
+  /// Counts some items as done.
   /// Errors: kCancelled, kTimeout - asked to stop.
   void add(std::size_t items) {
     const std::lock_guard lock(mutex_);

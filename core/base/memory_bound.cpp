@@ -8,14 +8,14 @@ namespace {
 
 constexpr std::uint64_t kMiB = std::uint64_t{1} << 20;
 
-/// The table of bounds, in the order of the stages. A face that is a patch of its own takes the most, because each
+/// The table of bounds, in the order of the stages. Memory per face is largest where each face is a patch, because each
 /// patch has a surface, a plane, a summary and a mesh. Stages before refinement may run again after an attempt has
-/// failed, and then hold what that attempt has left. All of them may hold 100,000 pairs of faces that intersect.
+/// failed, and then also hold the data of that attempt. Each stage may hold 100,000 pairs of faces that intersect.
 /// Readers have limits of their own, and writers hold a text of any length.
 constexpr std::array<StageMemory, kStageCount> kMemoryOfStages{{
     {0, 0, 0},                // queued
     {0, 0, 0},                // read
-    {2400, 200, 12 * kMiB},   // weld, with all that is mended: up to 4,096 vertices on edges in any case
+    {2400, 200, 12 * kMiB},   // weld, with all mending: up to 4,096 vertices on edges in any case
     {2400, 200, 4 * kMiB},    // regions
     {2400, 200, 4 * kMiB},    // patches
     {2400, 200, 4 * kMiB},    // loops

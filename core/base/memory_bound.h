@@ -16,21 +16,21 @@ struct StageMemory {
   std::uint64_t per_input_face, per_output_face, always;
 
   constexpr std::uint64_t bytes(std::uint64_t input, std::uint64_t output) const {
-    // This many faces stand for no limit. With fewer, the products below are still numbers.
+    // From this number of faces on, there is no limit. Below it, the products that follow do not overflow.
     constexpr std::uint64_t kMany = std::uint64_t{1} << 36;
     if (input >= kMany || output >= kMany) return std::numeric_limits<std::uint64_t>::max();
     return always + input * per_input_face + output * per_output_face;
   }
 };
 
-/// Returns the row of a stage. It is about all that a run holds in that stage, with what earlier stages have left, but
-/// without the input itself. Good surfaces take about half as much or less.
-/// Holds: a test counts what is allocated on many surfaces, and no stage holds more.
+/// Returns the row of a stage. The row covers all memory that a run holds in that stage, including data of earlier
+/// stages, but not the input itself. Good surfaces take about half as much or less.
+/// Holds: a test counts the allocations on many surfaces, and no stage holds more.
 StageMemory memory_of(Stage stage);
 
-/// The bytes that a run may hold in its present stage. Code that makes a list whose length is known before, but which
-/// only the geometry of the input bounds, asks before it allocates the list. The answer depends on the numbers of faces
-/// alone, so it is the same for any number of threads.
+/// The bytes that a run may hold in its present stage. Before code allocates a list whose length depends on the
+/// geometry and not only on the number of faces, it asks this class. The answer depends on the numbers of faces alone,
+/// so it is the same for any number of threads.
 ///
 /// The thread that calls the stages changes these numbers. Any thread may ask.
 class MemoryBound {
@@ -49,7 +49,7 @@ class MemoryBound {
   std::uint64_t allowed() const { return allowed_.load(std::memory_order_relaxed); }
 
   /// Asks whether `count` items of type T may be allocated at once.
-  /// Errors: kOutOfMemory - they alone would take more than the whole run may take in this stage.
+  /// Errors: kOutOfMemory - the items alone would take more than the whole run may take in this stage.
   template <class T>
   void ask_for(std::size_t count) const {
     if (count > allowed() / sizeof(T)) refuse(static_cast<double>(count) * static_cast<double>(sizeof(T)));

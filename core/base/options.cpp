@@ -97,24 +97,24 @@ void check_options(const Options& options) {
     if (value && !option.range.contains(*value)) invalid(option.name, "must be a number " + option.range.text());
   }
   if (options.min_angle_deg && options.max_radius_edge_ratio)
-    invalid("max_radius_edge_ratio", "excludes min_angle_deg: give one of them");
+    invalid("max_radius_edge_ratio", "and min_angle_deg exclude each other: give only one of them");
   if (options.max_edge_length && options.max_edge_fraction)
-    invalid("max_edge_fraction", "excludes max_edge_length: give one of them");
+    invalid("max_edge_fraction", "and max_edge_length exclude each other: give only one of them");
   if (options.surface_tolerance && options.surface_tolerance_fraction)
-    invalid("surface_tolerance_fraction", "excludes surface_tolerance: give one of them");
+    invalid("surface_tolerance_fraction", "and surface_tolerance exclude each other: give only one of them");
   if (options.min_edge_length && options.max_edge_length && *options.min_edge_length > *options.max_edge_length)
-    invalid("min_edge_length", "must not be above max_edge_length");
+    invalid("min_edge_length", "must not be larger than max_edge_length");
   if (options.max_hole_edges && !options.repair.holes)
-    invalid("max_hole_edges", "needs the word holes in repair, for example repair=+holes");
+    invalid("max_hole_edges", "has an effect only if repair contains the word holes, for example repair=+holes");
   if (options.reference_axis == ReferenceAxis::kGiven &&
       (!is_finite(options.reference_direction) || options.reference_direction == Vec3{}))
-    invalid("reference_axis", "must be a direction of finite numbers, not all 0");
+    invalid("reference_axis", "must be three finite numbers that are not all 0");
 }
 
 void check_options(const Options& options, double diagonal) {
   if (options.min_edge_length && options.max_edge_fraction &&
       *options.min_edge_length > *options.max_edge_fraction * diagonal)
-    invalid("min_edge_length", "must not be above max_edge_fraction of the diagonal");
+    invalid("min_edge_length", "must not be larger than the edge length that max_edge_fraction gives");
 }
 
 }  // namespace remesh

@@ -55,7 +55,7 @@ struct Options {
   std::optional<double> max_edge_fraction;  ///< instead of max_edge_length; a fraction of the bounding box's diagonal
   std::optional<double> max_area;
   /// Empty: refinement makes edges of any length, as long as there are not far more faces than in the input; see
-  /// goals.h. 0: of any length.
+  /// goals.h. 0: of any length, whatever the number of faces.
   std::optional<double> min_edge_length;
   double proximity = 0;  ///< 0: off
   std::optional<double> gradation;
@@ -64,20 +64,20 @@ struct Options {
   bool keep_boundary_vertices = false;
   std::optional<double> plane_tolerance;  ///< empty: computed from the input's rounding noise
   /// Details smaller than this are removed, in model units: short edges, narrow faces, low steps and flaps, narrow
-  /// slits. Empty: details that are smaller than the plane tolerance, but for slits. 0: none.
+  /// slits. Empty: details that are smaller than the plane tolerance, except slits. 0: none.
   std::optional<double> defeature_size;
   double normal_tolerance = 1e-6;  ///< per component of the unit normal
   /// Edges between facets that turn by more than this are features. Facets that meet at a smaller angle may be pieces
   /// of one curved surface. 0: each facet is its own surface.
   double feature_angle_deg = 30;
-  /// How far the curved parts of input and output may be apart, in model units. Empty: as far as the input's own facets
-  /// are from each surface where a number of elements per circle is in force, and otherwise facets stay. 0: facets stay
-  /// as they are.
+  /// Max distance between curved parts of the input and of the output, in model units. 0: facets stay as they are.
+  /// Empty: where a number of elements per circle applies, the distance of the input's own facets from each surface;
+  /// elsewhere facets stay.
   std::optional<double> surface_tolerance;
   std::optional<double> surface_tolerance_fraction;  ///< instead of surface_tolerance; a fraction of the diagonal
   /// Edges per full turn on curved surfaces. Empty: see coarsens_fine_facets.
   std::optional<double> elements_per_circle;
-  /// If nothing else says how curved surfaces are divided, those with many facets per turn are remeshed with fewer
+  /// If no option gives a resolution for curved surfaces, surfaces with many facets per turn are remeshed with fewer
   /// (elements_per_circle=auto); false: facets stay (elements_per_circle=none). See are_fine_facets_coarsened.
   bool coarsens_fine_facets = true;
   CircleFit circle_fit = CircleFit::kInscribed;
@@ -127,7 +127,7 @@ bool are_fine_facets_coarsened(const Options& options);
 /// Errors: Code::kInvalidOption - a value is out of its range, or two options exclude each other (`option` is set).
 void check_options(const Options& options);
 
-/// Checks what depends on the input: lengths that are given as a fraction of its bounding box's diagonal.
+/// Checks the options that depend on the input: lengths given as a fraction of its bounding box's diagonal.
 /// Errors: as above.
 void check_options(const Options& options, double diagonal);
 
@@ -137,7 +137,7 @@ enum class Storage {
   kFloat,   ///< floats of 32 bits
 };
 
-/// Says what becomes of the coordinates of a result that is meant for a storage.
+/// The treatment of a result's coordinates for a storage format.
 enum class OutputRounding : std::uint8_t {
   kRequired,  ///< they are rounded; a result that the storage cannot hold is refused
   kIfHeld,    ///< as kRequired, but a result that the storage cannot hold keeps its doubles, and a diagnostic says so
@@ -149,11 +149,11 @@ struct RunSettings {
   int workers = 1;  ///< number of threads that compute, at least 1
   /// Fill Result::face_source and input_face_patch. This costs a point location per face.
   bool want_face_source = false;
-  /// If nothing is refined, so that the work grows with the input alone, an input with fewer corners is computed by one
-  /// thread.
+  /// Without refinement, the work grows with the input alone. Then one thread computes an input with fewer corners than
+  /// this.
   std::size_t serial_corners = 0;
-  /// The result is meant for these numbers: refinement makes no edge that they cannot tell apart, and the result is
-  /// rounded to them. It is checked, measured and reported as rounded.
+  /// The numbers in which the result will be stored. Refinement makes no edge whose ends would become equal in them.
+  /// The result is rounded to them, and then checked, measured and reported.
   Storage storage = Storage::kDouble;
   OutputRounding rounding = OutputRounding::kRequired;
   /// Is called with one line for each attempt: what has failed, and what was decided. It may be empty.

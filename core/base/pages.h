@@ -10,9 +10,9 @@
 
 namespace remesh {
 
-/// Asks the system for all pages of a block of memory at once, which is faster than to take each at the first access to
-/// it. The whole block should be about to be written. Does nothing for little memory, or if the system does not support
-/// it. See experiments.md, Memory pages.
+/// Asks the system for all pages of a block of memory at once, which is faster than to get each page at its first
+/// access. The whole block should be about to be written. Does nothing for little memory, or if the system does not
+/// support it. See experiments.md, Memory pages.
 void take_pages(void* memory, std::size_t bytes);
 
 template <class T>

@@ -11,9 +11,9 @@
 
 namespace remesh {
 
-/// Writes `keys`, which are all different, to `sorted` in ascending order. Few keys are placed by counting how many
-/// smaller ones there are, which has no branch that the processor would predict badly. A vertex where very many faces
-/// meet may have millions of keys; these are sorted.
+/// Writes `keys`, which are all different, to `sorted` in ascending order. If there are few keys, the place of each is
+/// the number of smaller keys; counting these needs no branch that the processor would predict badly. A vertex where
+/// very many faces meet may have millions of keys; these are sorted.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 inline void put_in_order(std::span<const std::uint64_t> keys, std::span<std::uint64_t> sorted,
                          const RunControl& control) {

@@ -53,7 +53,7 @@ class RankedIds {
   }
 
  private:
-  /// If fewer than one in this many ids of the range are there, ranks are not stored for the whole range.
+  /// If fewer than one in this many ids of the range are in the set, ranks are not stored for the whole range.
   static constexpr std::size_t kSparse = 8;
 
   std::vector<I> ids_;

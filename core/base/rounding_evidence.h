@@ -1,4 +1,4 @@
-/// Counts how many independent numbers show that all of a set are rounded to a step.
+/// Counts how many independent numbers show that all numbers of a set are rounded to a step.
 #pragma once
 
 #include <algorithm>
@@ -87,16 +87,17 @@ class LowestNumbers {
   std::int64_t bound_ = std::numeric_limits<std::int64_t>::max();
 };
 
-/// Counts the numbers that do not follow from others. It reads the gaps between the numbers from the lowest on, one
-/// coordinate after another. A gap counts unless it belongs to a run of gaps that occurred before, in the same order or
-/// in the opposite one. Such a run comes from a regular grid, a circle's other half, the same circle along another
-/// axis, or the next one of many equal holes. The first number of each coordinate counts, too.
+/// Counts the numbers of a set that do not follow from other numbers of the set. The count reads the gaps between the
+/// numbers from the lowest on, one coordinate after another. A gap counts unless it belongs to a run of gaps that
+/// occurred before, in the same order or in the opposite one. Such a run comes from a regular grid, a circle's other
+/// half, the same circle along another axis, or the next one of many equal holes. The first number of each coordinate
+/// counts, too.
 ///
 /// Runs also repeat by chance if the gaps have few sizes. With 64 numbers per coordinate, there are 2^14 pairs of
 /// places where two equal runs may begin. So a run is taken for a copy only if its probability is below 2^-14.
 class IndependentNumbers {
  public:
-  /// `spacing(n)` is the mean distance, near n, of all numbers that may be here.
+  /// `spacing(n)` is the mean distance of neighbouring possible values near n.
   template <class Spacing>
   void add(const std::vector<std::int64_t>& sorted, const Spacing& spacing) {
     if (sorted.empty()) return;
@@ -125,7 +126,7 @@ class IndependentNumbers {
 
  private:
   static constexpr double kRun = 14;
-  /// Gaps say nothing if the numbers are so dense that nearly all possible ones are there.
+  /// Gaps prove nothing if the numbers are so dense that nearly every possible value occurs.
   static constexpr double kMinBits = 1;
 
   std::size_t longest_run(std::size_t i) const {
@@ -144,11 +145,11 @@ class IndependentNumbers {
   std::vector<std::int64_t> gaps_;  // the gaps of each coordinate follow a negative number that occurs only once
 };
 
-/// Numbers of one kind that show a step. It counts how many of them are different and independent.
+/// Numbers of one kind that show a step. The class counts how many of them are different and independent.
 template <std::size_t kEnough>
 class Signs {
  public:
-  /// `place` is where x lies, in equal units.
+  /// `place` is x in units that are the same for all numbers.
   void add(double x, std::int64_t place, int axis) {
     different_.add(x);
     lowest_[static_cast<std::size_t>(axis)].add(place);
@@ -169,7 +170,7 @@ class Signs {
   std::array<LowestNumbers, 3> lowest_;
 };
 
-/// The number of independent values that say something about a claimed step.
+/// The number of independent values that are evidence about a claimed step.
 struct Weight {
   int not_of_five = 0;  ///< values that are no multiples of five claimed steps
   int odd = 0;          ///< values that are odd multiples of the claimed step

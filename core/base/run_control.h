@@ -24,22 +24,23 @@ class RunControl {
   void expire() { request_stop(Reason::kTimeout); }
   bool is_stopped() const { return stop_.load(std::memory_order_relaxed) != Reason::kNone; }
 
-  /// Errors: kCancelled or kTimeout - somebody asked the work to stop.
+  /// Errors: kCancelled or kTimeout - the work was asked to stop.
   void check() const {
     const Reason reason = stop_.load(std::memory_order_relaxed);
     if (reason != Reason::kNone) throw_stopped(reason);
-    // A thread counts its checks from run to run, which makes no difference to any of them.
+    // The count continues through all runs of a thread. It makes no difference which check reports progress.
     thread_local std::uint32_t checks = 0;
     if (++checks % kChecksPerMove == 0) moves_.fetch_add(1, std::memory_order_relaxed);
   }
-  /// Does the same, and always moves the progress. Work that does thousands of items between two checks calls this.
+  /// Does the same as `check`, and always moves the progress. Work that does thousands of items between two checks
+  /// calls this.
   void check_and_move() const {
     check();
     moves_.fetch_add(1, std::memory_order_relaxed);
   }
 
   /// Does the same as `check` for comparisons of a sort. There are so many of them that progress moves only once in
-  /// thousands: as moves add up, each moves it less, and little would be left for the work after the sort.
+  /// thousands: later moves are smaller than earlier ones, and little would be left for the work after the sort.
   void check_comparison() const {
     const Reason reason = stop_.load(std::memory_order_relaxed);
     if (reason != Reason::kNone) throw_stopped(reason);
@@ -62,15 +63,16 @@ class RunControl {
   }
 
   Stage stage() const { return stage_.load(std::memory_order_relaxed); }
-  /// Returns the progress within the stage, 0 to 1. Besides what `progress` was told, it moves a little with work that
-  /// nobody counts, so that it only stands if nothing is done. It never goes back unless `progress` is told less.
+  /// Returns the progress within the stage, 0 to 1. It is the last argument of `progress`, and a little more after each
+  /// check, so that it stands still only if no work is done. It goes back only if `progress` is called with a smaller
+  /// number.
   double fraction() const {
-    // A stage may tell that it is done, and still have something to do.
+    // Code may report that the stage is done and still have work to do.
     const double told = std::min(told_fraction(), kNearlyAll);
     const double moves = static_cast<double>(moves_.load(std::memory_order_relaxed));
     return told + kShareOfMoves * (1 - told) * moves / (moves + kHalfOfMoves);
   }
-  /// Returns what `progress` was told last.
+  /// Returns the last argument of `progress`.
   double told_fraction() const { return fraction_ppm_.load(std::memory_order_relaxed) * 1e-6; }
 
   /// Returns the bound on the memory of the stage. The thread that enters stages may change it.
@@ -78,11 +80,12 @@ class RunControl {
   const MemoryBound& memory() const { return memory_; }
 
  private:
-  /// Progress moves once in so many calls of `check` by a thread, since some work calls it for each item.
+  /// Progress moves once in this many calls of `check` by a thread, because some code calls it for each item.
   static constexpr std::uint32_t kChecksPerMove = 16;
   static constexpr std::uint32_t kComparisonsPerMove = 1 << 14;
-  /// All moves together are at most this share of the progress that is left, and half of that after so many moves. With
-  /// a few thousand moves a second, each second moves progress by a millionth or more for some minutes.
+  /// All moves together are at most this share of the progress that is left. They reach half of that share after
+  /// `kHalfOfMoves` moves. With a few thousand moves a second, each second moves progress by a millionth or more for
+  /// minutes.
   static constexpr double kShareOfMoves = 0.25, kHalfOfMoves = 16000, kNearlyAll = 0.95;
 
   enum class Reason : std::int8_t { kNone, kCancelled, kTimeout };

@@ -7,9 +7,9 @@
 
 namespace remesh {
 
-/// Cuts small blocks from a few larger ones, and frees all of them when the resource is destroyed. For a thousand small
-/// objects, allocation would be most of the work otherwise. Large blocks come from the heap and return to it at once,
-/// so that a growing object uses no more memory than it needs. It must not be used by several threads at once.
+/// Cuts small blocks from a few larger ones, and frees all of them when the resource is destroyed. With a thousand
+/// small objects, allocation would otherwise take most of the time. Large blocks come from the heap and return to it at
+/// once, so that a growing object uses no more memory than it needs. It must not be used by several threads at once.
 class SmallBlocks : public std::pmr::memory_resource {
  public:
   /// `first`: the size in bytes of the first of the larger blocks.
@@ -44,7 +44,7 @@ class SmallBlocks : public std::pmr::memory_resource {
   std::pmr::monotonic_buffer_resource small_;
 };
 
-/// Memory for the short vectors of one call. It is on the stack as far as that suffices, and from the heap beyond.
+/// Memory for the short vectors of one call. It comes from the stack as long as that suffices, and then from the heap.
 class StackMemory : public std::pmr::monotonic_buffer_resource {
  public:
   StackMemory() : monotonic_buffer_resource(bytes_, sizeof bytes_) {}

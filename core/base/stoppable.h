@@ -38,7 +38,7 @@ void sort_stoppable(Iterator begin, Iterator end, const RunControl& control, con
   constexpr std::ptrdiff_t kFew = 1 << 13;
   control.check();
   if (end - begin <= kFew) return std::sort(begin, end, less);
-  // A check is one read of memory that hardly ever changes. Most comparisons cost more.
+  // A check reads one value that hardly ever changes. Most comparisons cost more.
   sort_all(begin, end, [&](const auto& a, const auto& b) {
     control.check_comparison();
     return less(a, b);

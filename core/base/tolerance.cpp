@@ -32,8 +32,8 @@ constexpr std::size_t kRates = 64;
 constexpr std::size_t kEnoughCoarser = 6;
 /// A number counts as short if it has at most this many units.
 constexpr double kShort = 4294967296.0;
-/// If all coordinates agree on a quantum, this proves more than one short number does. So the largest coordinate may
-/// have up to this many units of it.
+/// If all coordinates are multiples of one quantum, this proves more than a single short number. So the largest
+/// coordinate may have up to this many units of the quantum.
 constexpr double kShortTogether = 0x1p45;
 /// If the smallest coordinates have more decimals than fit beside the largest one, then only coordinates of at least
 /// this fraction of the largest are used to find the number of significant digits.
@@ -98,9 +98,9 @@ Decimal shortest(double x, Decimals decimals) {
 }
 
 /// The coordinates that carry information, read in blocks in parallel. Coordinates nearer to 0 than any tolerance are
-/// left out: they are a 0 that arithmetic has missed, such as 6.1e-17 for the cosine of a right angle. The coordinates
-/// are scaled by a power of two so that the largest is near 1, because no decimals could be computed for numbers near
-/// the largest double.
+/// left out: they are zeros with a rounding error, such as 6.1e-17 for the cosine of a right angle. The coordinates are
+/// scaled by a power of two so that the largest is near 1, because no decimals could be computed for numbers near the
+/// largest double.
 class Coordinates {
  public:
   Coordinates(std::span<const Vec3> positions, RunControl& control) : positions_(positions), control_(control) {
@@ -125,7 +125,7 @@ class Coordinates {
     }
   }
 
-  /// The length in the caller's units that is 1 here.
+  /// The length, in the caller's units, of one unit of the scaled coordinates.
   double unit() const { return unit_; }
   /// The largest absolute value of each axis; 0 if all of the axis are negligible.
   const Vec3& largest() const { return largest_; }
@@ -140,8 +140,8 @@ class Coordinates {
   }
 
   /// Accumulates over all coordinates, from `none` on. `add(found, x, axis)` adds a coordinate to what its block has
-  /// found so far. `join(found, other)` adds what another block has found. Either returns false if nothing can be found
-  /// any more, and then the result is empty.
+  /// found so far. `join(found, other)` adds the result of another block. If either returns false, the whole result is
+  /// empty.
   template <class Found, class Add, class Join>
   std::optional<Found> found_in_all(const Found& none, const Add& add, const Join& join) const {
     std::atomic<bool> is_over = false;
@@ -335,7 +335,7 @@ std::vector<Factors> longest_numbers(const Coordinates& coordinates, const Latti
 /// number's size.
 class SignificantDigits {
  public:
-  /// The number of digits is that of `longest`, a longest number. Its last digit tells to which power of two times ten
+  /// The number of digits is that of `longest`, a longest number. Its last digit shows to which power of two times ten
   /// the digits refer.
   SignificantDigits(const Lattice& lattice, const Factors& longest)
       : last_(lattice.times(longest.twos, longest.fives)),
@@ -349,8 +349,8 @@ class SignificantDigits {
   Lattice place(double x) const { return decimal_place(x, 1 - digits_); }
   /// The largest of the digits' decimal places that is not above the step.
   double not_above(double step) const { return decimal_place(step, 0).step(); }
-  /// Returns whether a number needs more than half of the digits that the file writes. A number that needs fewer may be
-  /// exact, as 1 is, and then says nothing about rounding.
+  /// Returns whether a number needs more than half of the digits that the file writes. A number that needs fewer digits
+  /// may be exact, as 1 is, and is then no evidence of rounding.
   /// Input: the number as a multiple of its last digit's place.
   bool is_long(std::int64_t units) const { return units % half_ != 0; }
 
@@ -398,7 +398,8 @@ std::optional<Significant> significant_digits(const Coordinates& coordinates, co
       Found{},
       [&](Found& f, double x, int axis) {
         const Lattice place = significant.place(x);
-        // A number that is too small for this is ignored. If its place is too large instead, the rule cannot hold.
+        // A number that is too small for a place within reach is ignored. If the number is too large, the rule cannot
+        // hold.
         if (!place.is_within_reach()) return place.decimals > 0;
         if (!place.holds(x)) return false;
         const std::int64_t units = std::abs(place.units(x));
@@ -453,15 +454,15 @@ std::optional<Significant> significant_digits(const Coordinates& coordinates, co
   return result;
 }
 
-/// Returns whether the coordinates are floats that were printed as decimal numbers, with so many digits that their
-/// rounding to floats shows. There are two conditions. First, each coordinate must be what one gets by printing the
-/// float that is nearest to it, with as many decimal places as the coordinate has. Second, there must be so many
-/// coordinates that they cannot all be that near to a float by chance.
+/// Returns whether the coordinates are floats that were printed as decimal numbers, with enough digits to show their
+/// rounding to floats. There are two conditions. First, each coordinate must be the decimal number that results from
+/// printing its nearest float with the coordinate's number of decimal places. Second, there must be too many
+/// coordinates for all to be that near to a float by chance.
 /// Input: all coordinates are multiples of `unit`.
 bool are_printed_floats(const Coordinates& coordinates, double unit, Decimals decimals) {
   const auto place_of = [&](double x) { return std::max(unit, shortest(x, decimals).quantum); };
-  // Counts the binary digits between the last digit of a float near x and the printed digit at `place`. So many bits
-  // of x can show that it was a float. The result is in quarters of a bit.
+  // Counts the binary digits between the last digit of a float near x and the printed digit at `place`. This number of
+  // bits of x can show that x was a float. The result is in quarters of a bit.
   const auto seen = [](double x, double place) {
     const double ratio = last_place(x, kFloatBits) / place;
     return std::ilogb(ratio * ratio * ratio * ratio);
@@ -524,7 +525,8 @@ std::optional<Claim> claim_of_decimals(const Coordinates& coordinates, Decimals 
       unit = last;
       return significant->claim;
     }
-    // The largest numbers lack the last digits of the others, but they are so few that this may be chance.
+    // The largest numbers lack the last digits that smaller ones have, but there are so few large numbers that this may
+    // be chance.
     fixed.claim.is_in_doubt = true;
     return fixed.claim;
   }
@@ -565,7 +567,7 @@ Rounding rounding_of(const Coordinates& coordinates) {
 /// Returns the steps if all coordinates were printed with as many significant digits as the longest of them has. For
 /// each axis, its largest number with more than half as many digits counts; shorter ones may be exact.
 Vec3 steps_of_printed_digits(std::span<const Vec3> positions, const RunControl& control) {
-  // Decimal numbers with more digits are not told from doubles.
+  // Decimal numbers with more digits cannot be distinguished from doubles.
   constexpr int kMaxDigits = 9;
   struct Printed {
     int digits = 0, exponent = 0;

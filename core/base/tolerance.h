@@ -30,7 +30,7 @@ inline constexpr double kPrintedSteps = 1.2;
 inline constexpr double kPossibleRounding = 2.6e-6;
 
 /// Largest automatic plane tolerance, relative to the diagonal. If a model was rounded more coarsely, its details are
-/// as small as the rounding, and only its owner can tell them apart. The diagnostic `rounding_capped` says so.
+/// as small as the rounding, and only the user can distinguish them. The diagnostic `rounding_capped` reports this.
 inline constexpr double kToleranceCeiling = 1e-4;
 
 /// A step above this, relative to the diagonal, counts as noise only if faces are seen to bend by it as rounding bends
@@ -69,7 +69,7 @@ struct Rounding {
   double doubtful_step() const;
 };
 
-/// Finds out from the values what they were rounded to. The answer is one of these:
+/// Determines from the values the steps to which they were rounded. The answer is one of these:
 /// - the largest power of ten, times a power of two, of which all values are multiples, if that leaves short numbers;
 /// - if the number of significant digits is limited, for each coordinate the last place of its largest number that
 ///   shows more than half of them;
@@ -106,7 +106,7 @@ struct AutomaticTolerance {
   double value = 0;        ///< the tolerance that applies without doubt
   double if_bent = 0;      ///< applies if a face bends by more than `value` and at most by this
   double if_noisy = 0;     ///< applies if faces bend as by noise (see `is_noise_present`)
-  double explained = 0;    ///< what the possible step alone explains, however large
+  double explained = 0;    ///< the tolerance that follows from the possible step alone, however large
   bool is_capped = false;  ///< `explained` is above kToleranceCeiling
 };
 AutomaticTolerance automatic_tolerance(const Rounding& rounding, double diagonal);

@@ -33,7 +33,8 @@ class UnionFind {
     while (true) {
       const std::uint32_t parent = at(i).load(std::memory_order_relaxed);
       if (parent == i) return i;
-      // This halves the path to the root. If another thread writes here meanwhile, it writes an ancestor, too.
+      // This halves the path to the root. If another thread writes this entry at the same time, it also writes an
+      // ancestor.
       const std::uint32_t above = at(parent).load(std::memory_order_relaxed);
       if (above != parent) at(i).store(above, std::memory_order_relaxed);
       i = above;

@@ -24,7 +24,7 @@ struct Vec3 {
   double y = 0;
   double z = 0;
 
-  /// Compares lexicographically. This is the order of ties in space.
+  /// Compares lexicographically. This order breaks ties between points in space.
   friend constexpr auto operator<=>(const Vec3&, const Vec3&) = default;
   friend constexpr Vec3 operator+(const Vec3& a, const Vec3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
   friend constexpr Vec3 operator-(const Vec3& a, const Vec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
@@ -65,12 +65,12 @@ inline Vec3 unit_across(const Vec3& axis) {
 }
 inline bool is_finite(const Vec3& a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
 
-/// An axis-aligned box. It is empty until something is added.
+/// An axis-aligned box. It is empty until a point or box is added.
 struct Box3 {
   Vec3 min{HUGE_VAL, HUGE_VAL, HUGE_VAL};
   Vec3 max{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
 
-  /// A coordinate that is not a number (NaN) adds nothing.
+  /// A coordinate that is not a number (NaN) does not change the box.
   void add(const Vec3& p) { add({p, p}); }
   void add(const Box3& other) {
     min = {std::min(min.x, other.min.x), std::min(min.y, other.min.y), std::min(min.z, other.min.z)};

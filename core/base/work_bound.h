@@ -1,4 +1,4 @@
-/// Bounds on the work of stages. They are counted in steps and never in seconds.
+/// Bounds on the work of stages. Work is counted in steps and never in seconds.
 #pragma once
 
 #include <algorithm>
@@ -10,9 +10,9 @@
 
 namespace remesh {
 
-/// Counts the steps of a stage against a bound. A stage whose bound is spent goes on with a coarser answer and tells
-/// so. Steps are counted where all threads have come together, or within a piece of work that one thread does alone. So
-/// the answer is the same on every machine and for any number of threads.
+/// Counts the steps of a stage against a bound. A stage that has spent its bound continues with a coarser answer and
+/// reports this. Steps are counted where all threads have come together, or within a piece of work that one thread does
+/// alone. So the answer is the same on every machine and for any number of threads.
 class WorkBound {
  public:
   static constexpr std::uint64_t kNone = std::numeric_limits<std::uint64_t>::max();
@@ -46,7 +46,7 @@ struct StageWork {
   Growth growth = Growth::kTimesLog;
 
   constexpr std::uint64_t steps(std::uint64_t input, std::uint64_t output) const {
-    // This many faces stand for no limit. With fewer, the products below are still numbers.
+    // From this number of faces on, there is no limit. Below it, the products that follow do not overflow.
     constexpr std::uint64_t kMany = std::uint64_t{1} << 36;
     if (input >= kMany || output >= kMany) return WorkBound::kNone;
     std::uint64_t log = 1;
@@ -55,50 +55,53 @@ struct StageWork {
   }
 };
 
-/// The searches for gaps from which sizes are found. A step is a box that a search looks at.
-/// Good surfaces take 100 to 400 steps for each place that gets a size of its own, and have fewer such places than
-/// faces in the output.
+/// Bounds the searches for gaps from which the size field is computed. A step is one box that a search visits. Good
+/// surfaces take 100 to 400 steps for each place that gets a size of its own, and have fewer such places than faces in
+/// the output.
 inline constexpr StageWork kWorkOfSizes{128, 1, 1 << 20};
 
-/// Returns the steps of a search for gaps if those before it in the run have taken `earlier` steps and one alone may
-/// take `max_steps`. Sizes are looked for again when the patches have changed. All searches for sizes that refinement
-/// aims at take no more steps together than one and a quarter of one may, apart from an eighth for each. Searches that
-/// only predict what other options would lead to do not count.
+/// Returns the max number of steps of the next search for gaps, if the searches before it in the run took `earlier`
+/// steps and a single search may take `max_steps`. The search is repeated when patches have changed. All these searches
+/// together take at most 5/4 of `max_steps`, but each may always take 1/8 of `max_steps`. Searches that only predict
+/// the effect of other options do not count.
 constexpr std::uint64_t work_of_sizes_after(std::uint64_t earlier, std::uint64_t max_steps) {
   if (max_steps == WorkBound::kNone) return max_steps;
   const std::uint64_t all = max_steps + max_steps / 4;
   return std::clamp(all - std::min(all, earlier), max_steps / 8, max_steps);
 }
 
-/// The search for the smallest gap of the whole surface, from the corners of patches and from one triangle after the
-/// other. A step is a box. Good surfaces take up to 850 steps for each triangle, most of them fewer than 200.
+/// Bounds the search for the smallest gap of the whole surface, from the corners of patches and then from each
+/// triangle. A step is one box. Good surfaces take up to 850 steps for a triangle, and for most triangles fewer than
+/// 200.
 inline constexpr StageWork kWorkOfSmallestGap{64, 1, 1 << 18};
 
-/// The searches for gaps that tell which triangles are larger than the gaps beside them. A step is a box. Where patches
-/// have many triangles, these take up to 20 steps each on good surfaces, times the logarithm. In patches of one or two
-/// triangles, these take up to 150.
+/// Bounds the searches for gaps that find the triangles that are larger than the gaps beside them. A step is one box.
+/// On good surfaces, a triangle takes up to 20 steps times the logarithm if its patch has many triangles, and up to 150
+/// in a patch of one or two triangles.
 inline constexpr StageWork kWorkOfMisses{0, 64, 1 << 22};
 
-/// The refinement of one patch, compared with the triangles that it has so far. A step is a triangle that is treated,
-/// or eight triangles that walks and cavities go through for one point. Good patches take fewer than 17 steps for each
-/// triangle.
+/// Bounds the refinement of one patch, in proportion to its present number of triangles. A step is one triangle that is
+/// treated, or eight triangles that walks and cavities visit for one point. Good patches take fewer than 17 steps for
+/// each triangle.
 inline constexpr StageWork kWorkOfPatch{0, 4, 1 << 10};
 
-/// The steps that all patches together may take above these bounds. A patch that needs more of them than its share
+/// The steps that all patches together may take above `kWorkOfPatch`. A patch that needs more than its share of them
 /// waits for the next round, so that many bad patches take no longer than one.
 inline constexpr std::uint64_t kWorkAboveBounds = 1 << 20;
 
-/// All attempts to refine a surface. A step is a triangle of an attempt. So an attempt that fails with all faces that
-/// are allowed can be repeated with a few of them, and one with few faces can be repeated often.
+/// Bounds all attempts to refine a surface. A step is one triangle of an attempt. So after an attempt with the max
+/// number of faces has failed, attempts with fewer faces are still possible, and attempts with few faces can be
+/// repeated often.
 inline constexpr StageWork kWorkOfAttempts{0, 1, 1 << 15, StageWork::Growth::kLinear};
 
-/// The triangles of attempts that failed the check after which nothing is refined until a result passes, for the
-/// triangles that the patches had before refinement. It counts where it is less than half of kWorkOfAttempts: a limit
-/// on faces may be far above what attempts make, and is then no measure of the work that failures are worth.
+/// The max number of triangles of attempts that failed the check, for the number of triangles that the patches had
+/// before refinement. Beyond it, nothing is refined until a result passes. It applies where it is less than half of
+/// kWorkOfAttempts: a limit on faces may be far above the size of attempts, and then does not tell how much work
+/// failures are worth.
 inline constexpr StageWork kWorkInVain{16, 0, 1 << 15, StageWork::Growth::kLinear};
 
-/// The triangles that all attempts may refine before faces of frozen patches stay frozen after a step of the ladder.
-/// Each step would otherwise need one attempt to find them again.
+/// The number of triangles that all attempts may refine before the faces of frozen patches stay frozen after a step of
+/// the ladder. Before that, each step of the ladder needs one attempt to find these faces again.
 inline constexpr std::uint64_t kWorkBeforeFrozenStay = 1 << 19;
 
 }  // namespace remesh

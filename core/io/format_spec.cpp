@@ -56,7 +56,7 @@ bool is_text_stl(std::string_view text) {
 
 Mark likely_if(bool is) { return is ? Mark::kLikely : Mark::kNone; }
 
-/// The header of a binary STL may say anything, "solid" too, so that its length comes before all words.
+/// The header of a binary STL may contain any text, even "solid", so its length is tested before all words.
 Mark stl_mark(const Sniffed& s) {
   if (has_length_of_binary_stl(s.content)) return Mark::kCertain;
   return is_binary_stl(s.content) || is_text_stl(s.text) ? Mark::kPossible : Mark::kNone;

@@ -13,7 +13,7 @@
 
 namespace remesh {
 
-/// A file's content as the formats look at it to tell whether it is theirs.
+/// A file's content, in the form in which the formats check whether it is theirs.
 struct Sniffed {
   explicit Sniffed(std::string_view whole);
 
@@ -30,8 +30,8 @@ enum class Mark {
   kCertain,   ///< no other format looks like this, whatever its first words say
 };
 
-/// One format. The page and the documents have names of their own for it. The media type stands here although only the
-/// API and the daemon use it, because then one row is all that the code has to know of a format.
+/// One format. The web page and the documents name the formats on their own. The media type stands here although only
+/// the API and the daemon use it, because then one row is all that the code has to know of a format.
 struct FormatSpec {
   std::string_view name;    ///< the stable name: `obj`
   std::string_view ending;  ///< of a file's name, without the point
@@ -39,9 +39,9 @@ struct FormatSpec {
   Storage storage;  ///< the numbers in which it is written
   /// Looks at a content; null if the format is never recognised by its content.
   Mark (*mark)(const Sniffed& content) = nullptr;
-  /// Null if it is not read, or only above this library, as JSON is.
+  /// Null if the format is not read, or only above this library, as JSON is.
   ReadResult (*read)(std::string_view content, const ReadLimits& limits, RunControl& control) = nullptr;
-  /// Null if it is written only above this library, as JSON is.
+  /// Null if the format is written only above this library, as JSON is.
   std::string (*write)(const WriterInput& input, RunControl& control) = nullptr;
 };
 

@@ -12,7 +12,7 @@
 namespace remesh {
 namespace {
 
-/// The beginning, in lower case, of files that are often mistaken for meshes in our formats.
+/// The first bytes, in lower case, of files that users often take for meshes.
 struct ForeignMark {
   std::string_view begin;
   std::string_view name;

@@ -13,7 +13,7 @@ namespace remesh {
 /// True if the data begins with gzip's magic bytes.
 constexpr bool is_gzip(std::string_view content) { return content.starts_with("\x1f\x8b"); }
 
-/// The largest permitted number of decompressed bytes for that many compressed bytes.
+/// The max number of decompressed bytes that is permitted for this many compressed bytes.
 std::uint64_t most_decompressed(std::uint64_t compressed, const DecompressionLimits& limits);
 
 /// Decompresses gzip data of one or more consecutive members.

@@ -56,8 +56,8 @@ class Preparation {
 
   void measure() {
     const auto& positions = surface().positions.items();
-    // Local units are about as large as the diagonal. Spikes within the rounding of full doubles do not count for the
-    // area.
+    // Local units are about as large as the diagonal. Spikes as thin as the rounding of full doubles do not count for
+    // the area.
     const Triangulated triangles(surface(), control_, kToleranceFloor);
     summary_.statistics =
         measure_surface(positions, surface().face_begin, surface().corners, adjacency(), triangles.corners(), control_);
@@ -75,19 +75,19 @@ class Preparation {
     const double automatic = automatic_tolerance_of(rounding);
     summary_.plane_tolerance = options_.plane_tolerance.value_or(automatic);
     rounding_ = automatic;
-    // Facets of a curved surface need not bend to be rounded, and a few numbers do not prove that they are.
+    // Facets of a curved surface may be rounded without a visible bend, and a few numbers do not prove the rounding.
     const double possible = kToleranceSteps * std::max(rounding.step(), rounding.possible_step());
     prepared_.rounding_tolerance = std::max(automatic, std::min(possible, kPossibleRounding * diagonal_of_faces()));
     prepared_.printed_step = std::max(rounding.step(), rounding.doubtful_step());
     spike_rounding_ = std::min(kToleranceSteps * rounding.possible_step(),
                                kToleranceCeiling * summary_.statistics.bounding_box.diagonal());
-    // A caller who asks for more than the digits explain wants larger bends to be flattened, too.
+    // If the caller's tolerance is larger than the digits explain, the caller wants larger bends to be flattened, too.
     const bool are_digits_noise = rounding.is_decimal && automatic == kToleranceSteps * rounding.possible_step();
     if (are_digits_noise && summary_.plane_tolerance <= automatic) prepared_.printed_steps = rounding.possible_steps;
   }
 
   /// The diagonal of the bounding box of all faces with an area. A face without area may have a corner anywhere, which
-  /// says nothing about the size of the model.
+  /// has nothing to do with the size of the model.
   double diagonal_of_faces() {
     if (summary_.statistics.quality.min_angle_deg > 0) return summary_.statistics.bounding_box.diagonal();
     const FaceGeometries& of_face = prepared_.geometry(control_);
@@ -147,7 +147,7 @@ class Preparation {
     // Faces without area are dropped.
     if_changed(repair.degenerate && !are_clearly_sound() &&
                clean_faces(surface(), limits_.keep_verbatim, Mend::kYes, found, control_));
-    // Faces that repeat others are dropped.
+    // Faces that repeat other faces are dropped.
     const std::size_t place = found.size();
     std::vector<Diagnostic> repeated;
     // Polygons become comparable with the triangles that lie over them.
@@ -178,13 +178,13 @@ class Preparation {
         (is_split || mend_seams == Mend::kNo) && seams.close(surface(), adjacency(), mend_seams, control_);
     if_changed(is_joined_again);
     seams.tell(found);
-    // Faces on both sides of a seam, or of edges that were split, may repeat each other now, because they have had the
-    // same vertices only since then.
+    // Faces on both sides of a seam, or of edges that were split, may repeat each other now, because only since then do
+    // they have the same vertices.
     if ((is_joined || is_split || is_joined_again) && repair.duplicates &&
         drop_new_duplicates(repeated, is_repeated ? 1 : 0))
       if_changed(true);
     found.insert(found.begin() + static_cast<std::ptrdiff_t>(place), repeated.begin(), repeated.end());
-    // Walls that stand twice get edges of their own on each side.
+    // Double walls get separate edges on each side.
     if (repair.duplicates && limits_.is_joining_allowed)
       if_changed(part_double_walls(surface(), adjacency(), input_.labels, tolerance, limits_.keep_verbatim, control_));
     // Faces without a plane are split, and faces without area are dropped. Neither opens the surface.
@@ -223,8 +223,8 @@ class Preparation {
     return is_changed;
   }
 
-  /// Drops faces that repeat others only since seams have closed, if that opens nothing. It may open the surface,
-  /// because some parts of two copies may have become one, and others not.
+  /// Drops faces that repeat others since seams were closed, unless that would open the surface. It may do so if only
+  /// some parts of two copies have become one.
   /// Input:   `told` has the diagnostics on repeated faces so far. The first `dropped` of them are on faces that were
   ///          dropped.
   /// Output:  whether the surface changed. If it did, `told` has the diagnostics on both passes.
@@ -242,7 +242,7 @@ class Preparation {
     return true;
   }
 
-  /// Adds a finding to the diagnostic with the same message, or to the end.
+  /// Adds a finding to the diagnostic with the same message. If there is none, appends the finding to the list.
   static void add_to(std::vector<Diagnostic>& diagnostics, Diagnostic&& found) {
     const auto same = std::find_if(diagnostics.begin(), diagnostics.end(),
                                    [&](const Diagnostic& d) { return d.message == found.message; });
@@ -290,7 +290,7 @@ class Preparation {
   InputSummary& summary_;
   RunControl& control_;
   Prepared prepared_;
-  std::string holes_left_;      ///< what is said of them
+  std::string holes_left_;      ///< the text about the open holes
   double rounding_ = 0;         ///< in model units; how far the rounding of coordinates may move a point
   double spike_rounding_ = 0;   ///< in model units; the same for the step that the digits allow without proof
   bool is_as_measured_ = true;  ///< nothing has been mended since the surface was measured

@@ -20,7 +20,7 @@
 
 namespace remesh {
 
-/// The surface on which the later stages work, and what they need to know of it.
+/// The surface on which the later stages work, and the data about it that they need.
 class Prepared {
  public:
   Surface surface;
@@ -28,17 +28,18 @@ class Prepared {
   /// The steps of decimals that explain the tolerance, per axis and in model units; 0 if none do.
   Vec3 printed_steps = {};
   /// The distance from their surface that the rounding of the coordinates explains for corners of facets, in model
-  /// units: the automatic plane tolerance, or what the digits allow without proof. It does not depend on the options.
+  /// units: the automatic plane tolerance, or the larger distance that the digits allow without proof. It does not
+  /// depend on the options.
   double rounding_tolerance = 0;
   /// The step to which the coordinates may have been rounded, proven or not, in model units.
   double printed_step = 0;
 
-  /// Data about the surface. It is computed when it is asked for the first time.
+  /// Data about the surface. It is computed at the first call.
   const Adjacency& adjacency(RunControl& control);
   const FaceGeometries& geometry(RunControl& control);
   const std::vector<VertexId>& pinched(RunControl& control);  ///< see pinched_vertices
-  /// Frees the data. Call it if the surface has changed, or if nobody is likely to ask again: together the data is as
-  /// large as the surface.
+  /// Frees the data. Call it if the surface has changed, or if the data is unlikely to be needed again: together the
+  /// data is as large as the surface.
   void release() {
     order_ = {};
     adjacency_.reset();

@@ -80,14 +80,13 @@ Adjacency::Adjacency(std::size_t vertex_count, std::span<const std::uint32_t> fa
 }
 
 /// Sorts half-edges so that those of the same edge are next to each other, and finds their twins.
-/// Input:  The numbers of the half-edges are ascending. The smaller vertex of each is one of the vertices that begin
-///         with `first`; there are kVertices of these or fewer.
-/// Output: The number of edges that they have.
+/// Input:  The numbers of the half-edges are ascending. The smaller vertex of each half-edge is one of the kVertices or
+///         fewer vertices that begin with `first`.
+/// Output: The number of edges of these half-edges.
 std::uint32_t Adjacency::sort_part(std::size_t first, std::size_t vertices, std::span<std::uint32_t> half_edges,
                                    RunControl& control) {
   // This is a counting sort by the smaller vertex and by direction, and then a small sort by the larger vertex in each
-  // bucket.
-  // A small mesh takes as much of the table as it has vertices.
+  // bucket. A small mesh uses only as many entries of the table as it has vertices.
   std::array<std::uint32_t, 2 * kVertices + 1> table;
   const std::span<std::uint32_t> place = std::span(table).first(2 * vertices + 1);
   std::fill(place.begin(), place.end(), 0);

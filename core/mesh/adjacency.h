@@ -37,7 +37,7 @@ class Adjacency {
   /// Moves out all half-edges, in the order of their edges. The adjacency is of no use afterwards.
   std::vector<std::uint32_t, DefaultInit<std::uint32_t>> take_order() && { return std::move(half_edges_); }
   /// The edges without twins, ascending. An edge has twins if it has exactly two half-edges, and these run in opposite
-  /// directions. Most meshes have few edges without twins, and these are the ones that callers ask for.
+  /// directions. Most meshes have few edges without twins, and callers need only these.
   std::span<const EdgeId> odd_edges() const { return odd_edges_; }
   /// Finds the edge between two vertices. The result is invalid if there is none. Cost: O(log n).
   EdgeId find(VertexId a, VertexId b) const;

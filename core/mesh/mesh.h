@@ -13,7 +13,7 @@
 
 namespace remesh {
 
-/// Names and per-face indices of one kind of label (object, group or material).
+/// The names of one kind of label (object, group or material), and the index of each face's name.
 struct LabelSet {
   std::vector<std::string> names;
   /// One index into `names` per face, or empty if the mesh has no label of this kind.

@@ -19,8 +19,8 @@ class PinchSearch {
       : surface_(surface), edges_(edges), control_(control) {}
 
   std::vector<VertexId> run() {
-    // A walk around a vertex meets all its faces in most cases. If all walks together meet all corners, then each walk
-    // met all faces of its vertex, and no vertex is pinched.
+    // Most vertices have one fan, and one walk around the vertex meets all its faces. If all walks together meet all
+    // corners, then each walk met all faces of its vertex, and no vertex is pinched.
     find_corners();
     const auto met = map_blocks<std::size_t>(surface_.vertex_count(), kItemsPerBlock, control_,
                                              [&](std::size_t begin, std::size_t end) {
@@ -79,8 +79,8 @@ class PinchSearch {
     return count;
   }
 
-  /// Returns those of `odd` that have several fans: joins the corners at these vertices over edges of any kind, and
-  /// counts the parts. `fans` is the number of corners of each vertex.
+  /// Returns the vertices of `odd` that have several fans. It joins the corners at these vertices over edges of any
+  /// kind, and counts the connected parts. `fans` is the number of corners of each vertex.
   std::vector<VertexId> with_several_fans(const std::vector<VertexId>& odd, std::vector<std::uint32_t> fans) const {
     std::vector<std::uint8_t> is_odd(surface_.vertex_count(), 0);
     for (const VertexId v : odd) is_odd[v.value] = 1;

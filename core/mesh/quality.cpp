@@ -81,7 +81,7 @@ Range undo(const Scale& scale, const Range& range, int dimension) {
 }
 
 struct FaceMeasures {
-  /// The lengths below are multiplied by 2^grown, and products of two lengths by its square. The area is not.
+  /// The lengths below are multiplied by 2^grown, and products of two lengths by 2^(2 grown). The area is not.
   int grown = 0;
   double twice_area = 0;
   Vec3 normal;                            ///< its length is `twice_area`
@@ -94,7 +94,7 @@ struct FaceMeasures {
   double radius_edge_ratio = HUGE_VAL;  ///< infinite for zero area
   double aspect_ratio = HUGE_VAL;       ///< infinite for zero area
 
-  /// The angle in degrees. The sine of each angle is `twice_area` over the product of the two sides there.
+  /// The angle in degrees. The sine of each angle is `twice_area` over the product of the two sides at its corner.
   double angle(std::size_t corner) const { return std::atan2(twice_area, along[corner]) * kDegrees; }
 };
 
@@ -287,8 +287,8 @@ class Angles {
     count(m, 0, bin_of);
     count(m, 1, bin_of);
     count(m, 2, bin_of);
-    // The three values of `along` are the cosines times the lengths of the sides there, and `twice_area` is the sine
-    // times the same lengths. So the largest one belongs to the smallest angle.
+    // The three values of `along` are the cosines times the lengths of the two sides at the corner, and `twice_area` is
+    // the sine times the same lengths. So the largest one belongs to the smallest angle.
     const double least = std::min(std::min(m.along[0], m.along[1]), m.along[2]);
     const double most = std::max(std::max(m.along[0], m.along[1]), m.along[2]);
     if (const Direction d{most, m.twice_area}; d.is_before(smallest_)) smallest_ = d;
@@ -322,7 +322,7 @@ class Angles {
 
   [[gnu::always_inline]] void count(const FaceMeasures& m, std::size_t corner, const BinsByCosine& bin_of) {
     const double cosine = m.cosine[corner];
-    // Right angles are frequent, and each would need the arc tangent otherwise.
+    // Right angles are frequent, and without this test each would cost an arc tangent.
     if (std::fabs(cosine) < 1e-12) {
       ++counts_[m.along[corner] > 0 ? kRightAngle - 1 : kRightAngle];
       return;
@@ -551,7 +551,7 @@ MeshStatistics measure_surface(std::span<const Vec3> positions, std::span<const 
   out.euler = static_cast<std::int64_t>(out.vertices) - static_cast<std::int64_t>(edges.edges) +
               static_cast<std::int64_t>(out.faces);
 
-  // The volume is measured from the middle of the box, because far from the origin it would be lost in rounding errors.
+  // The volume is measured from the middle of the box, because far from the origin rounding errors would exceed it.
   Vec3 centre;
   if (!out.bounding_box.is_empty()) centre = 0.5 * (scale(out.bounding_box.min) + scale(out.bounding_box.max));
   const std::size_t count = triangles.size() / 3;

@@ -14,7 +14,7 @@
 
 namespace remesh {
 
-/// The quality of one triangle. If its area is zero, its angle is 0, and so are its ratios, which would be infinite.
+/// The quality of one triangle. If its area is zero, its angle is 0, and so are its ratios (0 stands for infinite).
 struct FaceQuality {
   double min_angle_deg = 0;
   double radius_edge_ratio = 0;
@@ -29,14 +29,14 @@ IdVector<FaceId, FaceQuality> face_quality(const TriangleMesh& mesh, RunControl&
 
 /// Computes counts, areas and topology of a polygon surface.
 /// - `vertices` does not count vertices that no face uses.
-/// - `euler` is V - E + F of what is used.
+/// - `euler` is V - E + F of the vertices, edges and faces that are counted.
 /// - `closed` means that every edge has exactly two half-edges, whether or not they run in opposite directions.
 /// - `volume` is the signed volume that the surface encloses. It is empty unless the surface is closed and consistently
 ///   wound.
 /// - `components` counts the parts of the surface. Faces that share a vertex belong to the same part.
-/// - `quality`, `area` and `volume` are those of the triangles. A polygon without a plane has no area and bounds no
-///   volume but those of the triangles that stand for it. If a polygon crosses itself, the caller knows how much of
-///   their area lies on itself (`Triangulated::excess_area`).
+/// - `quality`, `area` and `volume` are those of the triangles. A polygon that is not plane counts with the area and
+///   the volume of its triangles. If a polygon crosses itself, the caller knows how much of their area lies on itself
+///   (`Triangulated::excess_area`).
 /// - Quality follows Verdict's definitions. Triangles of zero area count with angle 0. They are left out of the means
 ///   and maxima of ratios, so a ratio that is not finite is never reported.
 /// Input:  `triangles`: the triangles that the faces are cut into, three corners each; equal to `corners` if all faces

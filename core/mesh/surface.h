@@ -14,7 +14,7 @@
 
 namespace remesh {
 
-/// Faces that will replace those of a surface.
+/// Faces that will replace the faces of a surface.
 struct FaceList {
   std::vector<std::uint32_t> face_begin{0};
   std::vector<VertexId> corners;
@@ -88,8 +88,8 @@ struct Surface {
     return q;
   }
 
-  /// Calls `take` with each input face from which some of the given faces came. The given faces are ascending. Each
-  /// input face is passed once, even if it was split.
+  /// Calls `take` with each input face from which some of the given faces came. The given faces are ascending. An input
+  /// face that was split is passed only once.
   template <class Take>
   void for_each_source(std::span<const FaceId> of_faces, Take take) const {
     FaceId last;
@@ -97,7 +97,7 @@ struct Surface {
       if (face_source[f] != last) take(last = face_source[f]);
   }
 
-  /// Replaces the faces by these, none of which closes a hole. They use the surface's own vertices.
+  /// Replaces the faces by these. The new faces use the surface's own vertices, and none of them closes a hole.
   void take_faces(FaceList&& faces) {
     face_begin = std::move(faces.face_begin);
     corners = std::move(faces.corners);
@@ -106,7 +106,8 @@ struct Surface {
     covers = {};
     caps.clear();
   }
-  /// Copies all that still belongs to the mesh from which the surface was made, so that the surface no longer needs it.
+  /// Copies all data that still belongs to the mesh from which the surface was made, so that the surface no longer
+  /// needs that mesh.
   void detach() {
     positions.detach();
     face_begin.detach();

@@ -120,8 +120,8 @@ class Recovery {
 
   void fill() {
     for (const std::uint32_t t : cavity_) in_cavity_[t] = 1;
-    // An edge that has the cavity on both its sides hangs in it. Such an edge occurs twice in the chains, once for each
-    // side.
+    // An edge with the cavity on both its sides hangs in the cavity. Such an edge occurs twice in the chains, once for
+    // each side.
     outer_.clear();
     for (const Chain* chain : {&left_, &right_})
       for (const std::uint32_t inner : chain->inner) {
@@ -255,7 +255,7 @@ TriangulationOutcome constraint_recovery(std::span<const Vec2> points, std::span
     ++met[u];
     ++met[v];
   }
-  // Most segments are edges already. These are found fastest in the order of the loops.
+  // Most segments are edges already. The fastest order to find these is the order of the loops.
   std::vector<Segment> missing;
   for (std::size_t i = 0; i < segments.size(); ++i) {
     if (i % 256 == 0) control.check_and_move();

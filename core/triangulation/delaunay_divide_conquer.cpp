@@ -127,7 +127,7 @@ class DivideAndConquer {
       if (target_point(h) < origin_point(part.first)) part.first = sym(h);
       h = left_next(h);
     } while (h != start);
-    // `first` began as a hull edge of the old frame, counter-clockwise as it must be; so did `last`.
+    // Both `first` and `last` began as hull edges of the old frame, so their directions along the hull are right.
     return part;
   }
 

@@ -22,7 +22,7 @@ DelaunayMesh::DelaunayMesh(const Triangulation2d& mesh, std::span<const Vec2> po
                            std::span<const std::uint32_t> sides, Scratch& scratch,
                            std::span<const std::uint32_t> number, std::pmr::memory_resource* memory)
     : DelaunayMesh(scratch, memory) {
-  // Most meshes that grow at all become about twice as large. Reserving that much at once spares copies.
+  // Most meshes that grow at all become about twice as large. Reserving that much memory at once saves copies.
   const std::uint32_t n = mesh.half_edge_count();
   points_.reserve(2 * points.size());
   edge_at_.reserve(2 * points.size());
@@ -41,7 +41,7 @@ DelaunayMesh::DelaunayMesh(const Triangulation2d& mesh, std::span<const Vec2> po
   }
   half_edge_of_side_.assign(sides.begin(), sides.end());
   for (std::uint32_t s = 0; s < sides.size(); ++s) twin_[sides[s]] = kConstraint | s;
-  // Where a constraint of `mesh` is not among `sides`, the edge may not be Delaunay.
+  // A constraint of `mesh` that is not among `sides` is released, and its edge may not be Delaunay.
   scratch.stack.clear();
   for (std::uint32_t h = 0; h < n; ++h)
     if (mesh.is_constrained(h) && !is_constrained(h)) scratch_->stack.push_back(h);

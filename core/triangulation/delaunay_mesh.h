@@ -21,20 +21,20 @@ namespace remesh {
 /// Holds: After each operation this is the unique constrained Delaunay triangulation of its points. Cocircular points
 ///        are decided as in `in_circle_perturbed`. No triangle is degenerate or turned over.
 /// This class is larger than the bound because all its operations change the same arrays of corners, twins and sides:
-/// each of them must leave these arrays such that the promises under Holds are true for the others.
+///        each operation must keep the promises under Holds, on which the other operations rely.
 class DelaunayMesh {
  public:
-  /// This is one edge of a cavity's rim, seen from inside. It belongs to a triangle that would be removed.
+  /// One edge of a cavity's rim, seen from inside. It belongs to a triangle that would be removed.
   struct RimEdge {
     std::uint32_t from, to;
     std::uint32_t outside;  ///< the entry of that half-edge in `twin_`: its twin, or the constraint bit and its side
   };
-  /// Operations use this scratch memory. One object can serve many meshes, one after the other.
+  /// The scratch memory of all operations. One object can serve many meshes, one after the other.
   struct Scratch {
     std::vector<std::uint32_t> cavity, stack, changed, ring;
-    std::vector<RimEdge> front;  ///< edges that are either on the rim or inside the cavity; not yet decided
+    std::vector<RimEdge> front;  ///< edges that are on the rim or inside the cavity, which is not decided yet
     std::vector<RimEdge> rim;
-    std::uint64_t visited = 0;  ///< triangles that walks went through and cavities have, since this object was made
+    std::uint64_t visited = 0;  ///< triangles passed by walks and contained in cavities, since this object was made
   };
 
   /// `scratch` and `memory` must outlive the mesh.
@@ -64,7 +64,7 @@ class DelaunayMesh {
   std::uint32_t to(std::uint32_t h) const { return corner_[next(h)]; }
   std::uint32_t apex(std::uint32_t h) const { return corner_[previous(h)]; }
   bool is_constrained(std::uint32_t h) const { return (twin_[h] & kConstraint) != 0; }
-  /// Prefetches the memory of a triangle that will be looked at soon. The triangle may have changed by then.
+  /// Prefetches the memory of a triangle that will be read soon. The triangle may have changed by then.
   void prefetch(std::uint32_t half_edge, const std::array<std::uint32_t, 3>& corners) const {
     __builtin_prefetch(&corner_[half_edge]);
     __builtin_prefetch(&twin_[half_edge]);
@@ -100,8 +100,8 @@ class DelaunayMesh {
   /// Inserts the point of a cavity that has room for it. The cavity must be the one that was found last. Returns the
   /// new vertex.
   std::uint32_t fill_cavity(const Cavity& cavity);
-  /// Returns how many triangles the walks of `locate` went through and the cavities had. The difference of two such
-  /// numbers measures the work between them.
+  /// Returns the number of triangles that the walks of `locate` have passed and the cavities have contained. The
+  /// difference of two such numbers measures the work between them.
   std::uint64_t visited() const { return scratch_->visited; }
 
   static bool is_constrained(const RimEdge& e) { return (e.outside & kConstraint) != 0; }

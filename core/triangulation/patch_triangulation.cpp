@@ -14,7 +14,7 @@ namespace {
 /// Above this many points, the long triangles of the sweep cost more flips than divide and conquer costs merges.
 constexpr std::size_t kSweepLimit = 256;
 
-/// Most patches of curved models are a single triangle. No decision is left to make for these.
+/// Most patches of curved models are a single triangle, which needs no triangulation.
 bool is_single_triangle(std::span<const Vec2> points, std::span<const Segment> edges) {
   return points.size() == 3 && edges.size() == 3 && edges[0][1] == edges[1][0] && edges[1][1] == edges[2][0] &&
          edges[2][1] == edges[0][0];

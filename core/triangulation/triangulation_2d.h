@@ -71,8 +71,8 @@ class Triangulation2d {
   /// A half-edge that leaves point p, or kNoHalfEdge if no triangle has p. Requires index_points().
   std::uint32_t edge_at(std::uint32_t p) const { return edge_at_[p]; }
 
-  /// Removes the triangles whose entry in `keep` is 0; the others stay in order. A twin that is removed becomes
-  /// kNoHalfEdge. Drops the index.
+  /// Removes the triangles whose entry in `keep` is 0; the other triangles stay in order. A twin that is removed
+  /// becomes kNoHalfEdge. Drops the index.
   void compact(const std::vector<std::uint8_t>& keep);
 
   void reserve(std::size_t triangles) {

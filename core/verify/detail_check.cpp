@@ -42,8 +42,8 @@ class DetailProof {
   }
 
  private:
-  /// The edge of the surface before on which a point lies, and how far along it; the ends are invalid for a point
-  /// inside a face.
+  /// The edge of the first surface on which a point lies, and how far along it; the ends are invalid for a point inside
+  /// a face.
   struct OnEdge {
     VertexId from, to;
     double at = 0;
@@ -56,7 +56,7 @@ class DetailProof {
     return *std::lower_bound(claim_.map.anchors.begin(), claim_.map.anchors.end(), point,
                              [](const DetailMap::Anchor& a, VertexId v) { return a.vertex < v; });
   }
-  /// Returns where a point goes.
+  /// Returns the place to which a point goes.
   Vec3 goal(VertexId point) const {
     if (!is_anchored(point)) return scale_ * claim_.positions_after[image(point).value];
     const DetailMap::Anchor& to = anchor(point);
@@ -141,7 +141,7 @@ class DetailProof {
   /// Finds the edge on which both ends of a cut lie.
   OnEdge between(const DetailMap::Cut& cut) const {
     const OnEdge a = on_edge_[cut.from.value], b = on_edge_[cut.to.value];
-    // A vertex lies on all of its edges, here on the one that the other end names.
+    // A vertex lies on all of its edges. The edge that counts here is the one to the other end.
     std::array<VertexId, 4> ends{a.from, a.to, b.from, b.to};
     std::sort(ends.begin(), ends.end());
     const auto last = std::unique(ends.begin(), ends.end());
@@ -169,7 +169,7 @@ class DetailProof {
     return at == pieces.size();
   }
 
-  /// Returns whether edges, of which those in opposite directions cancel, run around a face once.
+  /// Returns whether edges, after those in opposite directions have cancelled, run around a face once.
   bool is_outline(const Triangle& face, std::vector<Edge>& edges) const {
     std::sort(edges.begin(), edges.end());
     std::vector<Edge> left;
@@ -274,8 +274,8 @@ class DetailProof {
     return shape;
   }
 
-  /// Counts the rims that are closed: rims before whose images have no vertex at an open edge. Rims whose images hang
-  /// together count once.
+  /// Counts the rims that are closed: rims of the first surface whose images have no vertex at an open edge. Rims with
+  /// connected images count once.
   std::int64_t count_closed_rims(const std::vector<Edge>& before, const std::vector<Edge>& after) const {
     const std::size_t vertices = claim_.positions_after.size();
     std::vector<std::uint32_t> parent(vertices);

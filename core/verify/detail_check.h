@@ -1,4 +1,4 @@
-/// Proves how far a surface is from one without its details.
+/// Proves the distance between a surface and the same surface without its details.
 #pragma once
 
 #include <optional>
@@ -22,19 +22,19 @@ struct DetailClaim {
 };
 
 /// Tests a map from one surface onto another. It shares no code with the removal of details.
-/// Output:  how far any point of either surface is from the other surface at most, in model units. That is as far as a
-///          corner of a piece moves, plus rounding. Nothing if the map proves nothing. It does if all of the following
-///          holds:
-/// - The pieces of each triangle cover it: what is left of their edges, where edges in opposite directions cancel, is
+/// Output: the max distance of any point of either surface from the other surface, in model units. It is the max move
+///         of a corner of a piece, plus rounding. The result is empty if the map proves nothing. The map is a proof if
+///         all of the following holds:
+/// - The pieces of each triangle cover it: after edges in opposite directions have cancelled, their remaining edges are
 ///   the triangle's outline, with points on it in their order along the edges.
-/// - Each piece becomes a face of the other surface, or an edge or a vertex of one, and each face is what exactly one
-///   piece becomes, with its corners in the same order. So every closed surface stays closed.
-/// - Or all corners of a piece are anchored at one point of a face of the other surface. Then all pieces that it hangs
-///   together with are, too.
-/// - The Euler number of what is not anchored has not grown, as it would by 2 if a handle were pinched off. It may grow
-///   by 1 with each rim whose image has no open edge left, as that of a slit; rims whose images hang together count
-///   once. It falls by 1 with each flap that goes and has two
-///   sides, since the two sides are a closed surface of their own.
+/// - Each piece becomes a face of the other surface, or an edge or a vertex of one. Exactly one piece becomes each
+///   face, with its corners in the same order. So every closed surface stays closed.
+/// - Or all corners of a piece are anchored at one point of a face of the other surface. Then so are all pieces that
+///   are connected with it.
+/// - The Euler number of the part that is not anchored has not grown. It would grow by 2 if a handle were pinched off.
+///   It may grow by 1 with each rim whose image has no open edge left, for example the rim of a slit; rims with
+///   connected images count once. It falls by 1 with each removed flap that has two sides, because the two sides are a
+///   closed surface of their own.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:    O(n log n).
 std::optional<double> prove_details(const DetailClaim& claim, RunControl& control);

@@ -24,7 +24,8 @@ namespace {
 
 using verification::Standing;
 
-/// The limits of the search for intersections, which has to find all new ones if those of before are all known.
+/// The limits of the search for intersections. If the intersections of the verified mesh are all known, the search has
+/// to find all new ones.
 SearchLimits limits_of_search(const StoredClaim& claim) {
   SearchLimits limits(SearchLimits::kEnoughPairs);
   const InputIntersections* const known = claim.intersections;
@@ -208,8 +209,8 @@ class StoredCheck {
   bool is_any_moved() const {
     return has_origin_ || std::any_of(runs_.begin(), runs_.end(), [](const FaceRun& run) { return run.is_moved; });
   }
-  /// With an origin, every vertex counts as moved. Even a point that a reader gets back exactly was rounded when the
-  /// origin was subtracted.
+  /// With an origin, every vertex counts as moved. Even if a reader gets back the exact point, the point was rounded
+  /// when the origin was subtracted.
   bool is_moved(std::size_t f) const {
     const auto& [a, b, c] = claim_.faces[f];
     return has_origin_ || moves_[a.value] != 0 || moves_[b.value] != 0 || moves_[c.value] != 0;
@@ -236,8 +237,8 @@ class StoredCheck {
                      [&](std::size_t f) { return is_moved(f) && is_turned_over(f); });
   }
 
-  /// A triangle that had an area and pointed along its patch's normal, as far as doubles tell, must still do so. A
-  /// triangle that did not may point anywhere, but it must not lose the area that it has.
+  /// A triangle that had an area and pointed along its patch's normal, as far as doubles tell, must still do so. Any
+  /// other triangle may point in any direction, but must not lose its area.
   bool is_turned_over(std::size_t f) const {
     const PatchId p = claim_.face_patch[f];
     const auto after = corners(claim_.stored, f);
@@ -278,8 +279,8 @@ class StoredCheck {
     return std::binary_search(faces.begin(), faces.end(), FaceId(f));
   }
 
-  /// True if the face was listed for a bound that varies from place to place. The check of the verified mesh has
-  /// tested that it may be listed.
+  /// True if the face was listed for a bound that varies from place to place. The check of the verified mesh has tested
+  /// whether it may be listed.
   bool is_listed_for_sizes(FaceId f) const {
     const auto before = std::lower_bound(claim_.unrefined_before.begin(), claim_.unrefined_before.end(), f);
     return before != claim_.unrefined_before.end() && *before == f &&
@@ -319,14 +320,13 @@ class StoredCheck {
     return count == 0 || fail(StoredFault::kNewIntersections, count);
   }
 
-  /// Marks the patches of which it is certain that none of their faces meets another face of the same patch, or for
-  /// which that does not matter because they met before.
-  ///
-  /// Suppose that all triangles of a patch are positive, seen along an axis. Then the number of triangles over a
-  /// point is the number of times that the patch's boundary winds around it. The boundary winds at most once if it
-  /// was simple before and no two of its edges meet now. The edges do not meet if the triangles at them do not. So
-  /// only the triangles at the boundary are compared with each other, in the plane. If they meet, or if some triangle
-  /// is not positive, the patch is not called simple, and patch_intersections looks at all of its triangles in space.
+  /// Marks the patches in which certainly no face meets another face of the same patch, and the patches for which that
+  /// does not matter because such faces met before rounding.
+  /// Suppose that all triangles of a patch are positive, seen along an axis. Then the number of triangles over a point
+  /// is the number of times that the patch's boundary winds around it. The boundary winds at most once if it was simple
+  /// before and no two of its edges meet now. The edges do not meet if the triangles at them do not. So only the
+  /// triangles at the boundary are compared with each other, in the plane. If they meet, or if some triangle is not
+  /// positive, the patch is not called simple, and patch_intersections tests all of its triangles in space.
   std::vector<std::uint8_t> simple_patches() {
     struct Seen {
       std::uint64_t faces = 0;
@@ -352,14 +352,14 @@ class StoredCheck {
     return is_simple;
   }
 
-  /// Removes the mark `is_simple` from those of the given patches whose triangles at the boundary meet in the plane.
+  /// Removes the mark `is_simple` from those given patches whose triangles at the boundary meet in the plane.
   void find_overlaps(const std::vector<std::uint8_t>& is_asked, std::vector<std::uint8_t>& is_simple) {
     const std::vector<std::uint8_t> is_rim = rim_vertices();
     const auto rim = select_ids<FaceId>(claim_.faces.size(), kItemsPerBlock, control_, [&](std::size_t f) {
       const auto& [a, b, c] = claim_.faces[f];
       return is_asked[claim_.face_patch[f].value] != 0 && is_rim[a.value] + is_rim[b.value] + is_rim[c.value] >= 2;
     });
-    // Each patch gets its own plane above the others, and its own vertices.
+    // The faces of each patch are copied onto a plane of its own, with vertices of its own.
     using Key = std::pair<PatchId, VertexId>;
     std::vector<Key> keys;
     keys.reserve(3 * rim.size());
@@ -396,7 +396,7 @@ class StoredCheck {
 
   /// Marks the vertices on the boundary of a patch: they have faces of several patches, or the faces around them are
   /// not closed. Around an inner vertex, every neighbour is once the next corner of a face and once the previous one.
-  /// So if the neighbours' numbers are added for one and subtracted for the other, they cancel.
+  /// So if the neighbours' numbers are added as next corners and subtracted as previous corners, the sum is 0.
   std::vector<std::uint8_t> rim_vertices() {
     std::vector<std::atomic<std::uint64_t>> sum(claim_.stored.size());
     std::vector<std::atomic<std::uint32_t>> patch(claim_.stored.size());

@@ -34,16 +34,16 @@ struct StoredClaim {
   /// `refinement`.
   std::span<const FaceId> unrefined_before = {};
   std::span<const UnrefinedReason> reasons_before = {};
-  /// For each of these faces, true if it is larger than gaps or short edges ask for. Rounding does not change that.
+  /// For each of these faces, true if it is larger than gaps or short edges allow. Rounding does not change that.
   std::span<const std::uint8_t> misses_sizes_before = {};
   /// For each patch, true if it is curved. Then its normal is not read. Empty means that all patches are planes.
   std::span<const std::uint8_t> is_curved = {};
 };
 
 /// The goals that a triangle must meet once its corners have moved by up to `move`. The bound on angles does not
-/// change. The bounds on edges and areas grow by as much as such a move can enlarge a triangle that just meets them,
-/// but by no more than a millionth of themselves. For example, a cube with ten edges of 0.1 along each side is not at
-/// fault, although 0.1 is not a float.
+/// change. The bounds on edges and areas grow by the amount by which such a move can enlarge a triangle that just meets
+/// them, but by at most a millionth of the bound. For example, a cube with ten edges of 0.1 along each side meets a
+/// bound of 0.1, although 0.1 is not a float.
 Goals goals_after_rounding(const Goals& goals, double move);
 
 enum class StoredFault {
@@ -62,7 +62,7 @@ enum class StoredFault {
 struct StoredVerdict {
   std::optional<StoredFault> fault;  ///< the fault of the first test that failed; later tests are not made then
   std::uint64_t count = 0;           ///< number of elements with that fault
-  double largest_move = 0;           ///< largest distance by which a vertex moved, measured on what a reader gets
+  double largest_move = 0;           ///< largest distance by which a vertex moved, as a reader gets it
   std::vector<double> patch_moves;   ///< the largest move among the vertices of each patch
   double volume_bound = 0;           ///< bound on the change of volume, if the mesh is closed
   bool has_intersections = false;  ///< false: no vertex has moved, so the intersections are those of the verified mesh
@@ -74,12 +74,13 @@ struct StoredVerdict {
 /// Compares the stored mesh with the verified one.
 /// Output:  a verdict without a fault if all of these are true:
 ///          - Every stored coordinate is a finite number of the format.
-///          - No vertex moved by more than permitted, measured on what a reader gets: origin + stored, in doubles.
+///          - No vertex moved by more than permitted, measured on the coordinates that a reader gets: origin + stored,
+///            in doubles.
 ///          - No two vertices are at the same place.
-///          - Every triangle has an area and points along its patch's normal, except those that did not before. A
-///            triangle of a curved patch does not point against where it pointed before.
+///          - Every triangle has an area and points along its patch's normal, except triangles that did not before. A
+///            triangle of a curved patch does not point against its direction before rounding.
 ///          - The faces that miss the goals (see goals_after_rounding) are in `refinement->unrefined`. The other faces
-///            in that list are in `unrefined_before` too, because they are larger than gaps or short edges ask for. A
+///            in that list are in `unrefined_before` too, because they are larger than gaps or short edges allow. A
 ///            face with the reason kOutputRounding is not in `unrefined_before`. Every other reason is the one that the
 ///            face has there.
 ///          - Faces intersect (patch_intersections.h) only where their patches do in the verified mesh.

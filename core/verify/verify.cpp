@@ -63,7 +63,7 @@ class DelaunayCheck {
 
   void check(const Edge& edge, std::vector<FoundFault>& found) const {
     const Side left(edge.uses[0].half_edge), right(edge.uses[1].half_edge);
-    // Triangles without sound coordinates have been reported, or are the input's own and are exempt.
+    // Triangles without sound coordinates have been reported, or are triangles of the input and exempt.
     if (!is_positive_[left.face] || !is_positive_[right.face]) return;
     const PatchId patch = edge.uses[0].patch();
     const auto& uv = model_.corner_uv;
@@ -109,7 +109,7 @@ void check_whole(const Model& model, const EdgeCounts& input, std::int64_t input
     faults.add(PatchId(), Fault::kVolume);
 }
 
-/// The search ends after so many pairs that the input does not have.
+/// After this number of pairs that the input does not have, the search ends.
 constexpr std::size_t kMinUnexpected = 1 << 12, kUnexpectedPerPatch = 8;
 
 /// Writes the pairs of output faces that intersect to the verdict.
@@ -119,10 +119,10 @@ void check_intersections(const Claim& claim, const std::vector<std::uint8_t>& is
   if (!std::all_of(claim.positions.begin(), claim.positions.end(), [](const Vec3& p) { return is_finite(p); })) return;
   std::vector<Vec3> normals;
   normals.reserve(claim.frames.size());
-  // The frame of a curved patch has not been tested. Any direction serves such a patch.
+  // The frame of a curved patch has not been tested. Any direction will do for such a patch.
   for (const Frame& frame : claim.frames)
     normals.push_back(std::fabs(norm(frame.normal) - 1) <= 1e-12 ? frame.normal : Vec3{0, 0, 1});
-  // In its plane, a patch of positive triangles covers nothing twice that its boundary does not.
+  // In its plane, a patch of positive triangles covers no point twice unless its boundary does.
   std::vector<std::uint8_t> is_simple(claim.frames.size(), 1);
   StopCheck check(control);
   for (std::size_t f = 0; f < claim.faces.size(); ++f) {
@@ -131,8 +131,8 @@ void check_intersections(const Claim& claim, const std::vector<std::uint8_t>& is
   }
   static const InputIntersections kNoIntersections;
   const InputIntersections& known = claim.intersections != nullptr ? *claim.intersections : kNoIntersections;
-  // If the input's intersections are not all known, nothing is proven from those of the output. Then some are enough to
-  // show where they are. Otherwise the search goes on, however long it takes.
+  // If the input's intersections are not all known, those of the output prove nothing. Then a few are enough to show
+  // where they are. Otherwise the search continues, however long it takes.
   SearchLimits limits(SearchLimits::kEnoughPairs);
   if (!known.is_complete) {
     limits.max_steps = SearchLimits::few_steps_for(claim.faces.size());
@@ -140,7 +140,7 @@ void check_intersections(const Claim& claim, const std::vector<std::uint8_t>& is
     limits.is_expected = [&](FaceId f, FaceId g) {
       return known.has(claim.face_patch[f.value], claim.face_patch[g.value]);
     };
-    // One of these pairs makes the result fail. So many show nearly all patches that have any.
+    // A single one of these pairs makes the result fail. This number of pairs shows nearly all patches that have any.
     limits.max_unexpected = kMinUnexpected + kUnexpectedPerPatch * claim.frames.size();
     const std::uint64_t few = SearchLimits::few_steps_for(claim.faces.size());
     (faults.is_any() ? limits.max_steps : limits.max_steps_with_unexpected) = few;
@@ -183,7 +183,8 @@ class Verification::Tests {
   bool has_failed() const { return faults_.is_any(); }
 
   Verdict finish() {
-    // Sizes that vary take as long to check as all the rest. A result that has failed already is not held against them.
+    // Checking sizes that vary takes as long as all other tests. A result that has failed already is not checked for
+    // them.
     const Goals* const goals = claim_.refinement != nullptr ? &claim_.refinement->goals : nullptr;
     const bool do_sizes_vary = goals != nullptr && (goals->proximity > 0 || goals->gradation > 0);
     const bool are_goals_checked = is_well_formed_ && goals != nullptr && !(do_sizes_vary && has_failed());
@@ -201,10 +202,10 @@ class Verification::Tests {
     const Model& model = *model_;
     control_.progress(0.2);
 
-    // This checks the faces that were made of the input's polygons.
+    // Checks the faces that were made of the input's polygons.
     check_polygons(claim_, model, faults_, control_);
 
-    // This finds the faces that use each edge, before and after.
+    // Finds the faces that use each edge, in the input and in the output.
     std::optional<EdgeTable> edges_before;
     std::optional<BoundaryGraph> seams_before, seams_after;
     const auto look_at = [&](const Faces& faces, std::span<const std::uint32_t> order, std::optional<EdgeTable>& edges,
@@ -212,18 +213,19 @@ class Verification::Tests {
       edges.emplace(model.points.size(), faces, order, control_);
       seams.emplace(model.points.size(), edges->take_bounding(), control_);
     };
-    // The input is mostly the larger one. It is read on this thread, whose memory comes from where all the rest was.
+    // In most cases the input is the larger one. It is read on this thread, whose memory is near all other memory of
+    // the run.
     do_all([&] { look_at(model.output, {}, output_edges_, seams_after); },
            [&] { look_at(model.input, claim_.surface_edge_order, edges_before, seams_before); });
     seams_.emplace(*std::move(seams_before), *std::move(seams_after));
     check_caps(claim_, model, *edges_before, faults_, control_);
     control_.progress(0.6);
 
-    // This checks that loops are preserved and edges conform.
+    // Checks that loops are preserved and edges conform.
     const Boundary boundary = check_boundary(model, *seams_, faults_, control_);
     control_.progress(0.8);
 
-    // This checks that each patch is the same piece of surface and that its triangles are sound.
+    // Checks that each patch is the same piece of surface and that its triangles are sound.
     std::vector<std::uint8_t> is_positive;
     const ShapeSums shapes =
         check_shapes(model, *edges_before, *seams_, boundary, is_positive, verdict_.patch_bounds, faults_, control_);

@@ -1,8 +1,7 @@
-/// The independent check of the promises. It shares no decision with the stages. It has its own edges and its own
-/// exact arithmetic, and takes from the pipeline only what the pipeline claims. Three tools are shared: the search
-/// for intersections (patch_intersections); boxes and distances (BoxTree, nearest_on_triangle), which are used for
-/// faces that lie folded over their patch and for gaps; and the triangles of polygons (split_polygon), which are used
-/// for gaps.
+/// The independent check of the promises. It shares no decision with the stages. It has its own edges and its own exact
+/// arithmetic, and takes nothing but the claim from the pipeline. Three tools are shared: the search for intersections
+/// (patch_intersections); boxes and distances (BoxTree, nearest_on_triangle), which are used for faces that lie folded
+/// over their patch and for gaps; and the triangles of polygons (split_polygon), which are used for gaps.
 #pragma once
 
 #include <memory>
@@ -42,8 +41,8 @@ namespace remesh {
 ///   and no T-junction.
 /// - Faces intersect (patch_intersections.h) only where their patches do in the input. If the input's
 ///   intersections are all known, this is tested for all faces, however many intersections there are. If the search in
-///   the input was cut short, it is not tested, since any intersection of the output may be one of the input;
-///   `are_all_intersections_known` tells.
+///   the input was cut short, it is not tested, because any intersection of the output may be one of the input;
+///   `are_all_intersections_known` is false then.
 ///
 /// `delaunay`:
 /// - The stored plane coordinates are the projections of the vertices. This and the next are tested for planes.
@@ -66,11 +65,12 @@ namespace remesh {
 /// Cost:    O(n log n).
 Verdict verify(const Claim& claim, RunControl& control);
 
-/// The check in two steps. Finding the faces that miss sizes that vary takes as long as all the rest, so the pipeline
-/// does that only for a result that has passed the first step.
+/// The check in two steps. The test for sizes that vary takes as long as all other tests, so the pipeline makes it only
+/// for a result that has passed the first step.
 class Verification {
  public:
-  /// Tests all but the goals of refinement. Until finish(), `claim.refinement` need not list faces that miss them.
+  /// Tests all promises except the goals of refinement. Until finish(), `claim.refinement` need not list faces that
+  /// miss the goals.
   /// Input: the claim must outlive this object.
   Verification(const Claim& claim, RunControl& control);
   ~Verification();

@@ -30,7 +30,7 @@ class AddressCounts {
   };
 
   /// Counts one more connection of a numeric address.
-  /// Output: nothing if the address has as many as are permitted.
+  /// Output: nothing if the address has the max number of connections already.
   std::optional<Place> enter(const std::string& address);
 
  private:

@@ -24,7 +24,9 @@ AllowedHosts::AllowedHosts(std::string_view names) {
   for (const std::string_view text : list_elements(names)) {
     const Host host = parse_host(text);
     if (text != kAnyHost && (!host.port.empty() || host.name.empty() || !is_name(host.name))) {
-      throw std::invalid_argument("\"" + std::string(text) + "\" is no name such as mesh.example.org (without a port)");
+      throw std::invalid_argument("\"" + std::string(text) +
+                                  "\" is not a DNS name without a port, such as "
+                                  "mesh.example.org");
     }
     names_.push_back(host.name);
   }

@@ -36,8 +36,8 @@ std::vector<Sha256> read_keys(const std::string& path) {
   return digests;
 }
 
-/// The key that a request shows.
-/// Output: empty if it shows none.
+/// The key that a request sends.
+/// Output: empty if it sends none.
 std::string_view shown_key(const RequestHead& head) {
   constexpr std::string_view kScheme = "bearer ";
   const std::string_view authorization = head.header("authorization");
@@ -47,8 +47,8 @@ std::string_view shown_key(const RequestHead& head) {
 }
 
 /// The owner that a key stands for.
-/// Input: `digest` - of the key. It is hashed again, so that the digests used for comparison are not stored in a
-///        database.
+/// Input: `digest` - of the key. The digest is hashed again, so that no database stores the digests that are used for
+///        comparison.
 std::string owner_of(const Sha256& digest) {
   return hex(sha256({reinterpret_cast<const char*>(digest.data()), digest.size()})).substr(0, 32);
 }

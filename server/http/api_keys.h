@@ -14,7 +14,7 @@
 
 namespace remesh::server {
 
-/// Stores digests of the keys, never the keys. Threads may ask while the file is read again.
+/// Stores digests of the keys, never the keys. Threads may call it while the file is read again.
 class ApiKeys {
  public:
   static constexpr std::size_t kShortest = 16;
@@ -32,21 +32,21 @@ class ApiKeys {
   /// True if no key is required.
   bool is_open() const { return !asks_; }
   std::size_t count() const { return current()->size(); }
-  /// True if a request shows one of the keys, as `Authorization: Bearer KEY` or `X-API-Key: KEY`. The time that it
-  /// takes depends on the length of the shown key only.
+  /// True if a request sends one of the keys, as `Authorization: Bearer KEY` or `X-API-Key: KEY`. The time that the
+  /// test takes depends on the length of the sent key only.
   bool admits(const RequestHead& head) const;
-  /// An identifier of the key that a request shows. It does not reveal the key.
+  /// An identifier of the key that a request sends. It does not reveal the key.
   /// Output: empty if no key is required.
   std::string owner(const RequestHead& head) const;
 
   /// How long a token is valid.
   static constexpr std::chrono::minutes kTokenLife{15};
-  /// Makes a token with which a request that shows no key may read one path for the owner of a key. Browsers can send
-  /// no key when they follow a stream of events. All daemons that have the key know the token.
-  /// Input:  `head` - a request that shows a key.
+  /// Makes a token with which a request without a key may read one path on behalf of the owner of a key. Browsers
+  /// cannot send a key when they follow a stream of events. All daemons that have the key know the token.
+  /// Input:  `head` - a request that sends a key.
   /// Output: empty if no key is required.
   std::string token(const RequestHead& head, std::string_view path, std::chrono::system_clock::time_point now) const;
-  /// Output: the owner for whom a token was made; nothing if it is not valid for this path, or not any more.
+  /// Output: the owner for whom a token was made; nothing if the token is not valid for this path, or has expired.
   std::optional<std::string> owner_by_token(std::string_view token, std::string_view path,
                                             std::chrono::system_clock::time_point now) const;
 

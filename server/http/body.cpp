@@ -16,11 +16,11 @@ namespace remesh::server {
 namespace {
 
 [[noreturn]] void no_room() {
-  throw HttpError(503, "out_of_memory", "there is no room for this body now: try again shortly");
+  throw HttpError(503, "out_of_memory", "the server has no room for this body at the moment: try again shortly");
 }
 
-/// Opens a file that disappears with its descriptor. It is in the temporary folder or, if nothing can be written
-/// there, in memory.
+/// Opens a file that disappears when its descriptor is closed. It is in the temporary folder or, if no file can be
+/// written there, in memory.
 int open_file() {
   std::error_code none;
   const std::filesystem::path folder = std::filesystem::temp_directory_path(none);

@@ -31,7 +31,7 @@ class Body {
   /// Marks the body as complete, so that it can be viewed.
   /// Errors: as above.
   void seal();
-  /// Takes as little memory as possible until `seal` is called again. The body must not be viewed until then.
+  /// Frees as much memory as possible until `seal` is called again. The body must not be viewed until then.
   void rest();
 
   /// The bytes of the body, which must be sealed.

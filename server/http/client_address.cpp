@@ -48,7 +48,8 @@ std::string bare_address(std::string_view text) {
   return is_address(address) ? address : std::string();
 }
 
-/// The addresses through which a request came, in the order of its way. Those that are hidden are empty.
+/// The addresses of the client and of the proxies through which a request came, in this order. Hidden addresses are
+/// empty.
 std::vector<std::string> named_addresses(const RequestHead& head) {
   std::vector<std::string> addresses;
   if (head.has("x-forwarded-for")) {
@@ -58,7 +59,7 @@ std::vector<std::string> named_addresses(const RequestHead& head) {
   }
   const std::string list = head.list("forwarded");
   for (const std::string_view element : list_elements(list)) {
-    // header_parameter skips what stands before the first semicolon.
+    // header_parameter skips the text before the first semicolon.
     const auto named = api::header_parameter(";" + std::string(element), "for");
     addresses.push_back(named ? bare_address(*named) : std::string());
   }

@@ -1,4 +1,4 @@
-/// The address of the client of a request, which a proxy in front of the daemon knows.
+/// The address of the client of a request, which a proxy in front of the daemon reports.
 #pragma once
 
 #include <array>
@@ -11,13 +11,13 @@
 
 namespace remesh::server {
 
-/// The proxies whose word about their clients is taken (--trusted-proxies).
+/// The proxies whose information about their clients is trusted (--trusted-proxies).
 class TrustedProxies {
  public:
-  /// Trusts nobody.
+  /// Trusts no proxy.
   TrustedProxies() = default;
   /// Input:  addresses and networks, separated by commas, such as `127.0.0.1, 10.0.0.0/8, fd00::/8`.
-  /// Errors: std::invalid_argument - an element is neither.
+  /// Errors: std::invalid_argument - an element is neither an address nor a network.
   explicit TrustedProxies(std::string_view addresses);
 
   /// Input: `address` - a numeric address; any other text is never trusted.
@@ -35,8 +35,8 @@ class TrustedProxies {
 };
 
 /// Finds the client of a request. If the peer is a trusted proxy, that is the last address in `X-Forwarded-For`, or in
-/// `Forwarded` (RFC 7239) if there is no `X-Forwarded-For`, that is no trusted proxy itself. What stands before it can
-/// be forged.
+/// `Forwarded` (RFC 7239) if there is no `X-Forwarded-For`, that is no trusted proxy itself. Addresses before that one
+/// can be forged.
 /// Input:  `peer` - the address of the other end of the connection.
 /// Output: a numeric address without a port; the peer if it is not trusted or names no client.
 std::string client_address(const RequestHead& head, const std::string& peer, const TrustedProxies& proxies);

@@ -25,7 +25,7 @@ int milliseconds_until(Clock::time_point deadline) {
   return static_cast<int>(std::clamp<std::int64_t>(left, 0, std::numeric_limits<int>::max()));
 }
 
-/// Output: false if the time is over first.
+/// Output: false if the time ends first.
 bool wait_for(int socket, short events, Clock::time_point deadline) {
   for (;;) {
     pollfd entry{socket, events, 0};
@@ -78,7 +78,7 @@ Event::~Event() { ::close(fd_); }
 
 void Event::set() noexcept {
   const std::uint64_t one = 1;
-  [[maybe_unused]] const ssize_t written = ::write(fd_, &one, sizeof one);  // fails only when already set very often
+  [[maybe_unused]] const ssize_t written = ::write(fd_, &one, sizeof one);  // fails only if it was set very often
 }
 
 void Event::clear() noexcept {
@@ -124,7 +124,8 @@ std::size_t Connection::read_some(char* buffer, std::size_t size, Clock::time_po
 
 void Connection::put_back(std::string_view bytes) {
   if (bytes.size() <= read_again_) {
-    // The bytes behind them stay where they are. They may be many, and this is done for each request among them.
+    // The bytes after the skipped ones stay where they are. There may be many, and this function is called for each
+    // request among them.
     read_again_ -= bytes.size();
     put_back_.replace(read_again_, bytes.size(), bytes);
   } else {
@@ -200,7 +201,7 @@ Connection::Ahead Connection::read_ahead() {
 
 Connection::Wake Connection::wait(const Event* event, Clock::time_point until, HalfClosed half_closed, bool may_read) {
   for (;;) {
-    // poll() reports a reset in any case.
+    // poll() reports a reset whatever the events are.
     const auto events = static_cast<short>(ask_at_ ? 0 : may_read ? POLLRDHUP | POLLIN : POLLRDHUP);
     std::array<pollfd, 2> entries{pollfd{socket_, events, 0}, pollfd{event == nullptr ? -1 : event->fd(), POLLIN, 0}};
     const int ready =
@@ -260,7 +261,7 @@ void Connection::finish(const Linger& linger, const std::function<bool()>& may_l
       dropped += got;
     }
   } catch (const std::runtime_error&) {
-    // The client is gone or still sending. In both cases this connection is over.
+    // The client is gone or still sending. In both cases this connection ends.
   }
 }
 

@@ -22,7 +22,7 @@ inline double milliseconds_between(Clock::time_point from, Clock::time_point to)
   return std::chrono::duration<double, std::milli>(to - from).count();
 }
 
-/// The slowest permitted transfer: `grace` plus the time that its bytes take at `min_rate` bytes a second.
+/// The slowest permitted transfer: `grace` plus the time that the bytes take at `min_rate` bytes a second.
 struct Pace {
   std::chrono::milliseconds grace{10'000};
   std::uint64_t min_rate = 1024;
@@ -51,7 +51,7 @@ class Event {
   void set() noexcept;
   void clear() noexcept;
   /// Waits until the event is set.
-  /// Output: false if the time is over first.
+  /// Output: false if the time ends first.
   bool wait(Clock::time_point until) const;
   int fd() const { return fd_; }
 
@@ -62,7 +62,7 @@ class Event {
 class Connection {
  public:
   /// Takes ownership of the socket.
-  /// Input: `ahead` - bounds what is read ahead; if it is null, nothing is.
+  /// Input: `ahead` - bounds the number of bytes that are read ahead; if it is null, none are.
   explicit Connection(int socket, ReadAhead* ahead = nullptr);
   ~Connection();
   Connection(const Connection&) = delete;
@@ -80,8 +80,8 @@ class Connection {
   std::size_t read_some(char* buffer, std::size_t size, Clock::time_point deadline);
   /// Returns the last bytes that were read, so that the next read begins with them.
   void put_back(std::string_view bytes);
-  /// Waits until there is something to read, `end` is set, or the time is over.
-  /// Output: true if there is something to read.
+  /// Waits until there are bytes to read, `end` is set, or the time ends.
+  /// Output: true if there are bytes to read.
   bool wait_for_input(const Event& end, Clock::time_point until) const;
 
   /// Sends all bytes.
@@ -97,43 +97,43 @@ class Connection {
   std::size_t write_some(std::string_view bytes);
   /// Does the same with `size` bytes of a file, from `offset` on.
   std::size_t send_file(int file, std::uint64_t offset, std::size_t size);
-  /// Output: false if the time is over first.
+  /// Output: false if the time ends first.
   bool wait_until_writable(Clock::time_point until) const;
-  /// Ends the connection for whoever reads from it or writes to it. Any thread may call this.
+  /// Ends the connection. Threads that read from it or write to it get an error. Any thread may call this.
   void abort() const;
 
   enum class Wake { kEvent, kClientGone, kTime };
-  /// How to treat a client that has closed its sending side. `nc -N` does that and still waits for its answer. A
+  /// How to treat a client that has closed its sending side. `nc -N` does that and still waits for its answer, but a
   /// client that was killed looks the same.
   enum class HalfClosed {
     kIsGone,  ///< the client is treated as gone
-    /// The client is probed by an interim answer, 102, to which a machine without this client sends a reset. Only
-    /// clients of HTTP/1.1 can be probed.
+    /// The client is probed by an interim answer, 102. If the client no longer exists, its machine answers with a
+    /// reset. Only clients of HTTP/1.1 can be probed.
     kIsAsked,
   };
-  /// Waits until the event is set, the client goes away, or the time is over. It reads ahead what the client sends
-  /// meanwhile, which is part of its next request: the end of what a client sends is seen only behind all of it. Beyond
-  /// the limits of ReadAhead, only a reset shows that the client is gone.
-  /// Input: `may_read` - false leaves what the client sends unread: it belongs to a request whose body is not read yet,
-  ///        or has no memory.
+  /// Waits until the event is set, the client goes away, or the time is over. Meanwhile it reads ahead bytes of the
+  /// client's next request, because the end of the client's data can only be seen after all bytes before it. Beyond the
+  /// limits of ReadAhead, only a reset shows that the client is gone.
+  /// Input: `may_read` - false leaves the client's bytes unread: they belong to a request whose body has not been read
+  ///        yet, or that has no memory.
   Wake wait(const Event* event, Clock::time_point until, HalfClosed half_closed = HalfClosed::kIsGone,
             bool may_read = true);
 
-  /// The bounds on reading what a client still sends after its answer.
+  /// The limits for reading the bytes that a client still sends after its answer.
   struct Linger {
     Pace pace;                              ///< slower clients are cut off
     std::chrono::milliseconds max_time{0};  ///< the longest time in all
     std::uint64_t max_bytes = 0;
   };
-  /// Ends the answer so that the client can read it. It stops sending, and then reads and drops what the client still
-  /// sends: closing a socket with unread bytes would reset the connection, and many clients look for an answer only
-  /// after they have sent everything.
+  /// Ends the answer so that the client can read it. It stops sending, and then reads and drops the bytes that the
+  /// client still sends: closing a socket with unread bytes would reset the connection, and many clients look for an
+  /// answer only after they have sent everything.
   /// Input: `may_linger` - asked between reads; false ends the reading.
   void finish(const Linger& linger, const std::function<bool()>& may_linger);
 
   /// Reads and drops a CRLF if those are the next bytes.
   void skip_line_end();
-  /// True if bytes have arrived that nobody has read.
+  /// True if bytes have arrived that have not been read.
   bool has_unread_input() const;
 
   const std::string& peer_address() const { return peer_address_; }
@@ -151,12 +151,12 @@ class Connection {
     kEnd,    ///< the client sends no more
     kIsFull  ///< the limits are reached
   };
-  /// Reads what has arrived, for the next request.
+  /// Reads bytes that have arrived, for the next request.
   Ahead read_ahead();
 
   /// Evaluates the result of a system call that sends.
   std::size_t sent(ssize_t put);
-  /// Frees the bytes that were put back, if all of them were read again.
+  /// Frees the bytes that were put back, once all of them have been read again.
   void drop_put_back();
   bool has_put_back() const { return read_again_ < put_back_.size(); }
 
@@ -164,7 +164,7 @@ class Connection {
   std::string peer_address_;
   std::optional<Clock::time_point> ask_at_;  ///< the time of the next probe of a half-closed client
   Pace write_pace_;
-  std::string put_back_;        ///< bytes that were read too far and will be read again
+  std::string put_back_;        ///< bytes that were read too early and will be read again
   std::size_t read_again_ = 0;  ///< the number of bytes in `put_back_` that were read again
   ReadAhead::Share ahead_;
   std::uint64_t written_ = 0;

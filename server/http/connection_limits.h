@@ -18,7 +18,7 @@ struct ConnectionLimits {
   std::chrono::milliseconds idle_timeout{150'000};
 };
 
-/// The idle timeout that clients are told. It is shorter than the one in force, so that a client that uses a
+/// The idle timeout that is reported to clients. It is shorter than the one in force, so that a client that uses a
 /// connection at the last moment still finds it open.
 inline std::chrono::milliseconds told_idle_timeout(const ConnectionLimits& limits) {
   return limits.idle_timeout * 4 / 5;

@@ -19,7 +19,7 @@ std::optional<ConnectionPlaces::Served> ConnectionPlaces::enter() {
 ConnectionPlaces::Wait::Wait(ConnectionPlaces& all, Event& end) : all_(all), number_(all.add(end)) {}
 
 ConnectionPlaces::Wait::~Wait() {
-  // The lock makes sure that whoever ends a wait does so while its event exists.
+  // Under the lock, the event of a wait that is being ended still exists.
   const std::lock_guard lock(all_.mutex_);
   all_.ends_.erase(number_);
   --all_.waiting_;
@@ -27,7 +27,7 @@ ConnectionPlaces::Wait::~Wait() {
 
 std::uint64_t ConnectionPlaces::add(Event& end) {
   const std::lock_guard lock(mutex_);
-  end.clear();  // it may still be set from an earlier wait that a request ended first
+  end.clear();  // the event may still be set from an earlier wait that a request ended first
   if (is_over_) end.set();
   ends_.emplace(next_number_, &end);
   ++waiting_;

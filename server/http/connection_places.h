@@ -1,6 +1,6 @@
-/// The places of a listener's connections. A connection that is being served and one that waits for its next request
-/// each take a thread and a descriptor, so both take a place. Those that wait stay as long as there is room: if a new
-/// connection finds no free place, the one that has waited longest is ended.
+/// The places of a listener's connections. Connections that are being served and connections that wait for their next
+/// request each take a thread and a descriptor, so both take a place. Waiting connections stay open as long as there is
+/// room: if a new connection finds no free place, the connection that has waited longest is closed.
 #pragma once
 
 #include <atomic>
@@ -34,8 +34,8 @@ class ConnectionPlaces {
   /// Output: nothing if all connections are being served.
   std::optional<Served> enter();
 
-  /// The time that one connection spends waiting. Only its event ends it, not its socket, so that a request which
-  /// arrives just then is served like any other.
+  /// The time that one connection spends waiting. The wait is ended by its event and not by closing the socket, so that
+  /// a request which arrives just then is served like any other.
   class Wait {
    public:
     /// Input: `end` - the event that is set to end this wait.
@@ -59,7 +59,7 @@ class ConnectionPlaces {
 
  private:
   std::uint64_t add(Event& end);
-  /// Ends the longest waits until no more than `max_` places are taken.
+  /// Ends the longest waits until at most `max_` places are taken.
   void make_room_locked();
 
   const std::size_t max_;
@@ -68,7 +68,7 @@ class ConnectionPlaces {
   std::map<std::uint64_t, Event*> ends_;  ///< events of the waits that were not ended, the oldest first
   std::atomic<bool> is_over_{false};
   std::atomic<std::size_t> served_{0};
-  std::atomic<std::size_t> waiting_{0};  ///< including those that were ended and have not noticed it yet
+  std::atomic<std::size_t> waiting_{0};  ///< including waits that were ended but whose threads have not noticed it yet
 };
 
 }  // namespace remesh::server

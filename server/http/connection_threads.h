@@ -1,5 +1,5 @@
-/// Gives each connection a thread, so that a slow client blocks only its own. A thread stays for a moment to serve
-/// the next connection.
+/// Gives each connection a thread, so that a slow client blocks only its own thread. A thread stays for a moment to
+/// serve the next connection.
 #pragma once
 
 #include <httplib.h>
@@ -21,8 +21,7 @@ namespace remesh::server {
 /// The task queue to which httplib gives accepted connections.
 class ConnectionThreads : public httplib::TaskQueue {
  public:
-  /// Input: `end_waits` - called when the threads must end, to wake those that wait for something that may never
-  ///        come.
+  /// Input: `end_waits` - called when the threads must end, to wake threads that wait for an event that may never come.
   ConnectionThreads(std::size_t max_threads, std::function<void()> end_waits)
       : max_threads_(max_threads), end_waits_(std::move(end_waits)) {
     waiting_.reserve(max_threads);  // so that handing on a connection allocates no memory
@@ -60,8 +59,8 @@ class ConnectionThreads : public httplib::TaskQueue {
   }
 
  private:
-  /// How long a thread waits for another connection. Clients that come one after another then need no new thread
-  /// each.
+  /// How long a thread waits for another connection. With it, clients that come one after another do not need a new
+  /// thread each.
   static constexpr std::chrono::seconds kStay{2};
 
   void run(std::function<void()> serve) {

@@ -16,7 +16,7 @@ constexpr int kFastest = 1;
 constexpr int kGzipWindow = 15 + 16;  // the largest window, in gzip's format
 constexpr int kMemory = 8;
 constexpr std::size_t kStep = 1 << 20;
-/// Smaller answers are not compressed, since they fit into a packet or two anyway.
+/// Smaller answers are not compressed, because they fit into a packet or two anyway.
 constexpr std::size_t kMinCompressed = 1024;
 
 class Deflater {
@@ -66,7 +66,9 @@ void check_content_coding(const RequestHead& head) {
     if (is_gzip && ++count == 1) continue;
     throw HttpError(415, "unsupported_media_type",
                     is_gzip ? std::string("a body that is compressed twice is not supported")
-                            : "the content coding \"" + coding.substr(0, 100) + "\" is not supported; gzip is")
+                            : "the content coding \"" + coding.substr(0, 100) +
+                                  "\" is not supported; the "
+                                  "supported coding is gzip")
         .with_header("Accept-Encoding", "gzip");
   }
 }

@@ -10,8 +10,8 @@
 namespace remesh::server {
 
 /// Checks the coding of a body before it is read.
-/// Errors: HttpError 415 - a coding that is not gzip. The answer says in `Accept-Encoding` which one is (RFC 9110,
-///         section 15.5.16).
+/// Errors: HttpError 415 - a coding that is not gzip. The answer names the accepted coding in `Accept-Encoding` (RFC
+///         9110, section 15.5.16).
 void check_content_coding(const RequestHead& head);
 
 /// True if an `Accept-Encoding` field accepts gzip (RFC 9110, section 12.5.3).
@@ -26,8 +26,8 @@ std::string gzip(std::string_view bytes, RunControl& control);
 /// Errors: as gzip.
 void compress(api::Response& response, std::string_view accept_encoding, RunControl& control);
 
-/// Does the same for an answer that no worker made, because it is short or only read from memory. It cannot be
-/// stopped.
+/// Does the same for an answer that no worker made, because it is short or only read from memory. This compression
+/// cannot be cancelled.
 Response compressed(Response response, const RequestHead& request);
 
 }  // namespace remesh::server

@@ -16,7 +16,7 @@ constexpr const char* kAnyOrigin = "*";
 Cors::Cors(std::string_view origins) {
   for (const std::string_view origin : list_elements(origins)) {
     if (origin != kAnyOrigin && !parse_origin(origin)) {
-      throw std::invalid_argument("\"" + std::string(origin) + "\" is no origin such as https://tool.example");
+      throw std::invalid_argument("\"" + std::string(origin) + "\" is not an origin, such as https://tool.example");
     }
     origins_.emplace_back(origin);
   }
@@ -31,7 +31,7 @@ Fields Cors::headers(const RequestHead& head, std::string_view allow) const {
   if (origins_.empty()) return {};
   const bool is_any = std::find(origins_.begin(), origins_.end(), kAnyOrigin) != origins_.end();
   Fields fields;
-  // Caches must not give the answer for one origin to another.
+  // Caches must not reuse the answer for one origin for another origin.
   if (!is_any) fields.emplace_back("Vary", "Origin");
   const std::string_view origin = head.header("origin");
   if (origin.empty()) return fields;

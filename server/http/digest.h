@@ -13,7 +13,7 @@ using Sha256 = std::array<unsigned char, 32>;
 /// Errors: std::bad_alloc.
 Sha256 sha256(std::string_view bytes);
 
-/// Computes the HMAC-SHA-256 of a text (RFC 2104), which only who knows the key can make.
+/// Computes the HMAC-SHA-256 of a text (RFC 2104), which can be made only with the key.
 /// Errors: std::bad_alloc.
 Sha256 hmac_sha256(const Sha256& key, std::string_view text);
 

@@ -32,7 +32,9 @@ void log_failure(const char* what, std::string_view request_id) {
 
 Response respond_internal(const char* what, std::string_view request_id) {
   log_failure(what, request_id);
-  const HttpError error(500, "internal", "something went wrong here; the log says more under this request id");
+  const HttpError error(500, "internal",
+                        "an internal error has occurred; the server's log has the details under "
+                        "this request id");
   return respond(error.problem, request_id);
 }
 
@@ -58,7 +60,7 @@ Response error_response(const std::exception_ptr& failure, std::string_view requ
   } catch (const std::exception& error) {
     return respond_internal(error.what(), request_id);
   } catch (...) {
-    return respond_internal("something that is no std::exception was thrown", request_id);
+    return respond_internal("an exception of an unknown type was thrown", request_id);
   }
 }
 

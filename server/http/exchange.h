@@ -41,11 +41,11 @@ struct Exchange {
   Request request;
   Framing framing;                ///< how the body is delimited
   std::string large_body;         ///< the body of the answer if it is sent by `send_large`
-  std::exception_ptr refusal;     ///< why the request must not reach a route
+  std::exception_ptr refusal;     ///< the reason why the request must not reach a route
   std::optional<Counted> active;  ///< counts this request from its admission on
   bool is_read = false;           ///< the head and the whole body were read
-  bool is_streamed = false;       ///< the answer ends with its connection
-  bool takes_ranges = false;      ///< a part of the answer could be asked for
+  bool is_streamed = false;       ///< the answer ends when its connection closes
+  bool takes_ranges = false;      ///< the client could have asked for a part of the answer
   bool is_kept = false;           ///< the connection stays open for another request
 
   // These members describe the answer.

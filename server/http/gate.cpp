@@ -9,8 +9,8 @@
 namespace remesh::server {
 namespace {
 
-/// Bytes that are read from a body at once. The system writes large pieces to a file faster than small ones: with 64
-/// KiB, an upload of 39 MB takes 50 % longer.
+/// The number of bytes of a body that are read at once. The system writes large pieces to a file faster than small
+/// ones: with 64 KiB, an upload of 39 MB takes 50 % longer.
 constexpr std::size_t kReadSize = 256 << 10;
 /// The first reservation for a body of unknown length.
 constexpr std::size_t kReserveStep = 1 << 20;
@@ -81,7 +81,7 @@ class BodyReader {
     reserved_ = std::min<std::uint64_t>(received + std::max(kReserveStep, received / 4), most);
     const Clock::time_point asked = Clock::now();
     reserve_(reserved_, reserved_);
-    start_ += Clock::now() - asked;  // the client has its full time, however long this waits for memory
+    start_ += Clock::now() - asked;  // the client has its full time, however long the daemon waits for memory
   }
 
   std::size_t read(std::size_t want, std::uint64_t received) {
@@ -124,7 +124,7 @@ Body read_body(Connection& connection, const GateLimits& limits, const RequestHe
   if (kind == Framing::Kind::kLength && length > max_body) {
     throw body_too_large(max_body);
   }
-  // This asks whether there is room for the whole body before the client sends it.
+  // Asks for room for the whole body before the client sends it.
   if (kind == Framing::Kind::kLength) reserve(0, length);
 
   if (!connection.has_unread_input() && is_continue_expected(head)) {
@@ -137,7 +137,7 @@ Body read_body(Connection& connection, const GateLimits& limits, const RequestHe
   } else {
     reader.read_chunked(max_body, body);
   }
-  reserve(body.size(), body.size());  // the reservation becomes exact at the end
+  reserve(body.size(), body.size());  // at the end, the reservation becomes exact
   body.seal();
   return body;
 }

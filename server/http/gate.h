@@ -1,6 +1,6 @@
-/// Reads one request from a connection under deadlines and size limits: first its head, then its body if somebody
-/// wants it. The code behind the gate never sees a malformed or oversized request. Bytes that the client sent beyond
-/// the request stay with the connection.
+/// Reads one request from a connection under deadlines and size limits: first its head, then its body if a route wants
+/// it. The code behind the gate never sees a malformed or oversized request. Bytes that the client sent beyond the
+/// request stay with the connection.
 #pragma once
 
 #include <chrono>
@@ -35,8 +35,8 @@ std::optional<Framing> read_head(Connection& connection, const GateLimits& limit
 /// to refuse the body.
 using Reserve = std::function<void(std::uint64_t held, std::uint64_t expected)>;
 
-/// Reads the body that follows a head and removes the chunked coding. A Content-Encoding is left to the caller. It
-/// sends 100 Continue if the client waits for that.
+/// Reads the body that follows a head and removes the chunked coding. A Content-Encoding is left to the caller. If the
+/// client waits for 100 Continue, it is sent.
 /// Errors:  HttpError - 400, 408, 413 (longer than `max_body`), and whatever `reserve` throws; ConnectionLost.
 Body read_body(Connection& connection, const GateLimits& limits, const RequestHead& head, const Framing& framing,
                std::uint64_t max_body, const Reserve& reserve);

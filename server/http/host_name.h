@@ -12,7 +12,7 @@ struct Host {
   std::string port;  ///< empty if none is named
 };
 
-/// Splits `name:port`. It accepts any text, because whether a host is permitted is decided by its name.
+/// Splits `name:port`. Any text is accepted, because the caller decides by the name whether a host is permitted.
 Host parse_host(std::string_view text);
 
 enum class HostKind {

@@ -42,32 +42,31 @@ struct RequestHead {
 
 /// The time that the steps of a request took, in milliseconds. Steps that were not reached have no value.
 struct Timing {
-  std::optional<double> body;   ///< receiving it
+  std::optional<double> body;   ///< receiving the body
   std::optional<double> queue;  ///< waiting for a worker
   std::optional<double> work;
 };
 
 struct Request : RequestHead {
   std::string id;      ///< the X-Request-Id of the answer: the client's own if it is usable, else a new one
-  std::string prefix;  ///< what stands before the paths of this daemon for the client, such as `/mesh`; often empty
+  std::string prefix;  ///< the path that a proxy puts before the paths of this daemon, such as `/mesh`; often empty
   std::string owner;   ///< identifies the API key (ApiKeys::owner); empty if the server has no keys
   Body body;           ///< without the chunked coding
   Timing timing;
-  Clock::duration waited{0};            ///< the time that it has waited for memory
+  Clock::duration waited{0};            ///< the time that the request has waited for memory
   std::shared_ptr<MemoryShare> memory;  ///< the reservation that lasts until the answer is sent; may be null
 };
 
-/// An answer. If `next_piece` is set, it replaces the body: it is called for one piece after another, may take its
-/// time, and returns an empty piece at the end. Such a body has no length, so the client sees its end when the
-/// connection closes.
+/// An answer. If `next_piece` is set, it replaces the body: it is called for one piece after another, may wait, and
+/// returns an empty piece at the end. Such a body has no length, so the client sees its end when the connection closes.
 struct Response : api::Response {
   std::function<std::string()> next_piece;
   std::string problem_code;  ///< empty unless the answer is an error
   std::string job;           ///< the id of the job that this request has submitted
-  bool is_told = false;      ///< the error is the outcome of a job that was asked for; this request itself succeeded
+  bool is_told = false;      ///< the error is the outcome of a job that the client asked about; this request succeeded
 };
 
-/// Makes an answer of JSON that is true only now, so caches must not store it.
+/// Makes an answer of JSON that is valid only now, so caches must not store it.
 inline Response json_response(std::string text) {
   Response response;
   response.content_type = "application/json";
@@ -104,9 +103,9 @@ class HttpError : public std::runtime_error {
 HttpError body_too_large(std::uint64_t limit);
 /// The error to throw for a request that needs more memory than the whole budget.
 HttpError never_fits(std::uint64_t limit);
-/// The error to throw for a request for which there is no memory now.
+/// The error to throw for a request for which there is no memory at the moment.
 HttpError out_of_memory();
-/// The error to throw for a request that comes, or is stopped, because the daemon is about to stop.
+/// The error to throw for a request that arrives, or is stopped, while the daemon is stopping.
 HttpError draining();
 
 }  // namespace remesh::server

@@ -12,7 +12,7 @@ constexpr Pace kKeepsUp{std::chrono::milliseconds(1000), 8 << 20};
 /// The pace of a client that reads from the spool.
 constexpr Pace kSlowest{std::chrono::milliseconds(60'000), 64 << 10};
 constexpr std::chrono::minutes kLongest{30};
-/// Bytes that are given to the system at once.
+/// The number of bytes that are given to the system at once.
 constexpr std::size_t kPiece = 1 << 20;
 
 /// Sends bytes while the client keeps up.

@@ -24,7 +24,8 @@ std::optional<std::uint64_t> number(std::string_view digits) {
 }
 
 HttpError beyond(std::uint64_t size) {
-  return HttpError(416, "range_not_satisfiable", "the range is beyond the end, which is at " + std::to_string(size))
+  return HttpError(416, "range_not_satisfiable",
+                   "the range begins beyond the end of the content, which is at byte " + std::to_string(size))
       .with_header("Content-Range", "bytes */" + std::to_string(size));
 }
 
@@ -68,7 +69,7 @@ bool names_tag(std::string_view list, std::string_view tag) {
 Response with_ranges(Response answer, const RequestHead& request) {
   const std::string digest(value_of(answer.headers, "Repr-Digest"));
   if (answer.status != 200 || digest.empty()) return answer;
-  // The digest is that of the bytes as they are sent, so that another format or coding has another tag.
+  // The digest covers the bytes as they are sent, so that another format or coding has another tag.
   const std::string tag = "\"" + digest.substr(digest.find(':') + 1, 22) + "\"";
   answer.headers.emplace_back("ETag", tag);
   answer.headers.emplace_back("Accept-Ranges", "bytes");

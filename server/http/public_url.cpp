@@ -17,7 +17,7 @@ bool is_path_prefix(std::string_view text) {
 
 PublicUrl::PublicUrl(std::string_view text) {
   const auto reject = [&] {
-    throw std::invalid_argument("\"" + std::string(text) + "\" is no URL such as https://mesh.example.org/prefix");
+    throw std::invalid_argument("\"" + std::string(text) + "\" is not a URL such as https://mesh.example.org/prefix");
   };
   std::string_view rest = text;
   while (rest.ends_with('/')) rest.remove_suffix(1);

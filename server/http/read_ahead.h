@@ -1,4 +1,4 @@
-/// Bounds what all connections together hold of requests that they have read ahead.
+/// Bounds the memory for the bytes of requests that all connections together have read ahead.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,8 @@ class ReadAhead {
   static constexpr std::size_t kMaxOfOne = 16 << 20;
   static constexpr std::size_t kMaxOfAll = 64 << 20;
 
-  /// The part of one connection. It is given back when this object ends. Only one thread may use it at a time.
+  /// The bytes that one connection has taken. They are given back when this object ends. Only one thread may use it at
+  /// a time.
   class Share {
    public:
     /// Input: `all` - if it is null, nothing may be read ahead.
@@ -22,8 +23,8 @@ class ReadAhead {
     Share(const Share&) = delete;
     Share& operator=(const Share&) = delete;
 
-    /// Takes so many bytes, or fewer if there are not so many left.
-    /// Output: their number.
+    /// Takes this many bytes, or fewer if fewer are left.
+    /// Output: the number taken.
     std::size_t take(std::size_t bytes) {
       if (all_ == nullptr) return 0;
       bytes = std::min(bytes, kMaxOfOne - held_);

@@ -75,7 +75,7 @@ void parse_target(std::string_view target, RequestHead& head) {
   head.path = path.empty() ? "/" : percent_decode(path);
 }
 
-/// True for a well-formed version that is not spoken here, such as the HTTP/2.0 with which HTTP/2 begins.
+/// True for a well-formed version that is not supported here, such as the HTTP/2.0 with which HTTP/2 begins.
 bool is_other_version(std::string_view version) {
   const bool is_version = version.size() == 8 && version.starts_with("HTTP/") && is_digit(version[5]) &&
                           version[6] == '.' && is_digit(version[7]);
@@ -201,7 +201,7 @@ void parse_head(std::string_view bytes, const HeadLimits& limits, RequestHead& h
   }
   const std::size_t hosts = count(head, "host");
   if (hosts > 1 || (hosts == 0 && head.minor_version >= 1)) malformed("there must be exactly one Host field");
-  if (!is_host(head.header("host"))) malformed("the Host field is no host");
+  if (!is_host(head.header("host"))) malformed("the Host field is not a valid host name");
   for (const std::string_view name : {"content-type", "authorization", "x-api-key", "idempotency-key"}) {
     if (count(head, name) > 1) malformed("the field " + std::string(name) + " is sent more than once");
   }

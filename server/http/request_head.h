@@ -45,10 +45,10 @@ struct Framing {
 
 /// Finds out how the body is delimited.
 /// Errors:  HttpError 400 - a length that is repeated, malformed or beside a transfer coding, or a coding in
-///          HTTP/1.0; 411 - a POST without either; 501 - another coding than chunked.
+///          HTTP/1.0; 411 - a POST without a length or a coding; 501 - another coding than chunked.
 Framing framing(const RequestHead& head);
 
-/// True if the client lets the connection stay open for another request (RFC 9112, section 9.3). HTTP/1.1 does so
+/// True if the client permits the connection to stay open for another request (RFC 9112, section 9.3). HTTP/1.1 does so
 /// unless it says `close`, HTTP/1.0 only if it says `keep-alive`.
 bool wants_to_be_kept(const RequestHead& head);
 

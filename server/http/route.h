@@ -39,7 +39,7 @@ struct Route {
   /// Called before the body is read; throws HttpError to refuse the request. A route without it accepts no body.
   std::function<Admission(const RequestHead&)> admit = nullptr;
   Access access = Access::kGuarded;
-  bool takes_token = false;  ///< a request without a key may show a token for its path (ApiKeys::token)
+  bool takes_token = false;  ///< a request without a key may have a token for its path (ApiKeys::token)
 };
 
 }  // namespace remesh::server

@@ -8,9 +8,9 @@ constexpr std::size_t kMaxShownName = 200;
 HttpError misdirected(const Host& host) {
   const std::string name = host.name.substr(0, kMaxShownName);
   return HttpError(421, "misdirected_request",
-                   "this server does not answer to the name " + name +
-                       ", so that no web page can reach it by a name of its own; whoever runs it can allow the name "
-                       "with --allowed-hosts " +
+                   "this server does not accept requests for the name " + name +
+                       ", because a web page of another site could reach it under such a name; the operator of "
+                       "this server can allow the name with --allowed-hosts " +
                        name);
 }
 
@@ -18,14 +18,15 @@ HttpError cross_site(std::string_view origin) {
   const std::string known =
       origin.empty() || origin == "null" ? "ORIGIN" : std::string(origin.substr(0, kMaxShownName));
   return HttpError(403, "cross_site",
-                   "pages of other sites may not use this server; whoever runs it can allow them with --cors-origin " +
+                   "pages of other sites may not use this server; the operator of this server can allow them "
+                   "with --cors-origin " +
                        known +
                        ". If this is the server's own page behind a proxy, the proxy must pass on the Host "
                        "field, or --public-url must name the page's address");
 }
 
-/// True if a page may show or link to this from anywhere: it asks for a file of the daemon's own page, as images,
-/// scripts or the address bar do. Answers to such requests cannot be read by the page that caused them.
+/// True if pages of other sites may show or link to this: the request is for a file of the daemon's own page, as
+/// images, scripts or the address bar send it. The page that caused such a request cannot read the answer.
 bool is_plain_read(const RequestHead& head, Access access) {
   if (access != Access::kPageFile || (head.method != "GET" && head.method != "HEAD")) return false;
   const std::string mode = head.list("sec-fetch-mode");

@@ -1,5 +1,6 @@
-/// Keeps web pages of other sites from using a daemon that asks for no API key. Any page that a user of this machine or
-/// network looks at can send requests to the daemon. With a key it cannot, because it does not know the key.
+/// Keeps web pages of other sites from using a daemon that requires no API key. Any page that a user of this machine or
+/// network opens can send requests to the daemon. If a key is required, such a page cannot use the daemon, because it
+/// does not know the key.
 #pragma once
 
 #include <optional>
@@ -19,11 +20,11 @@ class SiteRules {
   SiteRules(AllowedHosts names, PublicUrl url, Cors cors, bool is_loopback)
       : names_(std::move(names)), url_(std::move(url)), cors_(std::move(cors)), is_loopback_(is_loopback) {}
 
-  /// Refuses what a page of another site may have sent.
+  /// Refuses requests that a page of another site may have sent.
   /// Input:  `access` - of the route at the request's path.
-  /// Errors: HttpError 421 - the request names a host that could be another site's: the owner of a name can let it
-  ///         lead to this machine, and his pages then count as this daemon's own in a browser (DNS rebinding).
-  ///         HttpError 403 - a browser says that the request comes from a page of another site.
+  /// Errors: HttpError 421 - the request names a host that could be another site's: the owner of a domain name can
+  ///         point it to this machine, and then a browser treats the owner's pages as this daemon's own (DNS
+  ///         rebinding). HttpError 403 - a browser says that the request comes from a page of another site.
   void check(const RequestHead& head, Access access) const;
 
  private:

@@ -16,10 +16,10 @@
 namespace remesh::server {
 namespace {
 
-/// How often a reader that found no room looks again, while the slowest one ends.
+/// How often a reader that found no room tries again, while the slowest reader is being cut off.
 constexpr std::chrono::milliseconds kLookAgain{20};
 
-/// True if the file takes no more than half of what is free. Others need room there, too: jobs, for example.
+/// True if the file takes at most half of the free space. Other data, for example of jobs, needs space there, too.
 bool has_disk_for(const std::string& folder, std::uint64_t bytes) {
   struct statvfs system {};
   return ::statvfs(folder.c_str(), &system) == 0 && bytes <= std::uint64_t{system.f_bavail} * system.f_frsize / 2;
@@ -49,7 +49,7 @@ Spool::Reader::Reader(Spool& spool, Connection& connection) : spool_(spool), con
 }
 
 Spool::Reader::~Reader() {
-  // The lock makes sure that whoever cuts this reader off does so while its connection exists.
+  // Under the lock, the connection of a reader that is being cut off still exists.
   const std::lock_guard lock(spool_.mutex_);
   spool_.readers_.erase(this);
   if (fd_ >= 0) ::close(fd_);
@@ -104,7 +104,7 @@ bool Spool::reserve_memory(std::uint64_t bytes) {
 
 bool Spool::cut_slowest(const Reader& reader) {
   const std::lock_guard lock(mutex_);
-  // One that was cut off already is about to free its place.
+  // A reader that was cut off already is about to free its place.
   if (std::any_of(readers_.begin(), readers_.end(), [](const Reader* r) { return r->is_cut_; })) return true;
   Reader* const slowest = *std::min_element(readers_.begin(), readers_.end(),
                                             [](const Reader* a, const Reader* b) { return a->rate() < b->rate(); });

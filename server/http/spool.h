@@ -20,7 +20,7 @@ class Spool {
   ///        `max_held` - the memory for answers that find no place in a file, all together.
   Spool(std::string folder, std::uint64_t max_bytes, std::uint64_t max_held);
 
-  /// One client that reads a large answer slowly.
+  /// A client that reads a large answer slowly.
   class Reader {
    public:
     Reader(Spool& spool, Connection& connection);
@@ -29,8 +29,8 @@ class Spool {
     Reader(const Reader&) = delete;
     Reader& operator=(const Reader&) = delete;
 
-    /// Finds a place for the rest of the answer: a file, or memory if no file can take it. While there is neither, the
-    /// slowest reader is cut off.
+    /// Finds a place for the rest of the answer: a file, or memory if no file can take it. As long as there is neither,
+    /// the slowest reader is cut off.
     /// Output: true if the rest is in the file `fd()`, so that its memory can be freed.
     /// Errors: ConnectionLost - this is the slowest reader.
     bool place(std::string_view rest);
@@ -52,7 +52,7 @@ class Spool {
     bool is_cut_ = false;
   };
 
-  /// True if the files are in memory anyway, because their folder is.
+  /// True if the spool's files are in memory, because their folder is.
   bool is_in_memory() const { return is_in_memory_; }
   std::uint64_t in_files() const { return in_files_; }
   std::uint64_t held() const { return held_; }

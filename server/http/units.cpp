@@ -42,7 +42,7 @@ std::uint64_t parse(std::string_view text, std::span<const Unit> units, std::str
   if (error != std::errc() || end == text.data()) not_a(what, text);
   const std::string_view suffix = text.substr(static_cast<std::size_t>(end - text.data()));
   const auto unit = std::find_if(units.begin(), units.end(), [&](const Unit& u) { return u.suffix == suffix; });
-  // The top of the range is excluded, so that sums of settings and points in time cannot overflow.
+  // The end of the range is excluded, so that sums of settings and points in time cannot overflow.
   if (unit == units.end() || number > (std::numeric_limits<std::uint64_t>::max() >> 20) / unit->factor)
     not_a(what, text);
   return number * unit->factor;
@@ -65,7 +65,7 @@ std::chrono::milliseconds parse_duration(std::string_view text) {
 }
 
 std::string format_bytes(std::uint64_t bytes) {
-  // Only binary units are used, since 256MiB happens to be a whole number of kB too.
+  // Only binary units are used, because 256MiB happens to be a whole number of kB, too.
   if (bytes == 0 || bytes % 1024 != 0) return std::to_string(bytes);
   return format(bytes, std::span(kByteUnits).subspan(kFirstBinary));
 }

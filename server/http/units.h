@@ -18,7 +18,7 @@ std::uint64_t parse_count(std::string_view text);
 /// Errors: std::invalid_argument.
 std::chrono::milliseconds parse_duration(std::string_view text);
 
-/// These functions choose the shortest of the forms above that is exact.
+/// The following functions choose the shortest of the forms above that is exact.
 std::string format_bytes(std::uint64_t bytes);
 std::string format_count(std::uint64_t count);
 std::string format_duration(std::chrono::milliseconds duration);

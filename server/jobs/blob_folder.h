@@ -19,7 +19,7 @@ class BlobFolder {
 
   /// Writes a new file.
   /// Output: the file's name, which is never given twice.
-  /// Holds:  when this returns, the whole file is on the disk under that name.
+  /// Holds:  when the function returns, the whole file is on the disk under that name.
   /// Errors: StoreError.
   std::string write(const std::string& id, std::string_view kind, std::string_view bytes) const;
   /// Reads a whole file.

@@ -88,9 +88,9 @@ std::optional<BlobTable::Blob> BlobTable::find(Database& database, const std::st
     for (const Row& row : piece) bytes += row[0].value_or("");
     count += static_cast<std::int64_t>(piece.size());
   }
-  // An old daemon has stored no size. Then only the rows in the middle are certain to be there.
+  // An older version of the daemon stored no size. Then only the rows in the middle are certain to exist.
   if (extent->size && bytes.size() == *extent->size) return Blob{std::move(bytes), {}};
-  if (!this->extent(database, id, name)) return std::nullopt;  // it expired meanwhile
+  if (!this->extent(database, id, name)) return std::nullopt;  // the blob expired meanwhile
   if (extent->size || count != driver_.rows_of_blob(extent->last_part)) throw lost(id, name);
   return Blob{std::move(bytes), {}};
 }
@@ -100,7 +100,7 @@ std::optional<BlobTable::Size> BlobTable::size(Database& database, const std::st
   const std::optional<Extent> extent = this->extent(database, id, name);
   if (!extent) return std::nullopt;
   if (extent->file || extent->size) return Size{extent->size.value_or(0), extent->file};
-  // An old daemon has stored no size.
+  // An older version of the daemon stored no size.
   Size size;
   for (std::int64_t part = 0; part <= extent->last_part; part += DatabaseDriver::kPartsOfPiece) {
     const Rows piece = database.run(
@@ -122,7 +122,7 @@ std::vector<std::string> BlobTable::remove(Database& database, const std::string
   const std::string remove_piece = "DELETE" + rows + " AND (kind, part) <= ($4, $5) RETURNING file";
   const std::int64_t count = driver_.rows_of_blob(kRemovedParts - 1);
   std::vector<std::string> files;
-  std::string kind;  // the row up to which all are removed
+  std::string kind;  // all rows up to this one are removed
   std::int64_t part = -1;
   for (bool is_done = false; !is_done;) {
     const Rows last = database.run(find_last.c_str(), {std::string_view(id), std::string_view(kind), part, count - 1});
@@ -147,7 +147,7 @@ std::vector<std::string> BlobTable::remove(Database& database, const std::string
 }
 
 const BlobFolder& BlobTable::folder() const {
-  if (!folder_) throw NoFolder("the store keeps blobs in a folder: --blob-dir is missing");
+  if (!folder_) throw NoFolder("the inputs and results of jobs are in a folder, but --blob-dir is not set");
   return *folder_;
 }
 

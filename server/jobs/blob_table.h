@@ -15,8 +15,8 @@ namespace remesh::server::jobs {
 
 class BlobTable {
  public:
-  /// Input: `folder` - the folder for inputs and results; null to store them in the database; `timeout` - how long the
-  ///        store may take for one piece of a blob.
+  /// Input: `folder` - the folder for inputs and results; null to store them in the database; `timeout` - the time that
+  ///        the store may take for one piece of a blob.
   BlobTable(DatabaseDriver& driver, std::unique_ptr<BlobFolder> folder, std::chrono::milliseconds timeout)
       : driver_(driver), folder_(std::move(folder)), timeout_(timeout) {}
 
@@ -34,7 +34,7 @@ class BlobTable {
   /// Output: nothing if there is no such blob.
   /// Errors: BlobLost - a part of it is missing.
   std::optional<Blob> find(Database& database, const std::string& id, BlobKind kind) const;
-  /// Output: as `find`; the bytes are those of the rows. If the size was stored with them, no data is read.
+  /// Output: as `find`; `bytes` is the size of the rows' bytes. If the size was stored with them, no data is read.
   /// Errors: BlobLost - the size and the rows contradict each other.
   std::optional<Size> size(Database& database, const std::string& id, BlobKind kind) const;
   /// Deletes the rows of a job's blobs for which a condition holds, a piece at a time. To be called in a transaction.
@@ -52,7 +52,7 @@ class BlobTable {
  private:
   struct Extent {
     std::optional<std::string> file;
-    std::optional<std::uint64_t> size;  ///< nothing if an old daemon has stored the blob
+    std::optional<std::uint64_t> size;  ///< nothing if an older version of the daemon stored the blob
     std::int64_t last_part = 0;
   };
   /// Errors: as `size`.

@@ -10,7 +10,7 @@ namespace {
 
 /// The pause between attempts to open one more connection while others are open.
 constexpr std::chrono::milliseconds kPause{200};
-/// The interval in which a waiting thread looks whether the daemon stops.
+/// The interval in which a waiting thread checks whether the daemon is stopping.
 constexpr std::chrono::milliseconds kLookForConnection{50};
 
 }  // namespace
@@ -43,7 +43,7 @@ std::unique_ptr<Database> ConnectionPool::take(const StoreDeadline& deadline) {
       } catch (const StoreError&) {
         lock.lock();
         --open_;
-        // The server may have no more connections for us. Then those that are open are shared.
+        // The server may accept no more connections from this daemon. Then the open ones are shared.
         if (open_ == 0 || deadline.is_over()) throw;
         next_attempt = Clock::now() + kPause;
       } catch (...) {
@@ -66,7 +66,7 @@ std::unique_ptr<Database> ConnectionPool::open(const StoreDeadline& deadline) {
   }
   std::unique_ptr<Database> database = driver_.connect_by(deadline);
   if (!has_schema) make_schema(*database);
-  database->set_deadline(deadline);  // which a migration extends
+  database->set_deadline(deadline);  // a migration extends this deadline
   return database;
 }
 

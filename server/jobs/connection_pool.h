@@ -12,18 +12,18 @@ namespace remesh::server::jobs {
 
 class ConnectionPool {
  public:
-  /// Does not connect yet.
+  /// Makes a pool that has no connections yet.
   explicit ConnectionPool(DatabaseDriver& driver);
 
   /// Gives a connection for the use of one thread. The first one creates the schema or migrates it. If the server
   /// accepts no more connections, it waits for one of those that are open.
   /// Errors: StoreError - also when the deadline is over.
   std::unique_ptr<Database> take(const StoreDeadline& deadline);
-  /// Takes a connection back, also after an error. If it is null, it had to be closed.
+  /// Takes a connection back, also after an error. Null means that the connection had to be closed.
   void give(std::unique_ptr<Database> database) noexcept;
-  /// Closes all connections that nobody uses, since the server was most likely restarted.
+  /// Closes all unused connections, because the server was most likely restarted.
   void close_idle();
-  /// Makes the next connection create the schema again, because the tables are gone.
+  /// Makes the next connection create the schema again, because the tables no longer exist.
   void forget_schema();
 
  private:

@@ -30,13 +30,13 @@ using Values = std::vector<Value>;
 using Row = std::vector<std::optional<std::string>>;
 using Rows = std::vector<Row>;
 
-/// The connection was lost before anything was committed, so the same operation can be tried again.
+/// The connection was lost before any commit, so the same operation can be tried again.
 class ConnectionBroken : public StoreError {
  public:
   using StoreError::StoreError;
 };
 
-/// The tables do not exist, because somebody has replaced the database by an empty one.
+/// The tables do not exist, because the database was replaced by an empty one.
 class SchemaMissing : public ConnectionBroken {
  public:
   using ConnectionBroken::ConnectionBroken;
@@ -50,7 +50,7 @@ class Database {
 
   /// Sets the deadline of the statements that follow.
   void set_deadline(const StoreDeadline& deadline) { deadline_ = deadline; }
-  /// See StoreDeadline::extend.
+  /// Extends the deadline, see StoreDeadline::extend.
   void extend_deadline(std::chrono::milliseconds more) { deadline_.extend(more); }
 
   /// False if no statement can succeed any more.
@@ -66,7 +66,7 @@ class Database {
   virtual void commit() = 0;
   virtual void roll_back() noexcept = 0;
 
-  /// Tells the waiting daemons that there is work. They are told when the transaction commits.
+  /// Tells the waiting daemons, when the transaction commits, that there is work.
   virtual void announce() = 0;
 
  protected:
@@ -106,11 +106,12 @@ class DatabaseDriver {
 
   /// Opens a connection whose statements have the same deadline, until another one is set.
   virtual std::unique_ptr<Database> connect_by(const StoreDeadline& deadline) = 0;
-  /// Opens a connection that waits as long as it takes.
+  /// Opens a connection without a deadline.
   std::unique_ptr<Database> connect();
   /// False if the connection leads to a database that is no longer the one at the driver's address.
   virtual bool is_current(const Database&) const { return true; }
-  /// The clause to append to a SELECT whose rows will be updated. It skips rows that another transaction has locked.
+  /// The clause to append to a SELECT whose rows will be updated. With it, the SELECT skips rows that another
+  /// transaction has locked.
   virtual std::string_view skip_locked() const = 0;
   /// True if a column of whole numbers may hold a fraction.
   virtual bool keeps_fractions() const = 0;
@@ -133,23 +134,23 @@ class DatabaseDriver {
                             std::string_view bytes, std::uint64_t size) = 0;
   /// The number of rows of a blob whose last row has the number `last`.
   virtual std::int64_t rows_of_blob(std::int64_t last) const = 0;
-  /// Checks that there is room for blobs of this size, besides some that stays free.
+  /// Checks that there is room for a blob of this size, besides some room that stays free.
   /// Errors: RoomRefused.
   virtual void check_room(Database&, std::uint64_t, RoomFor) const {}
-  /// Called after each operation. It keeps the log short where room is scarce.
+  /// Called after each operation. If room is scarce, it keeps the log short.
   virtual void after(Database&) const {}
-  /// Cuts a log whose contents are also in the file, or can be written there.
+  /// Cuts a write-ahead log whose contents are also in the file, or can be written there.
   /// Output: true if there may be more room now.
   virtual bool cut_log(Database&) const { return false; }
   /// Frees the room that is kept for deletions.
-  /// Output: true if there was any.
+  /// Output: true if there was such room.
   virtual bool release_reserve() const { return false; }
-  /// Lets the store's clock follow the system's. This is called repeatedly.
+  /// Lets the store's clock follow the system's clock. It is called repeatedly.
   virtual void keep_clock(Database& database) = 0;
-  /// Returns unused space to the file system. This is called repeatedly.
+  /// Returns unused space to the file system. It is called repeatedly.
   virtual void tidy(Database& database) = 0;
   /// See JobStore::wait_for_work.
-  /// Input: `deadline` - for questions that the store has to answer at once.
+  /// Input: `deadline` - for queries that the store has to answer at once.
   virtual void wait_for_work(const Event& wake, Clock::time_point until, const StoreDeadline& deadline) = 0;
   /// The largest number of connections that may be open at once.
   virtual std::size_t max_connections() const = 0;
@@ -158,8 +159,8 @@ class DatabaseDriver {
 /// Makes a driver for an SQLite file, which is created if it does not exist.
 std::unique_ptr<DatabaseDriver> make_sqlite_driver(const std::string& path);
 /// Makes a driver for a PostgreSQL server.
-/// Input: `url` - a URL or a connection string in libpq's syntax; `timeout` - the server itself gives up a statement
-///        after this long, so that nothing goes on for which nobody waits; `password_file` - its first line is the
+/// Input: `url` - a URL or a connection string in libpq's syntax; `timeout` - after this time the server itself ends a
+///        statement, so that no statement runs on for which no daemon waits; `password_file` - its first line is the
 ///        password, which is read anew for each connection; empty: the URL has the password, if there is one.
 /// Errors: std::invalid_argument - libpq cannot parse it.
 std::unique_ptr<DatabaseDriver> make_postgres_driver(const std::string& url,

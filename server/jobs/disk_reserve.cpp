@@ -20,7 +20,7 @@ constexpr std::uint64_t kShare = 20;  ///< the reserve is at most this part of t
 
 DiskReserve::Room DiskReserve::room() const {
   struct statvfs volume {};
-  // Without an answer there is no limit: writing then tells whether there is room.
+  // If the system does not report the free space, there is no limit: then writing shows whether there is room.
   if (::statvfs(folder_.c_str(), &volume) != 0) return {~std::uint64_t{0} / 2, 0};
   const std::uint64_t block = volume.f_frsize;
   return {volume.f_bavail * block, std::min(kMaxReserve, volume.f_blocks * block / kShare)};
@@ -42,7 +42,7 @@ bool DiskReserve::release() const noexcept { return ::unlink(path_.c_str()) == 0
 
 void DiskReserve::check_room(std::uint64_t bytes, RoomFor purpose) const {
   const Room now = room();
-  // A result that is stored ends a job and removes its input, so it may use all but the reserve.
+  // Storing a result ends a job and removes its input, so it may use all room except the reserve.
   const bool is_kept = ::access(path_.c_str(), F_OK) == 0;
   const std::uint64_t for_deletions = is_kept ? 0 : now.reserve;
   const std::uint64_t stays = purpose == RoomFor::kNewJob ? 2 * now.reserve : for_deletions;

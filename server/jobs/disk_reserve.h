@@ -1,5 +1,5 @@
-/// A file that keeps some room on a volume. Deleting jobs needs a little room itself, and on a full volume there would
-/// be none.
+/// A file that reserves some room on a volume. Deleting jobs needs a little room itself, and on a full volume there
+/// would be none.
 #pragma once
 
 #include <cstdint>
@@ -14,19 +14,19 @@ class DiskReserve {
   /// Input: `folder` - a folder on the volume. The size of the reserve is 8 MiB, or a twentieth of a smaller volume.
   explicit DiskReserve(const std::string& folder) : folder_(folder), path_(folder + "/reserve") {}
 
-  /// Makes the file if it does not exist and the volume has plenty of room for it.
+  /// Makes the file if it does not exist and the volume has plenty of room.
   void keep() const noexcept;
   /// Removes the file, so that its room can be used.
   /// Output: true if there was one.
   bool release() const noexcept;
 
-  /// Checks that the volume has so much room besides what is to stay free: for deletions, and where a new job asks, for
-  /// the results of those that are there.
+  /// Checks that the volume has this much room besides the room that stays free: for deletions, and if a new job asks,
+  /// also for the results of the existing jobs.
   /// Errors: RoomRefused.
   void check_room(std::uint64_t bytes, RoomFor purpose) const;
   /// The bytes that are free on the volume.
   std::uint64_t free() const { return room().free; }
-  /// True if there is so little room that unused room in files should be returned.
+  /// True if there is so little room that unused room in files should be returned to the file system.
   bool is_scarce() const;
 
  private:

@@ -9,16 +9,16 @@
 namespace remesh::server::jobs {
 namespace {
 
-/// The longest time between two attempts to claim. It covers notifications from the store that were missed.
+/// The max time between two attempts to claim. It matters if a notification from the store was missed.
 constexpr std::chrono::seconds kPoll{5};
 /// The pause between attempts while the store does not answer or there is no room.
 constexpr std::chrono::milliseconds kPause{250};
-/// The pause between two looks for a job that is passed over because it finds no memory.
+/// The pause between two searches for a job that is passed over because there is no memory for it.
 constexpr std::chrono::milliseconds kBetweenLooks{1000};
-/// The pause between two claims while a job is passed over, no more memory is free, and nobody says that there are new
-/// jobs. It finds jobs that were submitted to other daemons.
+/// The pause between two claims while a job is passed over, no more memory is free, and no new jobs have been
+/// announced. These claims find jobs that were submitted to other daemons.
 constexpr std::chrono::milliseconds kBetweenClaims{1000};
-/// A job that is passed over holds up other jobs for no longer than this while only requests are in its way. Then other
+/// The max time for which a job that is passed over holds up other jobs while only requests are in its way. Then other
 /// jobs pass for a while.
 constexpr std::chrono::seconds kMaxHeldUp = MemoryBudget::kLongestTurn;
 constexpr std::chrono::seconds kOthersPass = MemoryBudget::kPause;
@@ -54,8 +54,8 @@ void JobClaimer::claim_until_drained() {
         empty_claim_.reset();
       }
     } catch (const StoreError&) {
-      passed_over_.reset();               // no memory is set aside while nothing can be claimed
-      wake_.wait(Clock::now() + kPause);  // the store's observer has logged it
+      passed_over_.reset();               // no memory is set aside while no job can be claimed
+      wake_.wait(Clock::now() + kPause);  // the store's observer has logged the error
     } catch (const std::exception& error) {
       passed_over_.reset();
       log::write(log::Level::kError, "cannot claim jobs", {{"error", std::string(error.what())}});
@@ -68,7 +68,7 @@ void JobClaimer::claim_until_drained() {
 
 JobClaimer::Step JobClaimer::claim_one() {
   if (Clock::now() < next_claims_.load() || !has_room_()) {
-    if (passed_over_) passed_over_->share->leave_line();  // it could not begin, so it is in nobody's way
+    if (passed_over_) passed_over_->share->leave_line();  // the job could not begin, so others need not wait
     return Step::kNoRoom;
   }
   const Counted claiming(claiming_);
@@ -85,7 +85,8 @@ JobClaimer::Step JobClaimer::claim_one() {
   std::optional<Claim> claim = store_.claim(worker_, *room);
   empty_claim_.reset();
   if (!claim) empty_claim_ = EmptyClaim{*room, Clock::now() + kBetweenClaims};
-  // Another worker may have taken the job meanwhile. If another job came before it in turn, it keeps its place.
+  // Another worker may have taken the job meanwhile. If another job came before it in turn, it keeps its place in the
+  // line.
   if (passed_over_ && (claim ? claim->id == passed_over_->job.id : share != nullptr)) passed_over_.reset();
   if (!claim) {
     next_look_ = {};
@@ -110,7 +111,7 @@ void JobClaimer::look_for_passed_over() {
     passed_over_->job = std::move(*next);  // its estimate may have changed
     return;
   }
-  // A job that has come before the other in turn and fits is claimed, and the other keeps its place.
+  // If a job that has come before the other one in turn fits, it is claimed, and the other one keeps its place.
   if (next->memory <= memory_.available()) return;
   const Clock::time_point since = passed_over_ ? passed_over_->since : now;
   passed_over_ = PassedOver{std::move(*next), since, memory_.open_share(/*per_byte=*/1), std::nullopt, {}};
@@ -131,7 +132,7 @@ bool JobClaimer::holds_up_jobs() {
   PassedOver& first = *passed_over_;
   if (now < first.since + memory_.patience() || now < first.others_until) return false;
   if (!leases_.jobs().empty()) {
-    // These jobs will end, and nothing follows them.
+    // No job may follow the running jobs, so their memory becomes free for the first job in line.
     first.alone_since.reset();
     return true;
   }

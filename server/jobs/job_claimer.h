@@ -26,22 +26,23 @@ class JobClaimer {
   void begin_drain();
   /// Waits for the end of the last claim after `begin_drain`.
   void join();
-  /// Claims no job until then.
+  /// Claims no job until that time.
   void pause_until(Clock::time_point time) { next_claims_ = time; }
   /// True while a claim has not reached `begin` yet.
   bool is_claiming() const { return claiming_ > 0; }
 
  private:
   enum class Step { kClaimed, kNothing, kNoRoom };
-  /// The job that is next in turn and finds no memory, and its place in the line.
+  /// The job that is next in turn but for which there is no memory, and its place in the line.
   struct PassedOver {
     WaitingJob job;
     Clock::time_point since;
     std::shared_ptr<MemoryShare> share;
-    std::optional<Clock::time_point> alone_since;  ///< since when only requests are in its way, and no job may pass
-    Clock::time_point others_until;                ///< other jobs pass until then
+    std::optional<Clock::time_point> alone_since;  ///< since when only requests keep memory from it; no job may pass
+    Clock::time_point others_until;                ///< until this time, other jobs may pass
   };
-  /// The last claim that found no job for the memory that there was, and when it may be repeated with no more memory.
+  /// The last claim that found no job for the available memory, and the time when it may be repeated with the same
+  /// memory.
   struct EmptyClaim {
     std::uint64_t room;
     Clock::time_point again;
@@ -49,11 +50,11 @@ class JobClaimer {
 
   void claim_until_drained();
   Step claim_one();
-  /// Looks whether the job that is next in turn waits for memory, and gives it a place in the line for it.
+  /// Checks whether the job that is next in turn waits for memory, and gives it a place in the line for memory.
   void look_for_passed_over();
   /// Output: the memory for the next claim; nothing if no job may be claimed now.
   std::optional<std::uint64_t> memory_for_claim();
-  /// True if no job may pass the one that is passed over any more.
+  /// True if no other job may pass the one that is passed over any more.
   bool holds_up_jobs();
 
   JobStore& store_;
@@ -65,8 +66,8 @@ class JobClaimer {
   Event wake_;
   std::atomic<bool> draining_{false};
   std::atomic<std::size_t> claiming_{0};
-  std::atomic<Clock::time_point> next_claims_{Clock::time_point::min()};  ///< no job is claimed before
-  // The claiming thread alone uses what follows.
+  std::atomic<Clock::time_point> next_claims_{Clock::time_point::min()};  ///< no job is claimed before this time
+  // The following members are used by the claiming thread alone.
   std::optional<PassedOver> passed_over_;
   Clock::time_point next_look_{};
   std::optional<EmptyClaim> empty_claim_;

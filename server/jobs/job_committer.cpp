@@ -14,12 +14,12 @@ namespace {
 
 /// The pause between two attempts to commit while the store does not answer or has no room.
 constexpr std::chrono::milliseconds kWithoutStore{250};
-/// How long a result waits for room in the store before its job fails. Until then other work waits for the memory that
-/// it takes.
+/// How long a result waits for room in the store before its job fails. Until then, the memory of the result is not
+/// available to other work.
 constexpr std::chrono::minutes kRoomPatience{15};
 
-/// Returns what is stored in place of an outcome that the store cannot take.
-/// Input: `reason` - what the store said, for the log.
+/// Returns the outcome to store if the store cannot take the original one.
+/// Input: `reason` - the store's error message, for the log.
 JobOutcome unstorable(const ActiveJob& job, const HttpError& told, std::string reason) {
   log::write(log::Level::kError, "the job store cannot take the outcome of a job",
              {{"job", job.claim.id}, {"error", std::move(reason)}});
@@ -83,7 +83,7 @@ void JobCommitter::commit_until_joined() {
       lock.lock();
       continue;
     }
-    // The result stays in memory until the store is back or the process ends. Others have their turn meanwhile.
+    // The result stays in memory until the store is back or the process ends. Meanwhile other outcomes are tried.
     std::this_thread::sleep_for(kWithoutStore);
     lock.lock();
     computed_.push_back(job);
@@ -109,7 +109,7 @@ bool JobCommitter::commit(ActiveJob& job) {
       job.is_committing = false;
       return stopping_ || job.is_lost;
     } catch (const DataError& error) {
-      // Trying the same again would fail again, so the job ends with an error that any store can take.
+      // The same attempt would fail again, so the job ends with an error that any store can take.
       job.is_committing = false;
       if (std::exchange(was_replaced, true)) throw;
       outcome = unstorable(job, HttpError(500, "internal", "the outcome of this job cannot be stored"), error.what());

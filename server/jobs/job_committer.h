@@ -14,25 +14,25 @@ class JobCommitter {
  public:
   using Release = std::function<void(const std::shared_ptr<ActiveJob>&)>;
 
-  /// Input: `release` - called with each job that is over here.
+  /// Input: `release` - called with each job that has ended in this process.
   JobCommitter(JobStore& store, Metrics& metrics, Release release)
       : store_(store), metrics_(metrics), release_(std::move(release)) {}
 
   void start() {
     thread_ = std::thread([this] { commit_until_joined(); });
   }
-  /// Takes a job that has its outcome.
+  /// Takes a job whose outcome is known.
   void add(std::shared_ptr<ActiveJob> job);
-  /// The number of outcomes that wait.
+  /// The number of outcomes that wait for the store.
   std::size_t waiting() const;
-  /// From now on an outcome is dropped if the store does not take it at once. Another worker will do its job again.
+  /// From now on an outcome is dropped if the store does not take it at once. Another worker will repeat its job.
   void begin_stop() { stopping_ = true; }
-  /// Commits what waits, and ends the thread.
+  /// Commits the waiting outcomes, and ends the thread.
   void join();
 
  private:
   void commit_until_joined();
-  /// Output: false if the store did not answer and the same should be tried again.
+  /// Output: false if the store did not answer and the commit should be tried again.
   bool commit(ActiveJob& job);
 
   JobStore& store_;

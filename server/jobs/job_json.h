@@ -11,8 +11,9 @@ namespace remesh::server::jobs {
 
 /// The links of jobs for one client.
 struct JobLinks {
-  std::string prefix;  ///< what stands before all paths for this client (Request::prefix)
-  /// Returns the token with which a browser may follow the events at a path; null or empty if it needs none.
+  std::string prefix;  ///< the path that comes before all paths for this client (Request::prefix)
+  /// Returns the token with which a browser may follow the events at a path. The function is null, or returns an empty
+  /// token, if the browser needs none.
   std::function<std::string(const std::string& path)> token_for = nullptr;
 };
 

@@ -8,10 +8,10 @@
 
 namespace remesh::server::jobs {
 
-/// Writes everything of a request except its body as JSON. Equal requests give equal text.
+/// Writes all data of a request except its body as JSON. Equal requests give equal text.
 std::string pack_request(const api::Request& request);
 /// Restores the request, without its body.
-/// Errors: std::runtime_error - the text is not such JSON.
+/// Errors: std::runtime_error - the text does not come from pack_request.
 api::Request unpack_request(std::string_view text);
 
 /// A digest that is equal for two requests exactly if they ask for the same. It covers the bytes of the body. For a

@@ -20,15 +20,15 @@ namespace {
 constexpr const char* kPollSeconds = "1";
 constexpr const char* kFullSeconds = "10";
 constexpr int kMaxListed = 100;
-/// Memory that an answer takes, as a multiple of the stored bytes. For a mesh this counts the mesh made from them and
-/// its text; for a report the stored bytes and the text made from them. On half a million faces, 4 to 7 times was
-/// measured, depending on the format, and 9 times for VTU.
+/// Memory that an answer takes, as a multiple of the stored bytes. For a mesh, the unpacked mesh and its text count;
+/// for a report, the stored bytes and the text made from them. On half a million faces, 4 to 7 times was measured,
+/// depending on the format, and 9 times for VTU.
 constexpr std::uint64_t kPerMeshByte = 7;
 constexpr std::uint64_t kPerMeshByteOfVtu = 9;
 constexpr std::uint64_t kPerReportByte = 2;
 constexpr std::chrono::milliseconds kLookForEvents{300};
-/// The interval of messages in a silent stream. Some proxies cut silent streams, and without sending we would not
-/// notice that the client is gone.
+/// The interval of messages in a silent stream. Some proxies cut silent streams, and without sending the daemon would
+/// not notice that the client is gone.
 constexpr std::chrono::seconds kSilence{15};
 
 HttpError not_found() { return HttpError(404, "not_found", "there is no job with this id"); }
@@ -48,7 +48,7 @@ auto ask(Question question) {
     throw store_unavailable();  // the store's observer has logged the reason
   } catch (const NoFolder& error) {
     log::write(log::Level::kError, "a stored blob cannot be read", {{"error", std::string(error.what())}});
-    throw store_unavailable();  // another daemon may have the folder
+    throw store_unavailable();  // another daemon may have the blob folder
   }
 }
 
@@ -102,15 +102,15 @@ std::optional<Response> answer_without_result(const JobRecord& job) {
   return response;
 }
 
-/// True if the answer may have the format whose texts are the largest. A request that names no format gets the one
-/// that was asked for when the job was submitted.
+/// True if the answer may have the format with the largest texts. A request that names no format gets the format that
+/// was chosen when the job was submitted.
 bool may_get_vtu(const Request& request) {
   const auto named = std::find_if(request.query.begin(), request.query.end(),
                                   [](const auto& option) { return option.first == "format"; });
   return named == request.query.end() || named->second == "vtu";
 }
 
-/// The record of a job that was stored just now.
+/// The record of a job that has just been stored.
 std::optional<JobRecord> new_record(const NewJob& job, const Submission& submission) {
   JobRecord record;
   record.id = submission.id;
@@ -127,8 +127,8 @@ std::string event_of(const JobRecord& job, const JobLinks& links) {
 }
 
 /// The stream of events of one job. Each new version of the job's record is sent as a whole, so a client that
-/// reconnects with the last version it saw misses nothing of importance. The stream ends when the server is about to
-/// stop, and the client continues it with another server.
+/// reconnects with the last version it saw misses nothing important. The stream ends when the daemon is about to stop,
+/// and the client continues it with another daemon.
 class EventStream {
  public:
   EventStream(JobStore& store, JobRecord first, std::int64_t seen, const Call& call, const std::atomic<bool>& draining)
@@ -160,7 +160,7 @@ class EventStream {
         if (!now) return {};
         job_ = std::move(*now);
       } catch (const StoreError&) {
-        // The store may come back; otherwise the client leaves at some time.
+        // The store may come back; otherwise the client will leave at some time.
       }
     }
   }
@@ -227,14 +227,16 @@ Admission JobRoutes::admit(const RequestHead& head) const {
   check_content_coding(head);
   if (context_.draining) throw draining();
   if (!jobs().is_well()) throw store_unavailable();
-  // Where the folder of jobs is in memory, what is stored takes memory from all work.
+  // If the folder of jobs is in memory, stored data reduces the memory for all work.
   if (context_.memory.stored() > context_.memory.limit() / 2) {
-    throw HttpError(507, "storage_full", "the store of jobs is in memory, and what it holds takes half of the budget")
+    throw HttpError(507, "storage_full",
+                    "the store of jobs is in memory, and its data takes half of the memory "
+                    "budget")
         .with_header("Retry-After", kFullSeconds);
   }
   if (jobs().is_full()) throw HttpError(503, "overloaded", "the queue of jobs is full: try again later");
-  // The request only passes the body on to the store, which copies it, so each byte counts twice. Whoever claims the
-  // job reserves the memory for the work.
+  // The request only passes the body on to the store, which copies it, so each byte counts twice. The worker that
+  // claims the job reserves the memory for the work.
   return {context_.work.limits.api.max_body, context_.memory.open_share(/*per_byte=*/2)};
 }
 
@@ -254,7 +256,7 @@ Response JobRoutes::submit(const Call& call) const {
   job.id = new_request_id();
   job.owner = request.owner;
   job.body = request.body;
-  const SharedStoreDeadline deadline(jobs().deadline());  // which begins once the body has been looked at
+  const SharedStoreDeadline deadline(jobs().deadline());  // the deadline begins after the body has been checked
   const Submission submission = ask([&] { return jobs().store().submit(job); });
   if (submission.kind == Submission::Kind::kKeyReused)
     throw HttpError(422, "idempotency_key_reused", "this Idempotency-Key was sent with another request");
@@ -264,7 +266,7 @@ Response JobRoutes::submit(const Call& call) const {
   const auto record = submission.kind == Submission::Kind::kNew
                           ? new_record(job, submission)
                           : ask([&] { return jobs().store().find(submission.id); });
-  if (!record) throw HttpError(410, "result_expired", "the job of this Idempotency-Key is gone");
+  if (!record) throw HttpError(410, "result_expired", "the job of this Idempotency-Key no longer exists");
   Response response = json_response(job_json(*record, links_for(request)));
   response.status = 202;
   response.job = submission.id;
@@ -274,7 +276,7 @@ Response JobRoutes::submit(const Call& call) const {
   return response;
 }
 
-/// Errors: HttpError 404 - also if the job belongs to somebody else, so that ids cannot be probed.
+/// Errors: HttpError 404 - also if the job belongs to another owner, so that ids cannot be probed.
 JobRecord JobRoutes::find_own(const Call& call) const {
   JobStore& store = jobs().store();
   if (!is_job_id(call.parameter)) throw not_found();
@@ -287,7 +289,9 @@ Response JobRoutes::list(const Call& call) const {
   JobStore& store = jobs().store();
   const std::string& owner = call.request.owner;
   if (owner.empty()) {
-    throw HttpError(403, "forbidden", "jobs are listed only by API key, and this server uses no API keys");
+    throw HttpError(403, "forbidden",
+                    "jobs are listed only for the owner of an API key, and this server uses no "
+                    "API keys");
   }
   return compressed(
       json_response(jobs_json(ask([&] { return store.list(owner, kMaxListed); }), links_for(call.request))),
@@ -323,8 +327,8 @@ std::uint64_t JobRoutes::size_of(const std::string& id, BlobKind kind) const {
 
 Response JobRoutes::answer_from(const Operation& write, std::uint64_t memory, const Call& call) const {
   call.request.memory = context_.memory.open_share(/*per_byte=*/1);
-  // The reservation is limited to the whole budget: a result that a worker could make can always be sent, if need be
-  // alone.
+  // The reservation is limited to the whole budget: a result that a worker could make can always be sent, if necessary
+  // with no other work beside it.
   memory = std::min(memory, context_.memory.limit());
   wait_for_memory(
       *call.request.memory, [&] { return call.request.memory->try_hold(memory); }, call.request, call.connection,
@@ -362,7 +366,7 @@ Response JobRoutes::follow(const Call& call) const {
   std::from_chars(last.data(), last.data() + last.size(), seen);
   Response response;
   if (is_final(job.state) && job.version == seen) {
-    response.status = 204;  // nothing more will come, and browsers stop asking after a 204
+    response.status = 204;  // there will be no more events, and browsers stop asking after a 204
     return response;
   }
   response.content_type = "text/event-stream";

@@ -34,7 +34,7 @@ class JobRoutes {
 
   /// True if a client asks for a request to be answered later, with `Prefer: respond-async` (RFC 7240).
   static bool wants_job(const RequestHead& head);
-  /// Decides under which terms the body of a new job is accepted.
+  /// Decides on which terms the body of a new job is accepted.
   Admission admit(const RequestHead& head) const;
   /// Accepts a job.
   /// Output: an answer with status 202.
@@ -53,7 +53,7 @@ class JobRoutes {
   std::string read(const std::string& id, BlobKind kind) const;
   std::uint64_t size_of(const std::string& id, BlobKind kind) const;
   /// Makes an answer from blobs in the worker pool.
-  /// Input: `memory` - bytes that this takes; they stay reserved meanwhile.
+  /// Input: `memory` - the bytes that the work takes; they stay reserved meanwhile.
   Response answer_from(const Operation& write, std::uint64_t memory, const Call& call) const;
   Response result(const Call& call) const;
   Response report(const Call& call) const;

@@ -7,22 +7,24 @@
 #include "server/http/error_response.h"
 #include "server/jobs/job_request.h"
 #include "server/observe/log.h"
+#include "server/work/work.h"
 
 namespace remesh::server::jobs {
 namespace {
 
-/// A job fails that finds this daemon without its folder after so many pauses for it.
+/// After this many pauses because this daemon lacks the folder of a job's input, the job fails.
 constexpr int kMaxPauses = 5;
-/// If pauses are remembered for more jobs than this, they are forgotten. Most of these jobs were done elsewhere.
+/// The max number of jobs for which pauses are counted. Beyond it, all counts are deleted, because most of these jobs
+/// were done elsewhere.
 constexpr std::size_t kMaxPaused = 1000;
-/// How long cancelled work may take to stop.
+/// The max time that cancelled work may take to stop.
 constexpr std::chrono::milliseconds kStopPatience{1100};
-/// The error of a job that found no memory or threads in its last attempt. The status 500 says that trying again is
-/// of no use, unlike a 503.
+/// The error of a job that found no memory or threads in its last attempt. The status 500, unlike 503, means that
+/// trying again is useless.
 HttpError given_up(const std::string& code, int attempts) {
-  return HttpError(
-      500, code,
-      "the job ended because memory or threads were lacking; attempt " + std::to_string(attempts) + " was the last");
+  return HttpError(500, code,
+                   "the job failed because there was not enough memory or no thread; attempt " +
+                       std::to_string(attempts) + " was the last");
 }
 
 }  // namespace
@@ -114,7 +116,7 @@ void JobRunner::run(const std::shared_ptr<ActiveJob>& job) {
       return;
     }
   } catch (const std::exception& error) {
-    // The lease will run out, and another worker will try the job again.
+    // The lease will expire, and another worker will try the job again.
     log::write(log::Level::kError, "job left", {{"job", job->claim.id}, {"error", std::string(error.what())}});
   }
   release(job);
@@ -136,7 +138,7 @@ std::optional<JobOutcome> JobRunner::work_on(ActiveJob& job) {
     api::Request request = unpack_request(job.claim.request);
     request.body = *input;
     running.is_computing = true;
-    api::StoredRemesh stored = operation_(request, settings_.limits, running.control);
+    api::StoredRemesh stored = operation_(request, with_trace(settings_.limits, job.claim.id), running.control);
     running.is_computing = false;
     metrics_.count_work(stored.done);
     job.done = std::move(stored.done);
@@ -163,7 +165,9 @@ bool JobRunner::pause_without_folder(const Claim& claim) {
     return false;
   }
   claimer_.pause_until(Clock::now() + settings_.rules.lease);
-  log::write(log::Level::kError, "a job's input is in a folder, but --blob-dir is missing; no jobs are claimed now",
+  log::write(log::Level::kError,
+             "a job's input is in a folder, but --blob-dir is not set; for a while this "
+             "daemon claims no jobs",
              {{"job", claim.id}, {"pause_s", std::chrono::duration<double>(settings_.rules.lease).count()}});
   return true;
 }
@@ -181,10 +185,11 @@ std::optional<JobOutcome> JobRunner::outcome_of_failure(ActiveJob& job, std::exc
       return std::nullopt;
     }
     if (error.code == Code::kCancelled && eviction == Eviction::kAmongOthers) {
-      // Others had a part in it. With the memory that it was seen to take reserved, if need be all, it has its chance.
+      // Other work used memory, too. With the memory that the job was seen to take reserved for it alone, if necessary
+      // all memory, it may succeed.
       const std::uint64_t estimate =
           memory_.next_reservation(job.running->next_estimate(job.claim.memory), job.claim.memory);
-      // With all memory reserved it cannot be given more, so it is not tried for ever.
+      // A job that had all memory reserved cannot get more, so it is not tried again.
       const bool had_all = job.claim.memory >= memory_.limit();
       if (!had_all || may_retry) {
         const auto attempt = had_all ? JobStore::Attempt::kCounts : JobStore::Attempt::kDoesNotCount;

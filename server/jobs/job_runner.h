@@ -15,7 +15,7 @@ namespace remesh::server::jobs {
 using KeepOperation = std::function<api::StoredRemesh(const api::Request&, const api::Limits&, RunControl&)>;
 
 /// One thread claims jobs (`JobClaimer`), the pool works on them, another thread commits their outcomes
-/// (`JobCommitter`), and a third one renews their leases meanwhile (`LeaseKeeper`).
+/// (`JobCommitter`), and a third thread renews their leases meanwhile (`LeaseKeeper`).
 class JobRunner {
  public:
   JobRunner(JobStore& store, WorkerPool& pool, RequestRegistry& registry, MemoryBudget& memory, Metrics& metrics,
@@ -33,7 +33,7 @@ class JobRunner {
   /// Cancels the jobs that still run and returns them to the queue. These attempts do not count. The pool may end
   /// after this.
   void stop();
-  /// Stops work on a job that was cancelled in the store. This is sooner than the next renewal would notice it.
+  /// Stops work on a job that was cancelled in the store. The next renewal would notice the cancellation only later.
   void drop(const std::string& id);
 
  private:
@@ -43,11 +43,12 @@ class JobRunner {
   void begin(Claim claim, std::shared_ptr<MemoryShare> share);
   void run(const std::shared_ptr<ActiveJob>& job);
   void release(const std::shared_ptr<ActiveJob>& job);
-  /// Output: nothing if the job has no outcome here, because its claim was lost or it goes back to the queue.
+  /// Output: nothing if the job has no outcome in this process, because its claim was lost or it goes back to the
+  ///         queue.
   std::optional<JobOutcome> work_on(ActiveJob& job);
   std::optional<JobOutcome> outcome_of_failure(ActiveJob& job, std::exception_ptr failure);
-  /// Stops claiming for a while, because this daemon lacks the folder that a job's input is in.
-  /// Output: false if the job is to fail, since that has happened to it too often.
+  /// Stops claiming for a while, because this daemon lacks the folder of a job's input.
+  /// Output: false if the job is to fail, because it has caused too many such pauses.
   bool pause_without_folder(const Claim& claim);
 
   JobStore& store_;
@@ -58,7 +59,7 @@ class JobRunner {
   const KeepOperation operation_;
   const RunnerSettings settings_;
   std::mutex mutex_;
-  std::map<std::string, int> pauses_;  ///< how often claiming was stopped because of a job; guarded by `mutex_`
+  std::map<std::string, int> pauses_;  ///< by job: how often it has stopped claiming; guarded by `mutex_`
   LeaseKeeper leases_;
   JobCommitter committer_;
   JobClaimer claimer_;

@@ -16,12 +16,12 @@ namespace {
 
 constexpr std::chrono::milliseconds kLookAtJobs{1000};
 constexpr std::chrono::milliseconds kMaxBetweenUpkeeps{5000};
-/// How often the store is written to even if nothing else happens. The write lets the store remember the time.
+/// How often the store is written to even without other work. The write stores the present time.
 constexpr std::chrono::seconds kTouch{60};
-/// How often the bytes that all jobs store are added up, for the metrics.
+/// How often the bytes of all stored jobs are added up, for the metrics.
 constexpr std::chrono::seconds kBetweenSums{5};
-/// How long a stopping daemon waits for its last calls of the store, which give jobs back. The calls of a store that
-/// does not answer end then.
+/// How long a stopping daemon waits for its last calls of the store, which give jobs back. After that time, these calls
+/// end even if the store does not answer.
 constexpr std::chrono::milliseconds kLastCalls{1400};
 
 /// The folder of SQLite's file if it is in memory, else empty.
@@ -39,7 +39,7 @@ std::unique_ptr<JobStore> open_store(const JobSettings& settings, Metrics& metri
   if (settings.store == "sqlite") {
     const std::string folder = find_state_dir(settings.state_dir);
     if (folder.empty()) {
-      log::write(log::Level::kWarning, "no folder for jobs can be written, so there will be no jobs",
+      log::write(log::Level::kWarning, "no folder for jobs can be written to, so this server accepts no jobs",
                  {{"set", std::string("--state-dir or --store")}});
       return nullptr;
     }
@@ -74,7 +74,7 @@ void JobService::start() {
   } catch (const StoreUnusable&) {
     throw;
   } catch (const StoreError&) {
-    // It may come later, and until then the daemon is not ready.
+    // The store may come later, and until then the daemon is not ready.
   }
   looks_.emplace(kLookAtJobs, [this] { look_after(); });
   if (settings_.role != Role::kServe) runner_.start();
@@ -101,12 +101,12 @@ void JobService::remove(const std::string& id) {
   }
 }
 
-/// Writes to the store. A full one is no reason to stop here: what follows makes room.
+/// Writes to the store. If the store is full, upkeep continues, because its next steps make room.
 void JobService::touch() {
   try {
     store_->probe();
   } catch (const StoreFull&) {
-    // The store's observer has logged it.
+    // The store's observer has logged the error.
   }
 }
 
@@ -130,7 +130,7 @@ void JobService::look_after() {
     const std::lock_guard lock(mutex_);
     statistics_ = statistics;
   } catch (const StoreError&) {
-    // The store's observer has logged it.
+    // The store's observer has logged the error.
   } catch (const DataError& error) {
     log::write(log::Level::kError, "the job store holds damaged data", {{"error", std::string(error.what())}});
   }

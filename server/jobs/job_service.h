@@ -33,7 +33,7 @@ class JobService {
   void stop();
 
   JobStore& store() { return *store_; }
-  /// The deadline that all calls of a request share if it begins to ask the store now.
+  /// The common deadline for all calls of a request that begins to use the store now.
   Clock::time_point deadline() const { return Clock::now() + settings_.rules.timeout; }
   bool is_well() const { return store_->is_well(); }
   /// True if the queue has reached its largest permitted length.
@@ -42,15 +42,17 @@ class JobService {
   QueueStatistics statistics() const;
   /// The bytes of all inputs and results, as of some seconds ago.
   std::uint64_t stored_bytes() const { return stored_bytes_; }
-  /// Tells the runner that a job was submitted here, so that it need not wait for the store to say so.
+  /// Tells the runner that a job was submitted in this process, so that the runner need not wait for a notification
+  /// from the store.
   void wake() { runner_.wake(); }
-  /// Cancels a job in the store and here. If the job has ended already, its stored blobs are removed instead.
+  /// Cancels a job in the store and in this process. If the job has ended already, its stored blobs are removed
+  /// instead.
   void remove(const std::string& id);
 
  private:
   void look_after();
   void touch();
-  /// Counts and logs what upkeep has changed.
+  /// Counts and logs the changes that upkeep has made.
   void tell(const Upkeep& done);
 
   /// The bytes of the jobs' files that are in memory, because their folder is.

@@ -43,9 +43,9 @@ struct RunnerSettings {
 /// Errors: std::invalid_argument - the named folder cannot be written.
 std::string find_state_dir(const std::string& state_dir);
 
-/// Checks that the daemon could write its folders when it starts. It creates none, because the user who checks the
-/// configuration need not be the user who starts the daemon.
-/// Errors: std::invalid_argument - a folder that was named cannot be written.
+/// Checks that the daemon will be able to write to its folders. The check creates no folder, because the user who
+/// checks the configuration need not be the user who starts the daemon.
+/// Errors: std::invalid_argument - a named folder cannot be written.
 void check_folders(const JobSettings& settings);
 
 /// Returns the store's address with its password replaced by asterisks.

@@ -26,39 +26,39 @@ std::optional<JobState> state_from_name(std::string_view name);
 /// True if the state never changes again. The one exception is that a succeeded job expires later.
 constexpr bool is_final(JobState state) { return state != JobState::kQueued && state != JobState::kRunning; }
 
-/// The store cannot be reached or cannot write now. Nothing has been changed, unless the connection was lost during a
-/// commit.
+/// The store cannot be reached or cannot write at the moment. Nothing has been changed, unless the connection was lost
+/// during a commit.
 class StoreError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// The store has no room for what was to be written. Reading and deleting go on.
+/// The store has no room for the data to be written. Reading and deleting still work.
 class StoreFull : public StoreError {
  public:
   using StoreError::StoreError;
 };
 
-/// There is room for other operations, but not for one that needs so much.
+/// The store has room for smaller operations, but not for this one.
 class RoomRefused : public StoreFull {
  public:
   using StoreFull::StoreFull;
 };
 
-/// More would be stored than the operator allows.
+/// More data would be stored than the operator allows.
 class LimitReached : public RoomRefused {
  public:
   using RoomRefused::RoomRefused;
 };
 
-/// The daemon must not use this store, whenever it is asked. An operator has to change something.
+/// The daemon must not use this store now or later, until an operator has changed something.
 class StoreUnusable : public StoreError {
  public:
   using StoreError::StoreError;
 };
 
-/// The store works, but it cannot take these values, or its rows hold values that nobody can have written there. This
-/// is an error of one job, not of the store.
+/// The store works, but it cannot take these values, or its rows hold values that no daemon can have written. This is
+/// an error of one job, not of the store.
 class DataError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -81,9 +81,9 @@ class NoFolder : public BlobLost {
 /// The rules that all users of a store apply to its jobs. They must be the same on all daemons that share a store.
 struct StoreRules {
   std::chrono::milliseconds lease{60'000};  ///< a job counts as abandoned this long after its last renewal
-  int max_attempts = 3;  ///< give up on a job after this many workers have died while they worked on it
-  std::chrono::milliseconds result_ttl{86'400'000};  ///< how long results are stored, and jobs that ended without one
-  std::chrono::milliseconds history{86'400'000};     ///< how long an expired job is remembered
+  int max_attempts = 3;  ///< a job is given up after this many workers have died while they worked on it
+  std::chrono::milliseconds result_ttl{86'400'000};  ///< how long results, and jobs without a result, are stored
+  std::chrono::milliseconds history{86'400'000};     ///< how long the record of an expired job is kept
   std::chrono::milliseconds queue_timeout{86'400'000};
   std::chrono::milliseconds idempotency_ttl{86'400'000};
   /// How long a call waits for a store that does not answer.
@@ -109,7 +109,7 @@ struct NewJob {
 
 struct Submission {
   enum class Kind { kNew, kRepeated, kKeyReused } kind = Kind::kNew;
-  std::string id;               ///< the new or repeated job; for kKeyReused the job that the key belongs to
+  std::string id;               ///< the new or repeated job; for kKeyReused, the job to which the key belongs
   std::int64_t created_ms = 0;  ///< for kNew
 };
 
@@ -161,7 +161,7 @@ struct Upkeep {
   int expired = 0;    ///< results that expired
   int forgotten = 0;  ///< jobs that were removed
   int damaged = 0;    ///< jobs failed because their rows were damaged
-  std::string error;  ///< what kept some of the changes from being made, although the store works; empty if nothing did
+  std::string error;  ///< what prevented some of the changes although the store works; or empty
 };
 
 /// A job that waits, and the memory that it needs.
@@ -182,9 +182,9 @@ class JobStore {
  public:
   virtual ~JobStore() = default;
 
-  /// Submits a job. Once this returns, the job survives the death of every process and of the host. If nobody can tell
-  /// whether the job was stored, it is withdrawn as soon as the store answers, unless it has an idempotency key: with
-  /// the key, the client can ask again.
+  /// Submits a job. Once this returns, the job survives the death of every process and of the host. If it is unknown
+  /// whether the job was stored, the job is withdrawn as soon as the store answers. A job with an idempotency key is
+  /// not withdrawn, because the client can repeat the request with the key.
   /// Errors: also StoreFull.
   virtual Submission submit(const NewJob& job) = 0;
   /// Claims the next job that needs at most `max_memory` bytes. Owners take turns; the jobs of one owner come in
@@ -219,12 +219,12 @@ class JobStore {
   /// Cancels a job.
   /// Output: true if this ended the job; false if it had ended before.
   virtual bool cancel(const std::string& id) = 0;
-  /// Expires what is stored of a job that has ended.
-  /// Output: true if the job had a result, which is now expired.
+  /// Removes the stored data of a job that has ended.
+  /// Output: true if the job had a result, which has now expired.
   virtual bool discard(const std::string& id) = 0;
 
-  /// Applies the changes that are due with time: leases run out, waiting ends, results expire. Any number of daemons
-  /// may call this.
+  /// Makes the changes that are due with time: leases expire, waiting ends, results expire. Any number of daemons may
+  /// call this.
   virtual Upkeep upkeep() = 0;
   virtual QueueStatistics statistics() = 0;
   /// The bytes of all inputs and results.
@@ -234,7 +234,7 @@ class JobStore {
   /// False until the first successful write. After an error it is false until the next successful write.
   virtual bool is_well() const = 0;
 
-  /// Ends all calls that wait for the store, and those to come, at the given time, because the daemon stops.
+  /// Makes all present and future calls that wait for the store end at the given time, because the daemon stops.
   virtual void end_calls_at(Clock::time_point time) = 0;
 
   /// Waits until `wake` is set, until there may be a job to claim, or until the given time.

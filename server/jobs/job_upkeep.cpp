@@ -11,9 +11,9 @@
 namespace remesh::server::jobs {
 namespace {
 
-/// The largest number of jobs that one round changes in each way.
+/// The max number of jobs that one round changes in each way.
 constexpr std::int64_t kBatch = 100;
-/// The largest number of keys that one statement removes.
+/// The max number of keys that one statement removes.
 constexpr std::int64_t kKeys = 1000;
 
 }  // namespace
@@ -30,7 +30,7 @@ std::vector<LeaseJudge::Sign> running_jobs(Database& database, std::chrono::mill
   std::vector<LeaseJudge::Sign> signs;
   for (const Row& row :
        database.run("SELECT id, token, version, lease_length_ms FROM remeshd_job WHERE state = 'running'")) {
-    // A lease that nobody can have given would keep the job of a dead worker for ever.
+    // A lease that no daemon can have given would keep the job of a dead worker for ever.
     std::int64_t lease = maybe_integer(row[3]).value_or(0);
     if (lease <= 0 || lease > std::chrono::milliseconds(std::chrono::hours(24)).count()) lease = usual_lease.count();
     const std::optional<std::int64_t> token = maybe_integer(row[1]), version = maybe_integer(row[2]);
@@ -44,7 +44,7 @@ void JobUpkeep::run(LeaseJudge& judge) {
   const Clock::time_point asked = Clock::now();
   const auto end_damaged_first = [&] {
     end_damaged();
-    judge.note_reached(asked, Clock::now());  // so time has passed for the leases that are judged next
+    judge.note_reached(asked, Clock::now());  // this time counts for the leases that are judged next
   };
   const std::array<std::function<void()>, 6> steps{end_damaged_first,         [&] { end_abandoned(judge); },
                                                    [this] { end_waiting(); }, [this] { expire_results(); },
@@ -58,11 +58,11 @@ void JobUpkeep::attempt(const std::function<void()>& change) {
   } catch (const DataError& error) {
     done_.error = error.what();
   }
-  database_.extend_deadline(rules_.timeout);  // only silence of the store counts
+  database_.extend_deadline(rules_.timeout);  // only time in which the store does not answer counts
 }
 
 void JobUpkeep::for_each(const std::string& sql, const Values& values, void (JobUpkeep::*change)(const std::string&)) {
-  // The rest is left to the next round where time runs out, so that the clock and the leases are looked after
+  // If time runs out, the rest is left to the next round, so that the clock and the leases are kept up to date
   // meanwhile.
   const Clock::time_point until = Clock::now() + rules_.timeout;
   for (const Row& row : database_.run(sql.c_str(), values)) {
@@ -73,7 +73,7 @@ void JobUpkeep::for_each(const std::string& sql, const Values& values, void (Job
 }
 
 void JobUpkeep::end_damaged() {
-  // SQLite allows rows without an id. Nobody can ask for such a job.
+  // SQLite allows rows without an id. No client can ask for such a job.
   attempt([this] {
     const Rows rows = database_.run("DELETE FROM remeshd_job WHERE id IS NULL RETURNING state");
     done_.damaged += static_cast<int>(rows.size());

@@ -13,8 +13,8 @@
 
 namespace remesh::server::jobs {
 
-/// One round of upkeep. It changes a bounded number of jobs, each in a transaction of its own: a job whose row or size
-/// keeps it from being changed does not keep others from it.
+/// One round of upkeep. It changes a bounded number of jobs, each in a transaction of its own, so that a job whose row
+/// or size prevents its change does not prevent the changes of other jobs.
 class JobUpkeep {
  public:
   JobUpkeep(Database& database, const DatabaseDriver& driver, const StoreRules& rules, const BlobTable& blobs)
@@ -28,7 +28,7 @@ class JobUpkeep {
   const std::vector<std::string>& files() const { return files_; }
 
  private:
-  /// Fails jobs whose rows are damaged, so that no other statement meets them.
+  /// Fails jobs whose rows are damaged, so that no other statement reads these rows.
   void end_damaged();
   /// Queues the jobs of dead workers again, or fails them.
   void end_abandoned(LeaseJudge& judge);
@@ -42,9 +42,9 @@ class JobUpkeep {
   void end_waiting(const std::string& id);
   void expire(const std::string& id);
   void forget(const std::string& id);
-  /// Makes one change, and notes what kept the data from being changed.
+  /// Makes one change. If the data prevents it, the reason is recorded.
   void attempt(const std::function<void()>& change);
-  /// Changes the jobs whose ids a statement gives, as many as there is time for but at least one.
+  /// Changes the jobs whose ids a statement returns, as many as there is time for but at least one.
   void for_each(const std::string& sql, const Values& values, void (JobUpkeep::*change)(const std::string&));
 
   Database& database_;
@@ -55,8 +55,8 @@ class JobUpkeep {
   std::vector<std::string> files_;
 };
 
-/// Makes a problem with `{job}` as its request_id. The statements that end jobs, many at once, replace `{job}` by the
-/// id of each job.
+/// Makes a problem with `{job}` as its request_id. The statements that end many jobs at once replace `{job}` by the id
+/// of each job.
 std::string problem_text(int status, const char* code, const char* detail);
 
 /// The jobs that are running, for the judge.

@@ -6,8 +6,8 @@
 namespace remesh::server::jobs {
 namespace {
 
-/// An answer that takes longer than this may have waited for a lock or a frozen server, which then stopped the others
-/// too. The time of such a call does not count.
+/// An answer that takes longer than this may have waited for a lock or a frozen server, which then also stopped the
+/// other workers. The time of such a call does not count.
 constexpr std::chrono::seconds kPrompt{1};
 
 }  // namespace

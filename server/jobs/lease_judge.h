@@ -1,9 +1,9 @@
 /// Judges which workers have died, without trusting any clock but this process's own.
 ///
-/// A worker that lives changes its job's row often. The judge looks at the rows and remembers when it first saw each
-/// version. A row that stays the same for a whole lease belongs to a dead worker. Only time in which the store could be
-/// written counts: while it is away, no worker can give a sign of life. So neither an outage nor a clock that is set
-/// takes a job from a worker that lives.
+/// A worker that lives changes its job's row often. The judge reads the rows and stores when it first saw each version.
+/// A row that stays the same for a whole lease belongs to a dead worker. Only time in which the store could be written
+/// counts: during an outage, no worker can give a sign of life. So neither an outage nor a change of a clock takes a
+/// job from a living worker.
 #pragma once
 
 #include <chrono>
@@ -19,8 +19,8 @@ namespace remesh::server::jobs {
 
 class LeaseJudge {
  public:
-  /// Input: `max_pause` - the longest pause between two calls that counts in full. After a longer one, this process
-  ///        itself was stopped or had no time, and so may have been the others.
+  /// Input: `max_pause` - the longest pause between two calls that counts in full. During a longer pause, this process
+  ///        itself was stopped or had no processor time, and the same may be true of the workers.
   explicit LeaseJudge(std::chrono::milliseconds max_pause) : max_pause_(max_pause) {}
 
   /// The part of a running job's row that shows whether its worker lives.
@@ -31,12 +31,12 @@ class LeaseJudge {
     std::chrono::milliseconds lease{0};  ///< the lease under which its worker has claimed it
   };
 
-  /// Notes that a write reached the store.
+  /// Records that a write reached the store.
   /// Input: the times of the question and of the answer.
   void note_reached(Clock::time_point asked, Clock::time_point answered);
-  /// Notes that a write did not reach the store.
+  /// Records that a write did not reach the store.
   void note_failed();
-  /// Notes a sign of life that this process itself caused.
+  /// Records a sign of life that this process itself caused.
   void see(const Sign& sign);
   /// Judges all running jobs.
   /// Input:  all jobs that are running now; jobs that are missing here are forgotten.
@@ -48,7 +48,7 @@ class LeaseJudge {
     std::int64_t token;
     std::int64_t version;
     std::chrono::milliseconds lease;
-    Clock::duration at;  ///< by `counted_`
+    Clock::duration at;  ///< the time, as `counted_` counts it
   };
   /// Output: true if the sign is older than its lease.
   bool note_locked(const Sign& sign);

@@ -17,7 +17,7 @@ void LeaseKeeper::start() {
 }
 
 void LeaseKeeper::renew_all() {
-  // Where one row is locked, the others still get their turn.
+  // If one row is locked, the other leases must still be renewed in time.
   const SharedStoreDeadline deadline(Clock::now() + settings_.rules.timeout);
   return_late();
   for (const std::shared_ptr<ActiveJob>& job : jobs()) {
@@ -25,7 +25,7 @@ void LeaseKeeper::renew_all() {
     try {
       renew(*job);
     } catch (const StoreError&) {
-      // The store's observer has logged it. The lease does not age while the store is away.
+      // The store's observer has logged the error. The lease does not age during an outage of the store.
     } catch (const DataError& error) {
       log::write(log::Level::kError, "cannot renew a lease",
                  {{"job", job->claim.id}, {"error", std::string(error.what())}});

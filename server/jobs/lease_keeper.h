@@ -22,7 +22,7 @@ struct ActiveJob {
   ActiveJob(Claim its_claim, RequestRegistry& registry)
       : claim(std::move(its_claim)), running(registry.add(new_request_id())) {}
 
-  /// Stops work on a job that is no longer this process's.
+  /// Stops work on a job that no longer belongs to this process.
   void lose() {
     is_lost = true;
     running->cancel();
@@ -31,7 +31,7 @@ struct ActiveJob {
   const Claim claim;
   const RequestRegistry::Entry running;
   std::shared_ptr<MemoryShare> memory;
-  std::optional<WorkerPool::Ticket> ticket;  ///< its place in the pool's queue; for the thread that claims
+  std::optional<WorkerPool::Ticket> ticket;  ///< the job's place in the pool's queue; for the thread that claims
   std::atomic<bool> is_computed{false};      ///< its outcome waits for the commit
   std::atomic<bool> is_lost{false};
   std::atomic<bool> is_committing{false};
@@ -69,11 +69,11 @@ class LeaseKeeper {
     const std::lock_guard lock(mutex_);
     return jobs_;
   }
-  /// Returns a job to the queue; if the store is away, later.
+  /// Returns a job to the queue, or later if the store does not answer.
   /// Input: `memory` - as JobStore::give_back.
   void give_back(ActiveJob& job, JobStore::Attempt attempt, const char* reason,
                  std::optional<std::uint64_t> memory = std::nullopt);
-  /// Gives back what could not be given back while the store was away.
+  /// Gives back the jobs that could not be given back during an outage of the store.
   void return_late();
 
  private:

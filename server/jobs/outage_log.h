@@ -1,4 +1,4 @@
-/// Logs that the store does not answer, and that it answers again, without filling the log meanwhile.
+/// Logs when the store stops answering and when it answers again, without filling the log meanwhile.
 #pragma once
 
 #include <chrono>
@@ -13,10 +13,10 @@ namespace remesh::server::jobs {
 
 class OutageLog {
  public:
-  /// At most one warning is written in this time.
+  /// At most one warning is written in this period.
   static constexpr std::chrono::minutes kPeriod{1};
 
-  /// Notes the outcome of a call of the store.
+  /// Records the outcome of a call of the store.
   /// Input: `error` - null if the call succeeded.
   void note(std::string_view op, const StoreError* error);
 

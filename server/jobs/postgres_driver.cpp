@@ -16,16 +16,16 @@
 namespace remesh::server::jobs {
 namespace {
 
-/// The interval in which a waiting call looks whether the daemon stops.
+/// The interval in which a waiting call checks whether the daemon is stopping.
 constexpr std::chrono::milliseconds kLookAtSocket{50};
-/// The store's clock goes on by at most this much without a daemon that keeps it.
+/// If no daemon keeps the store's clock, it advances by at most this much.
 constexpr std::chrono::milliseconds kMaxStep{15'000};
-/// If the clock was not kept for so long, no daemon was running.
+/// If no daemon has kept the clock for this long, no daemon was running.
 constexpr std::chrono::minutes kUnkept{1};
 /// The server's clock now, in milliseconds.
 constexpr const char* kWall = "(extract(epoch FROM clock_timestamp()) * 1000)::bigint";
 constexpr const char* kChannel = "remeshd_jobs";
-/// Takes the advisory lock under which the schema is created. The number is arbitrary, but nobody else may use it.
+/// Takes the advisory lock under which the schema is created. The number is arbitrary, but no other program may use it.
 constexpr const char* kSchemaLock = "SELECT pg_advisory_xact_lock(7270150413)";
 
 using Connected = std::unique_ptr<PGconn, void (*)(PGconn*)>;
@@ -80,8 +80,8 @@ std::vector<Host> hosts_of(const std::string& url) {
   return hosts;
 }
 
-/// Reads the password from its file, anew for each connection, so that a password that was changed needs no restart.
-/// Output: empty if there is no file, and then the password is that of the URL.
+/// Reads the password from its file, anew for each connection, so that a changed password needs no restart.
+/// Output: empty if there is no file; then the password is that of the URL.
 /// Errors: StoreError - the file cannot be read.
 std::string read_password(const std::string& path) {
   std::string password;
@@ -92,13 +92,13 @@ std::string read_password(const std::string& path) {
   return password;
 }
 
-/// Where the server is, and how to log in there.
+/// The address of the server, and the data for logging in.
 struct Login {
   std::string url;
   std::string password_file;  ///< may be empty
 };
 
-/// Connects without blocking, since libpq's own time limit counts whole seconds and for each host anew.
+/// Connects without blocking, because libpq's own time limit counts whole seconds and restarts for each host.
 Connected begin_connection(const Login& login, const Host& host, const StoreDeadline& deadline) {
   // Later values win, and the URL is expanded at its position. So settings in the URL take precedence over those before
   // it, and the host over the URL's list of hosts. Empty values count as absent.
@@ -147,7 +147,7 @@ Connected begin_connection(const Login& login, const Host& host, const StoreDead
 Connected open_connection(const Login& login, const StoreDeadline& deadline) {
   const std::vector<Host> hosts = hosts_of(login.url);
   if (hosts.empty()) return begin_connection(login, Host{}, deadline);
-  // A host that does not answer leaves time for the others.
+  // Each host gets only a part of the time, so that a host that does not answer leaves time for the other hosts.
   for (std::size_t i = 0;; ++i) {
     try {
       const auto left = deadline.left(std::chrono::minutes(1)) / static_cast<int>(hosts.size() - i);
@@ -167,7 +167,7 @@ class PostgresDatabase final : public Database {
         connection_.get(), [](void*, const char*) {}, nullptr);
     check_encoding();
     // The role or the database may have other defaults. The server ends a wait for a lock before it ends the statement,
-    // so that the reason is told.
+    // so that the error names the lock.
     const std::string milliseconds = std::to_string(timeout.count());
     const std::string for_locks = std::to_string(std::max<std::int64_t>(1, timeout.count() * 4 / 5));
     for (const std::string& setting :
@@ -177,7 +177,7 @@ class PostgresDatabase final : public Database {
           std::string("SET default_transaction_deferrable = off"), std::string("SET row_security = on")}) {
       run(setting.c_str(), {}, Result::kText);
     }
-    // An accepted job must be on the disk, whatever the server's setting is. Stronger settings are not changed.
+    // An accepted job must be on the disk, whatever the server's setting is. Stricter settings are not changed.
     run("SELECT set_config('synchronous_commit', 'on', false) WHERE current_setting('synchronous_commit') = 'off'", {},
         Result::kText);
   }
@@ -215,7 +215,7 @@ class PostgresDatabase final : public Database {
     if (::PQsendQuery(connection_.get(), "COMMIT") != 1)
       throw ConnectionBroken(one_line(::PQerrorMessage(connection_.get())));
     const Answered answer = wait_for_answer();
-    // If the connection is lost here, nobody can tell whether the commit happened, so it must not be repeated
+    // If the connection is lost at this point, it is unknown whether the commit happened, so it must not be repeated
     // blindly.
     if (::PQresultStatus(answer.get()) != PGRES_COMMAND_OK)
       throw StoreError("commit: " + one_line(::PQerrorMessage(connection_.get())));
@@ -245,12 +245,12 @@ class PostgresDatabase final : public Database {
                         ", which cannot store all text: create it with the encoding UTF8");
   }
 
-  /// Waits like libpq does, but with a deadline: a server that does not answer counts as one that went away.
-  /// Errors: StoreError - nobody can tell what became of the statement.
+  /// Waits for the answer like libpq does, but with a deadline: a server that does not answer in time counts as gone.
+  /// Errors: StoreError - it is unknown whether the statement took effect.
   Answered wait_for_answer() {
     while (::PQisBusy(connection_.get()) == 1) {
       pollfd entry{::PQsocket(connection_.get()), POLLIN, 0};
-      // Bytes that are not sent yet must go out too, so it also waits until the socket is writable.
+      // Bytes that are not sent yet must be sent too, so the function also waits until the socket is writable.
       if (::PQflush(connection_.get()) == 1) entry.events |= POLLOUT;
       if (deadline().is_over()) {
         is_stuck_ = true;
@@ -328,8 +328,8 @@ class PostgresDriver : public DatabaseDriver {
               "ALTER TABLE remeshd_job SET (fillfactor = 70, autovacuum_vacuum_scale_factor = 0.02, "
               "autovacuum_vacuum_threshold = 500, autovacuum_analyze_scale_factor = 0.05)"};
     }
-    // The store's clock goes on from the time that is kept, and follows the server's clock only as far as it can have
-    // gone since then: daemons keep the time every few seconds. So a server's clock that is set has no effect.
+    // The store's clock advances from the stored time. It follows the server's clock only as far as it can have
+    // advanced since then: daemons store the time every few seconds. So setting the server's clock has no effect.
     const std::string since = "greatest(0, least(wall - wall_ms, " + std::to_string(kMaxStep.count()) + "))";
     return {"CREATE TABLE remeshd_clock (store_ms bigint NOT NULL, wall_ms bigint NOT NULL)",
             "INSERT INTO remeshd_clock SELECT wall, wall FROM (SELECT " + std::string(kWall) + " AS wall) AS now",
@@ -344,7 +344,7 @@ class PostgresDriver : public DatabaseDriver {
   }
   void lock_schema(Database& database) const override {
     database.run(kSchemaLock);
-    // A wait for a lock still ends: others wait behind it.
+    // A wait for a lock still ends, because other transactions wait behind it.
     database.run("SET LOCAL statement_timeout = 0");
   }
   /// Sets the store's clock after a time in which no daemon has kept it.
@@ -356,7 +356,7 @@ class PostgresDriver : public DatabaseDriver {
   }
   void keep_clock(Database& database) override {
     Transaction transaction(database);
-    // It goes a tenth faster or slower until it agrees with the server's clock.
+    // The store's clock runs a tenth faster or slower until it agrees with the server's clock.
     const std::string since = "greatest(0, least(wall - wall_ms, " + std::to_string(kMaxStep.count()) + "))";
     const Rows rows =
         database.run(("UPDATE remeshd_clock SET wall_ms = wall, store_ms = store_ms + " + since + " + greatest(-" +
@@ -365,7 +365,7 @@ class PostgresDriver : public DatabaseDriver {
                          .c_str());
     const std::int64_t behind = rows.empty() ? 0 : integer(rows[0][0]);
     if (behind > kWrongClock.count() || behind < -kWrongClock.count()) {
-      // Nobody may write a time of the old clock behind the back of what follows.
+      // No other transaction may write a time of the old clock during the following statements.
       database.run("LOCK TABLE remeshd_job, remeshd_idempotency IN SHARE ROW EXCLUSIVE MODE");
       database.run("UPDATE remeshd_clock SET store_ms = store_ms + $1", {behind});
       shift_times(database, behind, timeout_);
@@ -383,7 +383,7 @@ class PostgresDriver : public DatabaseDriver {
         {job, kind, part, Bytes{bytes}, kRow, last, static_cast<std::int64_t>(size)});
   }
   std::int64_t rows_of_blob(std::int64_t last) const override { return last + 1; }
-  void tidy(Database&) override {}  // PostgreSQL does that by itself
+  void tidy(Database&) override {}  // PostgreSQL returns unused space by itself
 
   void wait_for_work(const Event& wake, Clock::time_point until, const StoreDeadline& deadline) override {
     if (!listener_ || ::PQstatus(listener_->handle()) != CONNECTION_OK) {
@@ -394,7 +394,7 @@ class PostgresDriver : public DatabaseDriver {
         listener_.reset();
         throw;
       }
-      return;  // nobody heard earlier announcements, so the caller must look at once
+      return;  // earlier announcements were missed, so the caller must check at once
     }
     PGconn* const connection = listener_->handle();
     std::array<pollfd, 2> entries{pollfd{wake.fd(), POLLIN, 0}, pollfd{::PQsocket(connection), POLLIN, 0}};

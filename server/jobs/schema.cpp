@@ -10,7 +10,7 @@
 namespace remesh::server::jobs {
 namespace {
 
-/// How long all migrations together may take. Indices of many jobs take longer than any call waits.
+/// The max time of all migrations together. Making indices of many jobs takes longer than any call waits.
 constexpr std::chrono::minutes kMigration{30};
 
 /// Each list holds the statements that lead from the previous version to this one. Never change a version that was
@@ -64,14 +64,15 @@ const std::vector<std::vector<std::string>> kVersions{
         "DROP INDEX remeshd_job_waiting",
         "CREATE INDEX remeshd_job_waiting ON remeshd_job (coalesce(queued_ms, created_ms)) WHERE state = 'queued'",
         std::string("CREATE INDEX remeshd_job_damaged ON remeshd_job (id) WHERE ") + damaged_job(),
-        // There is no index of the blobs: making it would read all of them, and nothing could be written meanwhile.
+        // There is no index of the blobs: making it would read all of them, and all writes would wait meanwhile.
         std::string("CREATE INDEX remeshd_job_stored ON remeshd_job (owner, stored) WHERE ") + kJobWithBlobs,
     },
 };
 
 /// Output: nothing if there are no tables.
 std::optional<std::int64_t> version_of(Database& database, const DatabaseDriver& driver) {
-  // A role that may not create tables gets an error even if the table exists, so it is asked for first.
+  // A role that may not create tables gets an error even if the table exists. So the existence of the table is tested
+  // first.
   if (!driver.has_table(database, "remeshd_schema"))
     database.run("CREATE TABLE remeshd_schema (version int NOT NULL, touched_ms bigint NOT NULL)");
   const Rows rows = database.run("SELECT version FROM remeshd_schema");
@@ -88,7 +89,7 @@ void bring_schema_up_to_date(Database& database, const DatabaseDriver& driver) {
   const auto newest = static_cast<std::int64_t>(kVersions.size());
   if (found.value_or(0) > newest) {
     throw StoreError("the store has version " + std::to_string(*found) + ", but this remeshd knows only version " +
-                     std::to_string(newest) + ": a newer remeshd has used it");
+                     std::to_string(newest) + ": a newer version of remeshd has written to it");
   }
   if (found == newest) return transaction.commit();
   database.extend_deadline(kMigration);

@@ -7,8 +7,8 @@
 
 namespace remesh::server::jobs {
 
-/// The condition for rows of jobs that nobody can have written: unknown states, and numbers that would overflow when
-/// they are counted up. An index finds them.
+/// The condition for rows of jobs that no daemon can have written: unknown states, and numbers that would overflow when
+/// they are incremented. An index finds them.
 inline constexpr const char* kOutOfRange =
     "id IS NULL OR state NOT IN ('queued', 'running', 'succeeded', 'failed', 'cancelled', 'expired')"
     " OR memory NOT BETWEEN 0 AND 9000000000000000000 OR token NOT BETWEEN 0 AND 9000000000000000"
@@ -18,16 +18,16 @@ inline constexpr const char* kOutOfRange =
 inline constexpr const char* kFraction =
     "memory <> CAST(memory AS bigint) OR token <> CAST(token AS bigint) OR attempts <> CAST(attempts AS bigint)"
     " OR commits <> CAST(commits AS bigint) OR version <> CAST(version AS bigint) OR turn <> CAST(turn AS bigint)";
-/// The condition that a row is damaged. An index has this text.
+/// The condition that a row is damaged. An index is defined with this text.
 inline std::string damaged_job() { return std::string("(") + kOutOfRange + " OR " + kFraction + ")"; }
-/// The condition that a row is sound, in a database that may keep fractions or does not. PostgreSQL does not, and would
-/// expect that hardly any row passes the tests for them. It would then sort all rows instead of reading the first one
-/// of an index.
+/// The condition that a row is sound, for a database that may store fractions in columns of integers or for one that
+/// does not. PostgreSQL does not; with the tests for fractions it would expect hardly any row to pass, and would sort
+/// all rows instead of reading the first one of an index.
 inline std::string sound_job(bool keeps_fractions) {
   return "NOT " + (keeps_fractions ? damaged_job() : std::string("(") + kOutOfRange + ")");
 }
 
-/// Assignments that count up columns of a row that may be damaged. A number that cannot be counted up begins anew.
+/// Assignments that increment columns of a row that may be damaged. A number that cannot be incremented restarts.
 inline constexpr const char* kNextVersion =
     "version = CASE WHEN version BETWEEN 0 AND 9000000000000000 THEN CAST(version AS bigint) + 1 ELSE 1 END";
 inline constexpr const char* kNextToken =
@@ -35,8 +35,8 @@ inline constexpr const char* kNextToken =
 inline constexpr const char* kNextCommits =
     "commits = CASE WHEN commits BETWEEN 0 AND 1000000 THEN CAST(commits AS bigint) + 1 ELSE 1 END";
 
-/// The condition for rows of jobs whose blobs count as stored. A daemon of an older version removes the blobs of the
-/// others without noting it. An index finds these rows.
+/// The condition for rows of jobs whose blobs count as stored. A daemon of an older version removes the blobs of other
+/// jobs without updating `stored`. An index finds these rows.
 inline constexpr const char* kJobWithBlobs = "stored > 0 AND state NOT IN ('cancelled', 'expired')";
 
 /// Creates the tables, or migrates them to the newest version.

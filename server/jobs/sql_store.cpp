@@ -13,7 +13,7 @@
 namespace remesh::server::jobs {
 namespace {
 
-/// A judge that looks at short leases must not count long pauses, see LeaseJudge.
+/// If leases are short, long pauses must not count, see LeaseJudge.
 std::chrono::milliseconds max_pause(const StoreRules& rules) {
   return std::max<std::chrono::milliseconds>(rules.lease / 4, std::chrono::seconds(2));
 }
@@ -23,7 +23,7 @@ std::int64_t signed_bytes(std::uint64_t bytes) {
   return static_cast<std::int64_t>(std::min(bytes, kMost));
 }
 
-/// Fills in what a damaged row lacks, so that its job can be shown as one that failed.
+/// Fills in the missing values of a damaged row, so that its job can be shown as a failed one.
 void mend(JobRecord& record) {
   if (record.state != JobState::kFailed && record.state != JobState::kCancelled) return;
   constexpr int kFirstError = 400;
@@ -35,16 +35,16 @@ void mend(JobRecord& record) {
   if (place != std::string::npos) record.problem.replace(place, std::string_view("{job}").size(), record.id);
 }
 
-/// The jobs note how much they store, since to add up blobs takes longer the larger they are. What daemons of an older
-/// version store does not count.
+/// Each job's row stores the size of its blobs, because adding up the blobs takes time in proportion to their size.
+/// Data stored by daemons of an older version does not count.
 const std::string kStoredBytes =
     std::string(
         "SELECT CAST(coalesce(sum(stored), 0) AS bigint) FROM remeshd_job "
-        "WHERE stored <= 1000000000000000 AND ") +  // a damaged number must not count for all others
+        "WHERE stored <= 1000000000000000 AND ") +  // a damaged number must not distort the sum for all other jobs
     kJobWithBlobs;
-/// No turn is higher.
+/// The max turn of a job.
 constexpr std::int64_t kMaxTurn = 8'000'000'000'000'000;
-/// No job is tried more often.
+/// The max number of attempts for a job.
 constexpr std::int64_t kMaxAttempts = 1'000'000;
 
 /// A connection that goes back to its pool at the end of its scope, however that ends.
@@ -146,10 +146,10 @@ auto SqlStore::with_database(std::string_view op, Access access, Operation opera
     note(op, access, start, nullptr);
     return result;
   } catch (const LimitReached&) {
-    note(op, Access::kRead, start, nullptr);  // the store is well: one client, or all, have stored what they may
+    note(op, Access::kRead, start, nullptr);  // the store is well: some limit on stored data is reached
     throw;
   } catch (const RoomRefused& error) {
-    note(op, Access::kRead, start, &error);  // nothing was tried, which says nothing about other operations
+    note(op, Access::kRead, start, &error);  // nothing was tried, so this proves nothing about other operations
     throw;
   } catch (const StoreError& error) {
     note(op, access, start, &error);
@@ -183,7 +183,7 @@ std::optional<BlobTable::Blob> SqlStore::find_blob(const std::string& id, BlobKi
   return with_database("read", Access::kRead, [&](Database& database) { return blobs_.find(database, id, kind); });
 }
 
-/// This runs outside `with_database`: an error of a file says nothing about the health of the store.
+/// This runs outside `with_database`, because an error of a file proves nothing about the health of the store.
 template <typename Question>
 auto SqlStore::ask_folder(const std::string& id, BlobKind kind, Question question) {
   using Answer = std::optional<decltype(question(blobs_.folder()))>;
@@ -191,7 +191,7 @@ auto SqlStore::ask_folder(const std::string& id, BlobKind kind, Question questio
     return Answer(question(blobs_.folder()));
   } catch (const BlobLost&) {
     if (find_blob(id, kind)) throw;
-    return Answer();  // it expired meanwhile
+    return Answer();  // the blob expired meanwhile
   }
 }
 
@@ -215,8 +215,8 @@ std::optional<std::uint64_t> SqlStore::blob_size(const std::string& id, BlobKind
 std::optional<Submission> SqlStore::find_repeated(Database& database, const NewJob& job) {
   if (!job.idempotency) return std::nullopt;
   const auto& [key, digest] = *job.idempotency;
-  // The first of several equal submissions inserts the row; the others wait for that transaction and then find the
-  // row. An expired row counts as absent.
+  // The first of several equal submissions inserts the row. The other submissions wait for that transaction and then
+  // find the row. An expired row counts as absent.
   const Rows inserted = database.run(
       "INSERT INTO remeshd_idempotency (owner, key, digest, job, expires_ms) "
       "VALUES ($1, $2, $3, $4, remeshd_now() + $5) ON CONFLICT (owner, key) DO UPDATE "
@@ -233,11 +233,12 @@ std::optional<Submission> SqlStore::find_repeated(Database& database, const NewJ
 }
 
 /// Returns the position of an owner's next job in the order of all jobs. The position is one after the owner's last
-/// job, but not before the job that is running now. An owner who was absent therefore gets no credit for that time.
+/// job, but not before the job that is running now. An owner without jobs for some time therefore gets no credit for
+/// that time.
 /// Source: start-time fair queueing (Goyal, Vin, Cheng, Start-time Fair Queueing, 1996), with all jobs of one size.
 std::int64_t SqlStore::next_turn(Database& database, const std::string& owner) {
-  // A damaged turn would be followed by all turns to come, so turns that nobody can have given do not count. SQLite may
-  // hold a fraction in a column of integers.
+  // All later turns would follow a damaged turn, so turns that no daemon can have given do not count. SQLite may store
+  // a fraction in a column of integers.
   const Rows now = database.run(
       "SELECT CAST(coalesce((SELECT max(turn) FROM remeshd_job WHERE state = 'running' AND turn BETWEEN 0 AND $1),"
       " (SELECT min(turn) FROM remeshd_job WHERE state = 'queued' AND turn BETWEEN 0 AND $1),"
@@ -256,7 +257,7 @@ void SqlStore::check_limits(Database& database, const NewJob& job) const {
     if (limit == 0) return;
     const auto stored = static_cast<std::uint64_t>(integer(database.run(sql.c_str(), values).at(0)[0]));
     if (job.body.size() > limit || stored > limit - job.body.size())
-      throw LimitReached("the jobs of " + std::string(whose) + " take all the room that they may take");
+      throw LimitReached("the jobs of " + std::string(whose) + " have reached the limit on their stored bytes");
   };
   check(rules_.max_stored, kStoredBytes, {}, "this store");
   check(rules_.max_stored_per_owner, kStoredBytes + " AND owner = $1", {std::string_view(job.owner)}, "this API key");
@@ -296,7 +297,7 @@ Submission SqlStore::submit(const NewJob& job) {
 
 std::optional<Claim> SqlStore::claim_next(Database& database, std::string_view worker, std::uint64_t max_memory) {
   if (uncertain_.has_new()) blobs_.remove_files(uncertain_.undo(database, blobs_));
-  // No two attempts have the same name. So it can be told later whether this one has claimed a job.
+  // No two attempts have the same name, so that it can be determined later whether this attempt has claimed a job.
   const std::string attempt = std::string(worker) + "." + std::to_string(++claims_);
   const std::string sql =
       "UPDATE remeshd_job SET state = 'running', token = token + 1, attempts = attempts + 1, version = version + 1, "
@@ -371,7 +372,7 @@ bool SqlStore::commit(const Claim& claim, const JobOutcome& outcome) {
         {state, std::int64_t{rules_.result_ttl.count()}, std::int64_t{outcome.problem_status},
          std::string_view(outcome.problem), std::string_view(claim.id), claim.token, signed_bytes(stored)});
     if (ended.empty()) {
-      // It may have been this claim's own commit whose answer was lost on the way.
+      // The job may have been ended by this claim's own commit, whose answer was lost.
       return !database
                   .run("SELECT id FROM remeshd_job WHERE id = $1 AND token = $2 AND state = $3",
                        {std::string_view(claim.id), claim.token, state})
@@ -386,7 +387,7 @@ bool SqlStore::commit(const Claim& claim, const JobOutcome& outcome) {
     transaction.commit();
     return true;
   };
-  // A failure is small, and its input makes room.
+  // The outcome of a failed job is small, and storing it frees the room of the job's input.
   const Reserve reserve = outcome.state == JobState::kSucceeded ? Reserve::kStays : Reserve::kMayBeUsed;
   const bool is_done = with_database("commit", Access::kWrite, write, reserve);
   blobs_.remove_files(files);
@@ -461,7 +462,7 @@ bool SqlStore::discard(const std::string& id) {
   const auto remove_it = [&](Database& database) {
     Transaction transaction(database);
     const Rows rows = database.run(end_result.c_str(), {std::int64_t{rules_.history.count()}, std::string_view(id)});
-    // This also concerns jobs in other final states: the input of a job is still stored if every worker died of it.
+    // This also applies to other final states: the input of a job is still stored if every worker died of it.
     if (!database
              .run("UPDATE remeshd_job SET stored = 0 WHERE id = $1 AND state NOT IN ('queued', 'running') RETURNING id",
                   {std::string_view(id)})
@@ -501,7 +502,7 @@ std::uint64_t SqlStore::stored_bytes() {
 Upkeep SqlStore::upkeep() {
   std::vector<std::string> files;
   const auto look_after = [&](Database& database) {
-    driver_->tidy(database);  // first, since on a full volume it makes the room for what follows
+    driver_->tidy(database);  // first, because on a full volume it makes room for the following steps
     driver_->keep_clock(database);
     database.extend_deadline(rules_.timeout);
     files = uncertain_.undo(database, blobs_);

@@ -23,7 +23,8 @@ using StoreObserver = std::function<void(std::string_view op, double seconds, co
 
 class SqlStore : public JobStore {
  public:
-  /// Does not connect yet. The first operation that reaches the database creates the schema or migrates it.
+  /// Makes a store that is not connected yet. The first operation that reaches the database creates the schema or
+  /// migrates it.
   /// Input: `folder` - the folder for inputs and results; null to store them in the database.
   SqlStore(std::unique_ptr<DatabaseDriver> driver, const StoreRules& rules,
            std::unique_ptr<BlobFolder> folder = nullptr, StoreObserver observer = nullptr);
@@ -54,15 +55,15 @@ class SqlStore : public JobStore {
   enum class Access {
     kRead,   ///< nothing
     kProbe,  ///< that the store can be written
-    kQueue,  ///< that the table of jobs can be written, although nothing may have been written there
+    kQueue,  ///< that the table of jobs can be written, even if nothing was written there
     kWrite,  ///< both
   };
 
-  /// The room that is kept for deletions may be used by operations that make room only.
+  /// The room that is reserved for deletions may be used only by operations that make room.
   enum class Reserve { kMayBeUsed, kStays };
 
-  /// Runs `operation` on a connection. If that connection broke before anything was committed, it runs it once more
-  /// on a new one. If there is no room, it makes some and runs it again.
+  /// Runs `operation` on a connection. If that connection broke before any commit, runs the operation once more on a
+  /// new one. If the store has no room, makes some room and runs the operation again.
   template <typename Operation>
   auto with_database(std::string_view op, Access access, Operation operation, Reserve reserve = Reserve::kStays);
   template <typename Operation>
@@ -70,7 +71,7 @@ class SqlStore : public JobStore {
   std::unique_ptr<Database> take_connection(const StoreDeadline& until);
   void note(std::string_view op, Access access, Clock::time_point start, const StoreError* error);
   StoreDeadline deadline() const;
-  /// Checks that the database is still the one at the store's address. What was committed to another one is lost.
+  /// Checks that the database is still the one at the store's address. Data that was committed to another one is lost.
   /// Errors: StoreError.
   void check_is_current(const Database& database) const;
 

@@ -30,7 +30,7 @@ constexpr std::uint64_t kPage = 4096;
 constexpr std::uint64_t kMaxLog = 8 << 20;
 /// The log may be this long where room is scarce.
 constexpr std::uint64_t kShortLog = 256 << 10;
-/// The largest number of pages that are moved at once, and how often that is done at once where room is scarce.
+/// The max number of pages that are moved at once, and how many times in a row if room is scarce.
 constexpr std::int64_t kMoved = 4096;
 constexpr int kRounds = 16;
 /// Room for the rows that are written besides a blob.
@@ -68,7 +68,7 @@ class FileClock {
     const bool was_wrong = last_ms > 0 && wall_ms - last_ms > kWrongClock.count();
     return (was_wrong ? last_ms : std::max(wall_ms, last_ms)) - milliseconds_of(CLOCK_BOOTTIME);
   }
-  /// How far the system's clock is ahead of this one.
+  /// The difference between the system's clock and this one, positive if the system's clock is ahead.
   std::int64_t behind_ms() const { return milliseconds_of(CLOCK_REALTIME) - now_ms(); }
 
  private:
@@ -99,7 +99,7 @@ class SqliteDatabase final : public Database {
   ~SqliteDatabase() override {
     ::sqlite3_close(handle_);
     if (is_current()) return;
-    // SQLite leaves the write-ahead log of a file that was replaced. It must not be applied to the new file.
+    // If the file was replaced, SQLite leaves the old file's write-ahead log. It must not be applied to the new file.
     if (log_ && log_ == file_at(path_ + "-wal")) {
       for (const char* part : {"-wal", "-shm"}) ::unlink((path_ + part).c_str());
     }
@@ -134,11 +134,11 @@ class SqliteDatabase final : public Database {
   void roll_back() noexcept override {
     if (::sqlite3_get_autocommit(handle_) == 0) ::sqlite3_exec(handle_, "ROLLBACK", nullptr, nullptr, nullptr);
   }
-  /// Nothing is needed: waiting daemons notice that the file has changed.
+  /// No announcement is needed: waiting daemons notice that the file has changed.
   void announce() override {}
 
  private:
-  /// Identifies a file, whatever its name is.
+  /// Identifies a file independently of its name.
   using FileId = std::pair<::dev_t, ::ino_t>;
   static std::optional<FileId> file_at(const std::string& path) {
     struct stat status {};
@@ -146,8 +146,9 @@ class SqliteDatabase final : public Database {
     return FileId(status.st_dev, status.st_ino);
   }
 
-  /// Only the owner may read the file, because it holds other people's meshes, whatever the permissions of its folder
-  /// are. The mode is set by name: opening and closing the file here would release the locks that SQLite holds on it.
+  /// Only the owner may read the file, whatever the permissions of its folder are, because it holds other people's
+  /// meshes. The mode is set by name: opening and closing the file here would release the locks that SQLite holds on
+  /// it.
   static void close_to_others(const std::string& path) {
     for (const char* part : {"", "-wal", "-shm"}) ::chmod((path + part).c_str(), S_IRUSR | S_IWUSR);
   }
@@ -156,8 +157,8 @@ class SqliteDatabase final : public Database {
     check(::sqlite3_busy_handler(handle_, nap, this));
     check(::sqlite3_create_function(handle_, "remeshd_now", 0, SQLITE_UTF8 | SQLITE_INNOCUOUS, &clock, give_now,
                                     nullptr, nullptr));
-    // This allows freed pages to be returned to the file system. It affects new files only, and on others it would wait
-    // for whoever writes.
+    // This setting allows freed pages to be returned to the file system. It affects new files only, and on other files
+    // it would wait for the present writer.
     if (run("PRAGMA page_count", {}, Result::kText).at(0).at(0) == "0") set_patiently("PRAGMA auto_vacuum=INCREMENTAL");
     for (const char* pragma : {"PRAGMA journal_mode=WAL", "PRAGMA synchronous=FULL",
                                "PRAGMA journal_size_limit=8388608", "PRAGMA temp_store=MEMORY"}) {
@@ -179,7 +180,7 @@ class SqliteDatabase final : public Database {
     }
   }
 
-  /// Output: 0 if it has waited long enough.
+  /// Output: 0 if the time to wait is over.
   static int nap(void* database, int) {
     if (static_cast<const SqliteDatabase*>(database)->deadline().is_over()) return 0;
     std::this_thread::sleep_for(kBusyNap);
@@ -286,7 +287,7 @@ class SqliteDriver : public DatabaseDriver {
 
   void keep_clock(Database& database) override {
     const auto behind_others = [&] {
-      // Another process may have changed the base. One that is damaged is written again.
+      // Another process may have changed the base. A damaged base is written again.
       const Rows kept = database.run("SELECT base_ms FROM remeshd_clock");
       if (const auto base = kept.empty() ? std::nullopt : maybe_integer(kept[0][0]))
         clock_.set_base(*base);
@@ -307,7 +308,7 @@ class SqliteDriver : public DatabaseDriver {
   }
 
   void check_room(Database& database, std::uint64_t bytes, RoomFor purpose) const override {
-    // The bytes are written to the log first, and then to the file, where free pages are used again.
+    // The bytes are written to the log first, and then to the file, where free pages are reused.
     const std::uint64_t pages = bytes + bytes / 8 + kSmallWrite;
     const auto free = static_cast<std::uint64_t>(integer(database.run("PRAGMA freelist_count").at(0)[0])) * kPage;
     reserve_.check_room(pages + (pages > free ? pages - free : 0), purpose);
@@ -315,9 +316,9 @@ class SqliteDriver : public DatabaseDriver {
   bool cut_log(Database& database) const override {
     const std::uint64_t size = log_size();
     try {
-      database.run("PRAGMA wal_checkpoint(TRUNCATE)");  // which says nothing if others are reading
+      database.run("PRAGMA wal_checkpoint(TRUNCATE)");  // this reports no error if others are reading
     } catch (const StoreError&) {
-      return false;  // the file itself has no room to grow, or somebody holds it for long
+      return false;  // the file itself has no room to grow, or another process holds it for long
     }
     return log_size() < size;
   }
@@ -331,23 +332,23 @@ class SqliteDriver : public DatabaseDriver {
   std::int64_t rows_of_blob(std::int64_t last) const override { return last / kPartsOfPiece + 1; }
 
   void after(Database& database) const override {
-    // The log takes room besides the file. While it holds pages that the file does not have yet, writing it back needs
-    // room as well, so it must not grow until there is none.
+    // The log takes room besides the file. Writing back its pages to the file needs room as well, so the log must not
+    // grow until there is no room.
     if (log_size() > kShortLog && reserve_.is_scarce()) cut_log(database);
   }
 
   void tidy(Database& database) override {
-    // Free pages are reused, and so is the log. Only if they are large, or other files need the room, do the files
-    // shrink, a little at a time.
+    // Free pages are reused, and so is the log. The files shrink, a little at a time, only if these are large or other
+    // files need the room.
     const bool is_scarce = reserve_.is_scarce();
     const auto cut_if_long = [&] {
       if (log_size() > (is_scarce ? 0 : kMaxLog)) cut_log(database);
     };
-    cut_if_long();  // first, since all that follows is written to the log
+    cut_if_long();  // first, because all following statements write to the log
     try {
       for (int round = 0; round < kRounds; ++round) {
         const std::int64_t free_pages = integer(database.run("PRAGMA freelist_count").at(0)[0]);
-        // A page that moves changes some others, and all of these go through the log.
+        // Moving a page changes some other pages, and all of these are written to the log.
         const auto room = static_cast<std::int64_t>(reserve_.free() / kPage / 8);
         const std::int64_t pages = std::min(is_scarce ? free_pages : free_pages - kKeptPages, std::min(room, kMoved));
         if (pages <= 0) break;

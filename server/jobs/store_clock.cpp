@@ -9,7 +9,7 @@ namespace {
 /// The number of rows that one statement changes, so that none takes long.
 constexpr std::int64_t kRows = 2000;
 
-/// No time is later, in milliseconds since 1970.
+/// The latest time that is valid, in milliseconds since 1970.
 const std::string kLastTime = "9000000000000000";
 
 /// Runs `UPDATE table SET changes` for all rows, in the order of `column`.
@@ -37,7 +37,7 @@ void update_all(Database& database, const std::string& table, const std::string&
 
 void shift_times(Database& database, std::int64_t by_ms, std::chrono::milliseconds timeout) {
   const auto shift = [](const std::string& column) {
-    // A damaged time that would overflow must not keep all others from being shifted.
+    // A damaged time that would overflow must not prevent the shift of all other times.
     return column + " = CASE WHEN " + column + " BETWEEN -" + kLastTime + " AND " + kLastTime + " THEN " + column +
            " + $1 ELSE " + column + " END";
   };

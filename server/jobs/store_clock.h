@@ -1,4 +1,4 @@
-/// The parts that the clocks of both kinds of databases have in common.
+/// The code that the clocks of both kinds of databases have in common.
 #pragma once
 
 #include <chrono>
@@ -8,13 +8,13 @@
 
 namespace remesh::server::jobs {
 
-/// A store's clock that differs from the system's by more than this was set while one of them was wrong. The difference
-/// is too large to wait until it is gone.
+/// If a store's clock differs from the system's by more than this, it was set while one of them was wrong. The
+/// difference is then too large to be removed gradually.
 constexpr std::chrono::milliseconds kWrongClock = std::chrono::hours(24) * 30;
 
-/// Shifts all times in the store by so many milliseconds. So a clock can be set right without that jobs seem to have
-/// waited, or results to be out of date. To be called in a transaction.
-/// Input: `timeout` - how long the store may take for one of many statements.
+/// Shifts all times in the store by this many milliseconds. So the clock can be corrected, and yet no job seems to have
+/// waited, and no result seems to have expired. To be called in a transaction.
+/// Input: `timeout` - the time that the store may take for one of many statements.
 void shift_times(Database& database, std::int64_t by_ms, std::chrono::milliseconds timeout);
 
 }  // namespace remesh::server::jobs

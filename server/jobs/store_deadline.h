@@ -1,7 +1,7 @@
 /// How long calls wait for a store that does not answer.
 ///
-/// Every call of the store has a deadline. The calls of one request share one, so that a request that asks the store
-/// several times is answered as soon as one that asks once. While the daemon stops, all calls end early.
+/// Every call of the store has a deadline. The calls of one request share a deadline, so that a request with several
+/// calls waits no longer than a request with one. While the daemon stops, all calls end early.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,7 @@ class StoreEnd {
   std::atomic<Clock::time_point> time_{Clock::time_point::max()};
 };
 
-/// The deadline of one call. It moves forward with the daemon's stop, also while the call waits.
+/// The deadline of one call. If the daemon stops, the deadline becomes earlier, even while the call waits.
 class StoreDeadline {
  public:
   StoreDeadline(Clock::time_point time, const StoreEnd& end) : time_(time), end_(&end) {}
@@ -36,8 +36,8 @@ class StoreDeadline {
   }
   /// The same deadline, but not later than the given time.
   StoreDeadline sooner(Clock::time_point time) const { return StoreDeadline(std::min(time_, time), *end_); }
-  /// Gives the call that much time from now on, if it has less. A call that transfers many bytes does so after each
-  /// piece: only silence of the store counts.
+  /// Gives the call that much time from now on, if it has less. A call that transfers many bytes extends its deadline
+  /// after each piece: only time without an answer counts.
   void extend(std::chrono::milliseconds more) { time_ = std::max(time_, Clock::now() + more); }
 
  private:

@@ -7,7 +7,7 @@
 namespace remesh::server::jobs {
 namespace {
 
-/// No statement is done later than this after the server answers again.
+/// After the server answers again, no earlier statement takes effect later than this.
 constexpr std::chrono::minutes kLate{2};
 
 /// Output: true if there was such a job.

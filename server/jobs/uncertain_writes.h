@@ -1,6 +1,6 @@
-/// Writes of which nobody knows whether the store has done them, because its answer did not come. They are undone once
-/// the store answers again, so that a client that was told "try again" has no job that runs, and no job waits for a
-/// worker that does not know of its claim.
+/// Writes whose effect is unknown, because the store's answer did not come. They are undone once the store answers
+/// again, so that a client that was told "try again" has no running job, and no job waits for a worker that does not
+/// know of its claim.
 #pragma once
 
 #include <mutex>
@@ -19,10 +19,10 @@ class UncertainWrites {
   /// Input: `worker` - the name under which the claim was made, which no other claim has.
   void note_claim(const std::string& worker) { note({worker, Kind::kClaim, std::nullopt}); }
 
-  /// True if there are writes that `undo` has not looked for yet.
+  /// True if there are writes that `undo` has not searched for yet.
   bool has_new() const;
-  /// Undoes those writes that have been done. A server that was frozen may do one after it has answered again, so each
-  /// is looked for again for a while.
+  /// Undoes those of the writes that took effect. A frozen server may execute a write after it has answered again, so
+  /// each write is searched for repeatedly for a while.
   /// Output: the files to remove.
   std::vector<std::string> undo(Database& database, const BlobTable& blobs);
 
@@ -31,7 +31,7 @@ class UncertainWrites {
   struct Write {
     std::string key;
     Kind kind;
-    std::optional<Clock::time_point> last_look;  ///< set at the first look
+    std::optional<Clock::time_point> last_look;  ///< the time of the last search; set at the first one
   };
 
   void note(Write write);

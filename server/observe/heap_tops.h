@@ -1,7 +1,7 @@
 /// The free memory at the ends of the threads' heaps. malloc_trim returns this memory for the main heap alone. Every
-/// other heap retains as much as the allocator's threshold for trimming. It returns the rest only if one of its own
-/// threads frees a block while the threshold is low. So the threads are asked to do this, when they have no work or
-/// have just ended some.
+/// other heap retains free memory up to the allocator's threshold for trimming. It returns this memory only if one of
+/// its own threads frees a block while the threshold is low. So the threads are asked to do this when they have no work
+/// or have just finished some.
 #pragma once
 
 namespace remesh::server {
@@ -11,9 +11,9 @@ class HeapTops {
   /// Sets the thresholds of the allocator, before the first thread starts.
   static void set_thresholds();
 
-  /// Asks all threads to return what they have.
+  /// Asks all threads to return their free memory.
   static void ask();
-  /// True if the calling thread has not returned anything since the last `ask`.
+  /// True if the calling thread has not returned its memory since the last `ask`.
   static bool is_asked();
   static void return_if_asked() {
     if (is_asked()) return_now();

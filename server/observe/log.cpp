@@ -21,8 +21,7 @@ namespace {
 
 Format active_format = Format::kText;
 
-/// Appends a JSON string. Bytes beyond ASCII are escaped as Latin-1, because text from outside need not be valid
-/// UTF-8.
+/// Appends a JSON string. Bytes beyond ASCII are escaped as Latin-1, because text from clients need not be valid UTF-8.
 void append_quoted(std::string& line, std::string_view text) {
   line += '"';
   for (const char c : text) {
@@ -65,21 +64,21 @@ spdlog::level::level_enum spdlog_level(Level level) {
   return spdlog::level::err;
 }
 
-/// Number of lines that may wait to be written. Beyond it the oldest are dropped, because a stalled log must not
-/// stall requests.
+/// The max number of lines that wait to be written. Beyond it the oldest lines are dropped, because a stalled log must
+/// not stall requests.
 constexpr std::size_t kMaxWaiting = 8192;
 
-/// Lowers the priority of the thread that writes. On a busy machine it then writes several lines at its turn, instead
-/// of interrupting a request for each line.
+/// Lowers the priority of the thread that writes. On a busy machine the thread then writes several lines at its turn,
+/// instead of interrupting a request for each line.
 void let_others_first() {
   const sched_param none{};
   (void)::pthread_setschedparam(::pthread_self(), SCHED_BATCH, &none);
   be_nice();
 }
 
-/// How long the end of the process waits for lines that are not written yet.
+/// How long the process, at its end, waits for lines that have not been written yet.
 constexpr std::chrono::milliseconds kLastLines{500};
-/// How often the log tells that lines were dropped.
+/// How often the log reports that lines were dropped.
 constexpr std::chrono::seconds kBetweenLosses{10};
 
 /// The logger and the thread that writes for it.
@@ -107,7 +106,7 @@ Writing& writing() {
 
 spdlog::logger& logger() { return *writing().logger; }
 
-/// Tells how many lines were dropped since this was told last.
+/// Reports how many lines were dropped since the last report.
 void tell_losses() {
   static std::atomic<std::uint64_t> told{0};
   static std::atomic<std::chrono::steady_clock::time_point> next{};
@@ -118,8 +117,9 @@ void tell_losses() {
   const std::uint64_t before = told.exchange(lost);
   if (lost <= before) return;
   const std::vector<Field> fields{{"lines", static_cast<std::int64_t>(lost - before)}};
-  logger().log(spdlog::level::warn,
-               render(active_format, "lines of the log were dropped, because nobody took them", fields));
+  logger().log(
+      spdlog::level::warn,
+      render(active_format, "log lines were dropped, because standard error accepted them too slowly", fields));
 }
 
 }  // namespace

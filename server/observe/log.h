@@ -27,7 +27,7 @@ std::uint64_t dropped_lines();
 /// True if an event of this level is written.
 bool is_written(Level level);
 
-/// Writes one line. Values may come from outside: whatever could break the line is escaped.
+/// Writes one line. Values may come from clients: all characters that could break the line are escaped.
 void write(Level level, std::string_view event, const std::vector<Field>& fields = {});
 
 /// Formats a line as `write` does, without the time and the level.

@@ -13,11 +13,11 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// The interval in which a waiting sink looks whether the process ends.
+/// The interval in which a waiting sink checks whether the process ends.
 constexpr int kLookMs = 50;
 
 /// Writes some bytes without waiting.
-/// Output: their number; -1 with errno, EAGAIN if it would have to wait.
+/// Output: their number; -1 with errno, which is EAGAIN if writing would have to wait.
 ssize_t write_some(int descriptor, std::string_view bytes) {
   const ssize_t sent = ::send(descriptor, bytes.data(), bytes.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
   if (sent >= 0 || errno != ENOTSOCK) return sent;

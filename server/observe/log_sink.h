@@ -1,4 +1,4 @@
-/// Where the log's lines go: standard error, which may be a pipe that nobody reads.
+/// The destination of the log's lines: standard error, which may be a pipe without a reader.
 #pragma once
 
 #include <spdlog/details/null_mutex.h>
@@ -11,13 +11,13 @@
 
 namespace remesh::server::log {
 
-/// Writes to a descriptor as long as it takes bytes. While it takes none, the log's thread waits here, and the queue in
-/// front of it drops its oldest lines.
+/// Writes to a descriptor as long as it accepts bytes. While it accepts none, the log's thread waits here, and the
+/// queue in front of it drops its oldest lines.
 class LogSink : public spdlog::sinks::base_sink<spdlog::details::null_mutex> {
  public:
   explicit LogSink(int descriptor) : descriptor_(descriptor) {}
 
-  /// Drops what cannot be written from then on, because the process ends.
+  /// From that time on, drops lines that cannot be written at once, because the process ends.
   void end_at(std::chrono::steady_clock::time_point time) { end_ = time; }
   /// The number of lines that were dropped here.
   std::uint64_t dropped() const { return dropped_; }

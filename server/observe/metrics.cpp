@@ -35,7 +35,8 @@ const Histogram::BucketBoundaries kSeconds{0.001, 0.005, 0.02, 0.1, 0.5, 2, 10, 
 const Histogram::BucketBoundaries kStoreSeconds{0.0005, 0.001, 0.002, 0.005, 0.01, 0.05, 0.2, 1, 5, 30};
 const Histogram::BucketBoundaries kFaces{100, 1e3, 1e4, 1e5, 1e6, 1e7};
 
-/// Returns the label of a method. Any method that is not in the list, whatever a client sends, becomes "other".
+/// Returns the label of a method. Any method that is not in the list becomes "other", because clients may send any
+/// text.
 std::string method_label(std::string_view method) {
   constexpr std::array<std::string_view, 8> kMethods{"GET",   "HEAD",   "POST",    "PUT",
                                                      "PATCH", "DELETE", "OPTIONS", "none"};
@@ -54,8 +55,8 @@ double seconds_of(const timeval& time) {
   return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_usec) * 1e-6;
 }
 
-/// The metrics of a family that were used before, found by their labels. The library would make a new metric for each
-/// look-up, and each request needs a dozen.
+/// Metrics of a family that have been used before, found by their labels. The library would make a new metric for each
+/// look-up, and each request needs a dozen look-ups.
 template <class Metric>
 class Known {
  public:
@@ -116,7 +117,7 @@ struct Metrics::Families {
 
   Family<Counter>& requests = prometheus::BuildCounter()
                                   .Name("remeshd_http_requests_total")
-                                  .Help("Requests that are over; code 499: the client left before its answer.")
+                                  .Help("Finished requests by status; code 499: the client left before its answer.")
                                   .Register(registry);
   Family<Histogram>& durations = prometheus::BuildHistogram()
                                      .Name("remeshd_http_request_duration_seconds")
@@ -124,7 +125,7 @@ struct Metrics::Families {
                                      .Register(registry);
   Family<Counter>& rejections = prometheus::BuildCounter()
                                     .Name("remeshd_http_rejected_total")
-                                    .Help("Requests that a limit turned away, by the code of their problem.")
+                                    .Help("Requests that a limit refused, by the code of their problem.")
                                     .Register(registry);
   Family<Histogram>& stages = prometheus::BuildHistogram()
                                   .Name("remeshd_stage_duration_seconds")
@@ -235,15 +236,17 @@ std::string Metrics::text(const Gauges& gauges) const {
   now.gauge("remeshd_http_connections", "Open connections.", static_cast<double>(gauges.connections));
   now.gauge("remeshd_requests_running", "Requests that compute.", static_cast<double>(gauges.running));
   now.gauge("remeshd_requests_queued", "Requests that wait for a worker.", static_cast<double>(gauges.queued));
-  now.gauge("remeshd_workers", "Threads that requests may compute on.", gauges.workers);
+  now.gauge("remeshd_workers", "Largest number of threads on which requests compute.", gauges.workers);
   now.gauge("remeshd_workers_busy", "Threads of requests that compute.", static_cast<double>(gauges.busy));
   now.gauge("remeshd_memory_reserved_bytes", "Memory that requests have reserved.",
             static_cast<double>(gauges.memory_reserved));
   now.gauge("remeshd_memory_waiting", "Requests and jobs that wait for memory.",
             static_cast<double>(gauges.memory_waiting));
-  now.counter("remeshd_log_lines_dropped_total", "Lines of the log that nobody took in time.",
+  now.counter("remeshd_log_lines_dropped_total",
+              "Log lines dropped because standard error accepted them too "
+              "slowly.",
               static_cast<double>(gauges.log_lines_dropped));
-  now.gauge("remeshd_ready", "1 while new work is taken.", gauges.is_ready ? 1 : 0);
+  now.gauge("remeshd_ready", "1 while the daemon accepts new work, otherwise 0.", gauges.is_ready ? 1 : 0);
   if (gauges.has_jobs) {
     now.gauge("remeshd_jobs_queued", "Jobs that wait for a worker, in the whole store.",
               static_cast<double>(gauges.jobs_queued));

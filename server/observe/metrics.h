@@ -11,7 +11,7 @@
 
 namespace remesh::server {
 
-/// Values that are read when `/metrics` is asked for, and so need no counting.
+/// Values that are read when `/metrics` is requested, and so need no counting.
 struct Gauges {
   std::size_t connections = 0;
   std::size_t running = 0;
@@ -22,14 +22,14 @@ struct Gauges {
   std::size_t memory_waiting = 0;
   std::uint64_t log_lines_dropped = 0;
   bool is_ready = false;
-  bool has_jobs = false;  ///< true if the members that follow are known
+  bool has_jobs = false;  ///< true if the following members are known
   std::int64_t jobs_queued = 0;
   std::int64_t jobs_running = 0;
   double job_oldest_queued_s = 0;
   std::uint64_t jobs_stored_bytes = 0;
 };
 
-/// All members may be called from any thread. Clients cannot make labels take arbitrarily many values.
+/// All members may be called from any thread. The number of label values is bounded, whatever clients send.
 class Metrics {
  public:
   Metrics();
@@ -39,7 +39,7 @@ class Metrics {
   /// Input: `route` - the path of the route with `{id}` for the variable part, or "none"; `status` - 499 if the
   ///        client left before its answer; `method` - any text.
   void count_request(std::string_view route, std::string_view method, int status, double seconds);
-  /// Counts a request that a limit turned away.
+  /// Counts a request that a limit refused.
   /// Input: `reason` - the `code` of its problem.
   void count_rejection(const std::string& reason);
   void count_work(const api::WorkDone& done);

@@ -36,7 +36,7 @@ std::uint64_t MemoryBudget::available(Clock::time_point now) {
   return has - std::min(has, used + first.needed_);
 }
 
-/// True if a newcomer must wait because the first in line goes before it.
+/// True if a newcomer must wait because the first share in line goes before it.
 /// Input: `newcomer` - null for one that has no share yet; `needed` - the bytes that it asks for.
 bool MemoryBudget::is_held_up_locked(const MemoryShare* newcomer, std::uint64_t needed, Clock::time_point now) {
   if (line_.empty()) return false;
@@ -44,10 +44,10 @@ bool MemoryBudget::is_held_up_locked(const MemoryShare* newcomer, std::uint64_t 
   if (now < *first->waits_since_ + patience_) return false;
   if (!turn_ || turn_->first != first) begin_turn_locked(kFirstTurn, now);
   if (first == newcomer || now < turn_->pause_end) return false;
-  // Whoever leaves the first one its room takes nothing from it.
+  // A newcomer that leaves enough room for the first in line takes nothing from it.
   if (used_by_others_locked(0) + needed + first->needed_ <= limit_ + first->bytes_) return false;
 
-  // Memory that is really in use counts as that of the old holders while there are any.
+  // As long as there are old holders, memory that is really in use counts as theirs.
   const std::uint64_t young_bytes = reserved_ - turn_->old_bytes;
   const std::uint64_t old_used = std::max(turn_->old_bytes, used_ - std::min<std::uint64_t>(used_, young_bytes));
   const bool is_hopeless = turn_->old_bytes > 0 && old_used + first->needed_ > limit_ + first->bytes_;

@@ -5,9 +5,9 @@
 namespace remesh::server {
 namespace {
 
-/// How often a request that waits looks whether there is memory.
+/// How often a waiting request checks whether there is memory.
 constexpr std::chrono::milliseconds kLook{25};
-/// If more requests than this wait, they look less often, but not less often than each `kMaxLook`.
+/// If more requests than this wait, they check less often, but at least once in each `kMaxLook`.
 constexpr std::size_t kUsualLine = 16;
 constexpr std::chrono::milliseconds kMaxLook{100};
 
@@ -38,7 +38,7 @@ void wait_for_memory(MemoryShare& share, const std::function<bool()>& try_hold, 
     if (budget.is_closed()) throw draining();
     if (Clock::now() >= end || share.is_stuck()) throw out_of_memory();
     const auto pause = std::min(kMaxLook, kLook * static_cast<int>(1 + budget.waiting() / kUsualLine));
-    // Until its body was read, what comes next belongs to it, and there is no memory for that.
+    // Until the body has been read, the next bytes belong to it, and there is no memory for them.
     const bool has_body = request.timing.body.has_value();
     const Connection::Wake woken =
         connection.wait(wake, std::min(end, Clock::now() + pause), half_closed(request), /*may_read=*/has_body);

@@ -15,7 +15,7 @@ namespace remesh::server {
 
 /// How long requests may wait for memory.
 struct MemoryPatience {
-  std::chrono::milliseconds small{300'000};  ///< those with bodies of at most WorkerPool::kSmallBytes
+  std::chrono::milliseconds small{300'000};  ///< requests with bodies of at most WorkerPool::kSmallBytes
   std::chrono::milliseconds large{30'000};
 
   /// Input: the size of the body, as far as it is known.
@@ -25,20 +25,21 @@ struct MemoryPatience {
 /// How a client that has closed its sending side is treated while its request waits or is worked on.
 Connection::HalfClosed half_closed(const RequestHead& head);
 
-/// The end of the waiting of a request that may wait for so long in all.
+/// The end of the waiting of a request, if it may wait for this long in all.
 inline Clock::time_point end_of_waiting(const Request& request, std::chrono::milliseconds patience) {
   return Clock::now() + std::max<Clock::duration>(patience - request.waited, Clock::duration(0));
 }
 
 /// Waits until `try_hold`, which reserves memory for this share, succeeds. The time is added to `request.waited`.
 /// Input:  `wake` - ends a pause between two attempts; may be null. `look` - called after each pause; it may throw.
-/// Errors: HttpError 503 `out_of_memory` - the time is over, too many wait, or all who hold memory wait for more; 503
-///         `draining` - the budget was closed; ConnectionLost - the client is gone, if there is no `look` to be told.
+/// Errors: HttpError 503 `out_of_memory` - the time is over, too many requests wait, or all shares that hold memory
+///         wait for more; 503 `draining` - the budget was closed; ConnectionLost - the client is gone, and `look` is
+///         null.
 void wait_for_memory(MemoryShare& share, const std::function<bool()>& try_hold, Request& request,
                      Connection& connection, Clock::time_point end, Event* wake = nullptr,
                      const std::function<void(Connection::Wake)>& look = nullptr);
 
-/// Does what MemoryShare::hold_body does, and waits if there is not enough memory now.
+/// Does the same as MemoryShare::hold_body, and waits if there is not enough memory now.
 /// Errors: as MemoryShare::hold_body and above.
 void hold_body_in_line(MemoryShare& share, std::uint64_t held, std::uint64_t expected, Request& request,
                        Connection& connection, const MemoryPatience& patience);

@@ -19,25 +19,26 @@ namespace {
 constexpr std::chrono::milliseconds kPatience{500};
 /// Free memory that the allocator may retain.
 constexpr std::uint64_t kSlack = 64 << 20;
-/// While nothing is computed, less is retained, but this is not looked at as often.
+/// While no request is computing, less free memory may be retained, but the check is made less often.
 constexpr std::uint64_t kSmallSlack = 8 << 20;
 constexpr std::chrono::seconds kBetweenSmallTrims{5};
-/// Code, stacks and what the system keeps for the process are resident, too, but are no matter of the allocator.
+/// Code, stacks and the system's data for the process are resident, too, but do not belong to the allocator.
 constexpr std::uint64_t kBesides = 32 << 20;
-/// Measuring walks through all free blocks, so it is not done at every look.
+/// Measuring walks through all free blocks, so it is not done at every check.
 constexpr std::chrono::milliseconds kBetweenMeasurements{100};
-/// Returning memory holds up everybody who allocates.
+/// Returning memory blocks all threads that allocate.
 constexpr std::chrono::milliseconds kBetweenTrims{250};
 
-/// Work takes about so long to stop. Meanwhile it takes memory as fast as before.
+/// Cancelled work takes about this long to stop. Meanwhile it takes memory as fast as before.
 constexpr std::chrono::milliseconds kTimeToStop{100};
-/// Memory that is freed and taken again within this time is no growth.
+/// Memory that is freed and taken again within this time does not count as growth.
 constexpr std::chrono::seconds kRemembered{1};
-/// Threads look every second whether they are asked for free memory.
+/// Threads check every second whether they are asked to return free memory.
 constexpr std::chrono::milliseconds kTimeToReturn{1100};
 constexpr std::chrono::seconds kBetweenAsks{2};
 
-/// Beyond this share of the budget, it matters how fast work grows. Work that needs less never ends for its growth.
+/// Beyond this share of the budget, the growth of work matters. Work that needs less is never ended because of its
+/// growth.
 constexpr std::uint64_t nearly_all(std::uint64_t limit) { return limit / 8 * 7; }
 
 /// The share of the budget beyond which free memory is returned although requests are computing.
@@ -49,8 +50,8 @@ std::uint64_t allocated_memory() {
   return state.uordblks + state.hblkhd;
 }
 
-/// Returns the request to end: the one with the largest growth. Of those that seem to have grown about as much, that is
-/// the one that began last, since it loses the smallest part of its work.
+/// Returns the request to end: the one with the largest growth. Of requests with about the same growth, it is the one
+/// that began last, because it loses the smallest part of its work.
 std::shared_ptr<RunningRequest> to_end(const std::vector<std::shared_ptr<RunningRequest>>& computing) {
   std::uint64_t largest = 0;
   for (const auto& request : computing) largest = std::max(largest, request->growth.load());
@@ -74,11 +75,11 @@ void MemoryWatch::measure_and_look() {
   const Clock::time_point now = Clock::now();
   bool has_much_free = is_idle ? resident > resident_after_trim_ + kSlack : resident > used + kSlack;
   if (is_idle && now >= next_small_trim_) {
-    // Less may be in use than at the last time.
+    // `resident_after_trim_` may be too high, because less memory may be in use now than after the last trim.
     has_much_free = has_much_free || resident > allocated_memory() + kBesides + kSmallSlack;
     next_small_trim_ = now + kBetweenSmallTrims;
   }
-  // Nothing is ended because of memory that may be free.
+  // No request is ended because of memory that may be free.
   const bool may_be_free = used <= budget_.limit() && resident > budget_.limit();
   const bool is_due = has_much_free && (is_idle || resident > high_share(budget_.limit())) && now >= next_trim_;
   if (is_due || may_be_free) {
@@ -90,26 +91,26 @@ void MemoryWatch::measure_and_look() {
       HeapTops::ask();
       asked_ = now;
     }
-    if (is_idle) resident_after_trim_ = resident;  // while something is computed, this says nothing for later
+    if (is_idle) resident_after_trim_ = resident;  // while a request computes, this value means nothing for later
     next_measurement_ = {};
     used = used_of(resident);
   }
-  // If memory cannot be returned, because small blocks in use are between the free ones, it counts as in use. But
-  // threads that were asked for it have some time to return it. Work may grow before it stops, so what may come back
-  // is only a half of what the process may take beyond its budget.
+  // Free memory that cannot be returned, because small blocks in use lie between the free ones, counts as in use. But
+  // threads that were asked to return their free memory have some time for this. Work may grow before it stops, so at
+  // most half of the memory that the process may take beyond its budget counts as still to be returned.
   const auto taken = [&] {
     const bool may_come_back = now < asked_ + kTimeToReturn && resident <= budget_.limit() / 20 * 21;
     return resident > budget_.limit() && !may_come_back ? resident : used;
   };
   std::uint64_t growth = expected_growth(taken(), now);
   if (growth > 0 && taken() <= budget_.limit()) {
-    // Nothing is ended because of what was in use some time ago.
+    // No request is ended because of memory that was in use some time ago.
     next_measurement_ = {};
     used = used_of(resident);
     lately_.back().used = taken();
     if (taken() <= nearly_all(budget_.limit())) growth = 0;
   }
-  // Files in memory count, too. Nothing can be freed of them here.
+  // Files in memory count, too. Their memory cannot be freed here.
   const std::uint64_t all = taken() + memory_file_bytes() + budget_.stored();
   look(all, all + growth);
 }
@@ -143,7 +144,7 @@ void MemoryWatch::look(std::uint64_t used, std::uint64_t soon) {
   budget_.note_used(used);
   const std::vector<std::shared_ptr<RunningRequest>> computing = registry_.computing();
   if (used > last_used_ && !computing.empty()) {
-    // Nobody can tell which request has grown. But the one that is always there when memory grows soon stands out.
+    // It is unknown which request has grown. But a request that is always present when memory grows soon stands out.
     const std::uint64_t share = (used - last_used_) / computing.size();
     for (const auto& request : computing) request->growth += share;
   }
@@ -151,15 +152,15 @@ void MemoryWatch::look(std::uint64_t used, std::uint64_t soon) {
   if (computing.empty() || soon <= budget_.limit() || Clock::now() <= patience_until_) return;
   const auto largest = to_end(computing);
   if (largest->eviction != RunningRequest::Eviction::kNone) return;  // it has not stopped yet
-  // If memory only grows fast, whoever is ended must be the one that grows.
+  // If the only reason is fast growth, the request to end must be the growing one.
   if (used <= budget_.limit() && largest->growth < soon - used) return;
   log::write(log::Level::kWarning, "over the memory budget, ending the largest request",
              {{"id", largest->id},
               {"used", static_cast<std::int64_t>(used)},
               {"expected", static_cast<std::int64_t>(soon)},
               {"budget", static_cast<std::int64_t>(budget_.limit())}});
-  // Other holders of memory may be waiting, sending or buffered. With them gone there may be room for this request.
-  // What others have stored in memory may be gone by then, too.
+  // Other holders of memory may be waiting, sending or buffered. Without them there may be room for this request. Files
+  // that others have in memory may be gone by then, too.
   const std::uint64_t files = memory_file_bytes() + budget_.stored();
   const bool is_alone = computing.size() == 1 && budget_.holders() <= 1;
   largest->evict(/*was_alone=*/is_alone && soon > budget_.limit() + files);

@@ -63,7 +63,7 @@ bool is_request_id(std::string_view text) {
 }
 
 std::string new_request_id() {
-  // The id is drawn from the system's random source. An id lets its holder cancel the request, so it must not be
+  // The id comes from the system's random source. Anyone who knows an id can cancel the request, so the id must not be
   // guessable.
   std::array<std::uint32_t, 4> words{};
   if (::getentropy(words.data(), sizeof words) != 0)

@@ -1,4 +1,5 @@
-/// The requests that compute or wait for the pool. Other requests find them by their id to watch or cancel them.
+/// The requests that compute or wait for the pool. Other requests find them by their id in order to watch or cancel
+/// them.
 #pragma once
 
 #include <algorithm>
@@ -29,7 +30,7 @@ struct RunningRequest {
   /// Ends the request because of its memory.
   /// Input: `was_alone` - no other request can have taken the memory.
   void evict(bool was_alone) {
-    Eviction none = Eviction::kNone;  // what was said first holds: others may have ended since
+    Eviction none = Eviction::kNone;  // the first call counts, because others may have ended since then
     eviction.compare_exchange_strong(none, was_alone ? Eviction::kAlone : Eviction::kAmongOthers);
     stop_work();
   }
@@ -44,7 +45,7 @@ struct RunningRequest {
   const Clock::time_point start = Clock::now();
   RunControl control;
   Event changed;                           ///< set when the work has ended or was cancelled
-  std::atomic<bool> was_cancelled{false};  ///< by somebody, not because of its memory
+  std::atomic<bool> was_cancelled{false};  ///< cancelled by a client or the daemon, not because of its memory
   std::atomic<bool> is_computing{false};
   std::atomic<bool> has_ended{false};
 
@@ -53,10 +54,10 @@ struct RunningRequest {
   /// This request's estimated share in the growth of the process's memory; only MemoryWatch changes it.
   std::atomic<std::uint64_t> growth{0};
 
-  /// The memory to reserve before work that was ended because of its memory is tried again.
+  /// The memory to reserve for another attempt at work that was ended because of its memory.
   /// Input: `reserved` - the memory that was reserved for it.
   std::uint64_t next_estimate(std::uint64_t reserved) const {
-    // It had not finished growing, and each attempt must come nearer to the truth.
+    // The work was still growing when it was ended, so each attempt must reserve more.
     return std::max(growth + growth / 4, reserved + reserved / 2);
   }
 };
@@ -83,11 +84,10 @@ class RequestRegistry {
     std::shared_ptr<RunningRequest> request_;
   };
 
-  /// Registers a request under that id, or under a new one if its owner has a request with that id running already.
-  /// Another owner's ids make no difference, so that they cannot be probed.
+  /// Registers a request under that id, or under a new one if the same owner has a running request with that id. Ids of
+  /// other owners make no difference, so that they cannot be probed.
   Entry add(const std::string& id, const std::string& owner = {});
-  /// Output: nothing if there is no such request, and also if it belongs to somebody else, so that ids cannot be
-  ///         probed.
+  /// Output: nothing if there is no such request, or if it belongs to another owner, so that ids cannot be probed.
   std::shared_ptr<RunningRequest> find(const std::string& id, const std::string& owner = {}) const;
   std::vector<std::shared_ptr<RunningRequest>> computing() const;
   void cancel_all();
@@ -97,7 +97,7 @@ class RequestRegistry {
 
   mutable std::mutex mutex_;
   /// The requests by their owner and id. The keys are views of the requests' own strings, so that a request can be
-  /// removed where memory has run out.
+  /// removed even when memory has run out.
   using Key = std::pair<std::string_view, std::string_view>;
   std::map<Key, std::shared_ptr<RunningRequest>> running_;
 };

@@ -11,18 +11,19 @@
 
 #include "server/http/content_coding.h"
 #include "server/http/digest.h"
+#include "server/observe/log.h"
 #include "server/work/memory_budget.h"
 #include "server/work/memory_wait.h"
 
 namespace remesh::server {
 namespace {
 
-/// How long cancelled work may take to stop. After this the request is answered, and the result of the work is
+/// How long cancelled work may take to stop. After this time the request is answered, and the result of the work is
 /// dropped.
 constexpr std::chrono::seconds kStopPatience{2};
-/// The time to wait for a worker that is left to a request that has waited long for memory.
+/// The min time to wait for a worker, for a request that has waited long for memory.
 constexpr std::chrono::seconds kMinQueueTime{1};
-/// The bounds on what clients are told to wait before they try again, in seconds.
+/// The bounds on the Retry-After that clients are told, in seconds.
 constexpr std::int64_t kMinRetry = 1;
 constexpr std::int64_t kMaxRetry = 300;
 
@@ -53,7 +54,7 @@ class PoolTask {
     std::exception_ptr failure;
     try {
       running_->control.check();
-      response = operation_(input_, limits_, running_->control);
+      response = operation_(input_, with_trace(limits_, running_->id), running_->control);
       finish(*response);
     } catch (...) {
       failure = std::current_exception();
@@ -77,14 +78,15 @@ class PoolTask {
     const std::lock_guard lock(mutex_);
     return is_done_;
   }
-  /// Writes the times of a task that is done.
+  /// Writes the times of a task that has ended.
   void tell_times(Timing& timing) const {
     const std::lock_guard lock(mutex_);
     timing.queue = milliseconds_between(running_->start, *started_);
     timing.work = milliseconds_between(*started_, ended_);
   }
-  /// Gives the request its parts back, so that more can be done with it. The body rests if the operation released it.
-  /// Output: false if the work has not ended, so that it still uses them.
+  /// Gives the request its parts back, so that it can be used again. If the operation released the body, the body
+  /// rests.
+  /// Output: false if the work has not ended and still uses these parts.
   bool give_back(Request& request) {
     const std::lock_guard lock(mutex_);
     if (!is_done_) return false;
@@ -157,7 +159,7 @@ api::Response wait_for(PoolTask& task, RunningRequest& running, const Workplace&
       throw overloaded(place.pool);
     }
     if (!running.control.is_stopped()) {
-      // The task may have started just now, and then it has its full time before it.
+      // The task may have started just now, and then it gets its full time.
       const std::optional<Clock::time_point> started = task.started();
       if (!started || Clock::now() < time_is_over(*started)) continue;
       running.control.expire();
@@ -171,7 +173,7 @@ struct StoppedForMemory {
   std::uint64_t estimate;  ///< the bytes to reserve for the next attempt
 };
 
-/// Waits until there is so much memory, and reserves it. Meanwhile the request reserves nothing.
+/// Waits until this much memory is free, and reserves it. Meanwhile the request reserves nothing.
 /// Errors: HttpError 503 - the time is over; remesh::Error - the client is gone or has cancelled the request.
 void reserve_again(std::uint64_t bytes, RunningRequest& running, const Call& call, Clock::time_point end) {
   MemoryShare& memory = *call.request.memory;
@@ -212,16 +214,16 @@ api::Response run_once(const Workplace& place, const std::shared_ptr<RunningRequ
   }
 }
 
-/// Does the work, again and again if it is stopped because of its memory.
+/// Does the work, and repeats it if it is stopped because of its memory.
 /// Input:  as `run_once`.
 api::Response run_until_done(const Workplace& place, const Operation& operation, const Call& call,
                              std::uint64_t effort) {
   Request& request = call.request;
   const std::chrono::milliseconds timeout = place.limits.api.request_timeout;
-  if (request.memory->budget().is_closed()) throw draining();  // its upload lasted until after others were cancelled
+  if (request.memory->budget().is_closed()) throw draining();  // its upload ended after the others were cancelled
   const Clock::time_point start = Clock::now();
   const Clock::time_point end_of_retries = start + timeout;
-  // The time to wait for a worker is what is left of the time to wait for memory, or enough to find one that is free.
+  // The time to wait for a worker is the rest of the time to wait for memory, or enough to find a free worker.
   Clock::time_point last_start =
       start + std::max<Clock::duration>(timeout - request.waited, std::min<Clock::duration>(kMinQueueTime, timeout));
   Clock::time_point end = Clock::time_point::max();
@@ -241,6 +243,15 @@ api::Response run_until_done(const Workplace& place, const Operation& operation,
 }
 
 }  // namespace
+
+api::Limits with_trace(const api::Limits& limits, const std::string& id) {
+  api::Limits traced = limits;
+  if (log::is_written(log::Level::kDebug))
+    traced.trace = [id](const std::string& line) {
+      log::write(log::Level::kDebug, "attempt", {{"id", id}, {"decided", line}});
+    };
+  return traced;
+}
 
 HttpError overloaded(const WorkerPool& pool) {
   const auto wait = std::chrono::ceil<std::chrono::seconds>(pool.expected_wait()).count();

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <functional>
+#include <string>
 
 #include "api/service.h"
 #include "server/http/http_message.h"
@@ -18,11 +19,11 @@ using Check = std::function<void(const api::Request&, const api::Limits&, RunCon
 
 struct WorkLimits {
   api::Limits api;
-  /// Memory for all requests together; reported to a request that is too large for it.
+  /// The memory for all requests together. An error reports it to a request that is too large for it.
   std::uint64_t memory_budget = 0;
 
-  /// A small request may wait for memory for as long as its work may take. A large one gives up sooner, since others
-  /// may have gone before it for good reasons.
+  /// A small request may wait for memory for as long as its work may take. A large request gives up sooner, because
+  /// other requests may have gone before it for good reasons.
   MemoryPatience memory_patience() const {
     MemoryPatience patience;
     patience.small = api.request_timeout;
@@ -30,6 +31,10 @@ struct WorkLimits {
     return patience;
   }
 };
+
+/// Returns the same limits, with which each attempt at a result writes a line to the log, at the level debug.
+/// Input: the id of the request or of the job.
+api::Limits with_trace(const api::Limits& limits, const std::string& id);
 
 /// The objects that all work needs. They must outlive it.
 struct Workplace {
@@ -48,12 +53,12 @@ struct Workplace {
 ///          (413 if it was alone).
 Response run_in_pool(const Workplace& place, const Operation& operation, const Call& call);
 
-/// Runs `check` on the request in the pool, as run_in_pool does. It has the place of a small request in the queue,
+/// Runs `check` on the request in the pool, as run_in_pool does. In the queue, the check counts as a small request,
 /// however large the body is. Afterwards the request has its body and its memory as before.
 /// Errors:  as run_in_pool.
 void check_in_pool(const Workplace& place, Check check, const Call& call);
 
-/// The error to throw if the pool has no place for the work. Its Retry-After is the time that what waits will
+/// The error to throw if the pool has no place for the work. Its Retry-After is the time that the waiting tasks will
 /// probably take.
 HttpError overloaded(const WorkerPool& pool);
 

@@ -15,13 +15,12 @@
 namespace remesh::server {
 namespace {
 
-/// The usual time of a task is a moving average in which each new one counts one part of so many. It is long enough
-/// that a few tasks that were held up, as other programs took the cores, do not make hundreds that wait look like too
-/// many.
+/// The usual time of a task is a moving average in which each new task has the weight one over this number. The average
+/// is long enough that a few tasks delayed by other programs do not make hundreds of waiting tasks look like too many.
 constexpr double kAveraged = 32;
-/// A thread without work looks so often whether it is asked for free memory.
+/// How often a thread without work checks whether it is asked to return free memory.
 constexpr std::chrono::seconds kBetweenLooks{1};
-/// A thread of TBB stays so long in an arena that has no other work. Meanwhile the other threads come, too.
+/// How long a thread of TBB stays in an arena that has no other work. Meanwhile the other threads enter it, too.
 constexpr std::chrono::milliseconds kStay{5};
 
 /// Lets threads of TBB enter an arena and leave it, which is when they return free memory.
@@ -65,7 +64,7 @@ WorkerPool::WorkerPool(int max_running, const api::QueueLimits& limits, int work
       running_(2 * max_running_),
       ready_(static_cast<std::ptrdiff_t>(running_.size())) {
   for (std::size_t i = 0; i < running_.size(); ++i) threads_.emplace_back([this, i, workers] { work(i, workers); });
-  ready_.wait();  // TBB's thread limit must not be set by one pool while threads of another enter their arenas
+  ready_.wait();  // TBB's thread limit must not be set by one pool while threads of another one enter their arenas
 }
 
 WorkerPool::~WorkerPool() {
@@ -109,7 +108,7 @@ bool WorkerPool::is_full(std::uint64_t bytes) const {
 
 std::chrono::milliseconds WorkerPool::expected_wait() const {
   const std::lock_guard lock(mutex_);
-  // A task that runs longer than is usual shows that others may, too.
+  // A task that runs longer than usual shows that other tasks may, too.
   std::chrono::duration<double> small = small_.usual_time;
   std::chrono::duration<double> large = large_.usual_time;
   for (const std::optional<Running>& running : running_) {
@@ -202,7 +201,7 @@ void WorkerPool::work(std::size_t place, int workers) {
         changed_.wait_until(lock, until);
         if (watched_until_ == until) watched_until_ = Clock::time_point::max();
       } else if (HeapTops::is_asked()) {
-        // TBB's threads are not taken from work that runs. Of several threads without work, one calls them.
+        // TBB's threads are not taken from running work. Of several threads without work, only one calls them.
         const bool may_call = running_count_ == 0 && !std::exchange(is_calling_, true);
         lock.unlock();
         if (may_call) call_all(arena, workers);
@@ -226,7 +225,7 @@ void WorkerPool::work(std::size_t place, int workers) {
     std::chrono::duration<double>& usual = class_of(bytes).usual_time;
     usual += (Clock::now() - start - usual) / kAveraged;
     running_[place].reset();
-    --running_count_;  // this thread takes whatever may start now
+    --running_count_;  // this thread starts the next task that may start now
   }
 }
 

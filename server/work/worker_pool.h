@@ -1,5 +1,6 @@
-/// The threads that compute. A few threads take tasks from a queue, which refuses more when it is full. It is full when
-/// what waits means too much work, not when it is many: hundreds of small tasks are done in a moment.
+/// The threads that compute. A few threads take tasks from a queue, which refuses more when it is full. The queue is
+/// full when the waiting tasks mean too much work, not when there are many: hundreds of small tasks are done in a
+/// moment.
 #pragma once
 
 #include <tbb/global_control.h>
@@ -23,8 +24,8 @@ namespace remesh::server {
 
 /// Tasks start in the order of their arrival, with two exceptions so that huge meshes cannot starve small ones:
 /// - While every running task is either large or has run for more than `kLong`, one small task may start beyond
-///   `max_running`. Once that one has run for so long too, another may start. At most `max_running` tasks run in this
-///   way.
+///   `max_running`. Once that task has run for more than `kLong`, too, another one may start. At most `max_running`
+///   tasks run in this way.
 /// - Large and small tasks have separate limits in the queue.
 class WorkerPool {
  public:
@@ -32,7 +33,8 @@ class WorkerPool {
   /// Tasks for bodies up to this size count as small: they have some ten thousand faces.
   static constexpr std::uint64_t kSmallBytes = 1 << 20;
 
-  /// At most `max_running` tasks run at once, except as said above, each in a TBB arena of `workers` threads.
+  /// At most `max_running` tasks run at once, apart from the exceptions above, each in a TBB arena of `workers`
+  /// threads.
   WorkerPool(int max_running, const api::QueueLimits& limits, int workers);
   /// Waits for the tasks that run. Tasks that wait in the queue are dropped.
   ~WorkerPool();
@@ -50,7 +52,7 @@ class WorkerPool {
 
   /// True if `try_submit` would refuse a task of this size now.
   bool is_full(std::uint64_t bytes = 0) const;
-  /// The time after which everything that waits now has probably started.
+  /// The time after which all tasks that wait now have probably started.
   std::chrono::milliseconds expected_wait() const;
   std::size_t running() const;
   std::size_t queued() const;
@@ -72,7 +74,7 @@ class WorkerPool {
   struct Class {
     std::size_t queued = 0;
     std::uint64_t queued_bytes = 0;
-    std::chrono::duration<double> usual_time{0};  ///< a moving average of those that have ended
+    std::chrono::duration<double> usual_time{0};  ///< a moving average over the tasks that have ended
   };
   class BusyThreads;
 
@@ -82,7 +84,7 @@ class WorkerPool {
   static TaskSize size_of(std::uint64_t bytes) { return bytes <= kSmallBytes ? TaskSize::kSmall : TaskSize::kLarge; }
   Class& class_of(std::uint64_t bytes) { return size_of(bytes) == TaskSize::kSmall ? small_ : large_; }
   bool is_full_locked(std::uint64_t bytes) const;
-  /// The time that the tasks of one size which wait need from all threads together, if each takes `time`.
+  /// The time that the waiting tasks of one size need from all threads together, if each task takes `time`.
   std::chrono::duration<double> time_for_locked(const Class& tasks, std::chrono::duration<double> time) const;
   /// Takes an entry out of the queue.
   Entry remove_locked(std::deque<Entry>::iterator entry);
@@ -92,7 +94,8 @@ class WorkerPool {
   Clock::time_point next_change_locked() const;
   /// Finds the first task in the queue that may start now.
   std::deque<Entry>::iterator next_locked();
-  /// True if a waiting thread must wake, either to start a task or because a place opens earlier than it waits for.
+  /// True if a waiting thread must wake, either to start a task or because a place becomes free earlier than the thread
+  /// expects.
   bool needs_thread_locked();
   std::optional<Entry> take_locked();
 
@@ -107,7 +110,8 @@ class WorkerPool {
   /// One entry for each thread, so that starting a task allocates no memory.
   std::vector<std::optional<Running>> running_;
   std::size_t running_count_ = 0;
-  /// The time until which one thread waits because a place may open then; the maximum if no thread does.
+  /// The time until which one thread waits because a place may become free then; the maximum if no thread waits for
+  /// this.
   Clock::time_point watched_until_ = Clock::time_point::max();
   Ticket next_ticket_ = 1;
   bool stopping_ = false;

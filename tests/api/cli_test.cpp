@@ -250,9 +250,9 @@ TEST_F(cli, misuse_is_told_in_one_line_and_exits_with_2) {
       {{"--batch", ".", "--report", "o.csv", "--analyze"}, "--analyze cannot be combined with --batch"},
       {{"square.obj", "--analyze", "--report", "-"}, "with --analyze the report cannot go to standard output"},
       {{"square.obj", "--analyze", "--format", "obj"}, "an analysis is written as json only"},
-      {{"square.obj", "-o", "o.obj", "--server", "ftp://host"}, "ftp://host is no http or https URL"},
+      {{"square.obj", "-o", "o.obj", "--server", "ftp://host"}, "ftp://host is not an http or https URL"},
       {{"square.obj", "-o", "o.obj", "--server", "http://host", "--workers", "1"}, "--workers cannot be combined"},
-      {{"square.obj", "-o", "o.xyz"}, "the ending of o.xyz does not tell the format"}};
+      {{"square.obj", "-o", "o.xyz"}, "the ending of o.xyz does not name a format"}};
   for (const auto& [arguments, message] : cases) {
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.status, 2) << message;

@@ -76,11 +76,11 @@ std::string refusal_of(std::string_view mesh, std::optional<Format> named = {}) 
 }
 
 TEST(remesh_job, what_is_no_mesh_is_told_as_what_it_was_read_unless_that_was_said) {
-  EXPECT_THAT(refusal_of("some\ntext\n"),
-              EndsWith("; it was read as obj, because its content looks like no other format"));
-  EXPECT_THAT(refusal_of("ply\nformat text\n"), EndsWith("; it was read as ply, because its content looks like it"));
+  EXPECT_THAT(refusal_of("some\ntext\n"), EndsWith("; it was read as obj, because its content fits no other format"));
+  EXPECT_THAT(refusal_of("ply\nformat text\n"),
+              EndsWith("; it was read as ply, because its content looks like this format"));
   EXPECT_THAT(refusal_of(std::string_view("a\0b", 3)),
-              EndsWith("; it was read as stl, because its content looks like it"));
+              EndsWith("; it was read as stl, because its content looks like this format"));
   EXPECT_EQ(refusal_of("some\ntext\n", Format::kObj), "the text has no face");
   EXPECT_EQ(refusal_of("v 0 0 0\nf 1 2 9\n"), "a face refers to vertex 2, but the mesh has only 1") << "it is OBJ";
 }

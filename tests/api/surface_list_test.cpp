@@ -135,9 +135,10 @@ TEST(surface_list, a_free_region_says_what_comes_nearest) {
   EXPECT_THAT(texts({free_region(FreeReason::kNoKindFits, SurfaceKind::kFree)}),
               ElementsAre("1 free region of 20 facets"));
   EXPECT_THAT(texts({free_region(FreeReason::kFewFacets, SurfaceKind::kCone)}),
-              ElementsAre("1 free region of 20 facets: too few to tell what they are"));
+              ElementsAre("1 free region of 20 facets: too few facets to recognise a surface"));
   EXPECT_THAT(texts({free_region(FreeReason::kUnevenFacets, SurfaceKind::kCylinder)}),
-              ElementsAre("1 free region of 20 facets: a cylinder fits, but they are too unevenly cut to be one"));
+              ElementsAre("1 free region of 20 facets: a cylinder fits, but the facets are too uneven to be "
+                          "meant as one"));
   EXPECT_THAT(texts({free_region(FreeReason::kNoKindFits, SurfaceKind::kTorus, 1),
                      free_region(FreeReason::kNoKindFits, SurfaceKind::kCone, 1),
                      free_region(FreeReason::kNoKindFits, SurfaceKind::kTorus, 1),

@@ -20,8 +20,8 @@ int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 /// Multiplies the positions by the power of two that brings the largest magnitude of a coordinate into [2^249, 2^250).
 /// An axis along which all coordinates are below 2^-10 of the largest gets a larger power of two, which brings them to
 /// about that size. So a model that is a billion times as long as it is wide is stretched, and searches that compare
-/// boxes and directions with some slack for rounding can tell its faces apart. Faces that intersect do so after it, and
-/// no others.
+/// boxes and directions with some slack for rounding can tell its faces apart. The same faces intersect before and
+/// after the scaling.
 /// Input:  finite coordinates of any magnitude.
 /// Holds:  predicates have the same sign on the result as on the input, as long as every coordinate that is not 0 is at
 ///         least 2^-499 of the largest. Smaller coordinates may lose digits.

@@ -22,9 +22,9 @@ namespace remesh {
 
 using FacePairs = std::vector<std::pair<FaceId, FaceId>>;
 
-/// A test of two faces takes about as long as this many looks at nodes of a tree.
+/// The time of one test of two faces, in visits of a node of a tree.
 inline constexpr std::uint64_t kStepsPerTest = 8;
-/// A look at a box along the triangles of a node takes about as long as this many looks at nodes.
+/// The time of one test of a box along the triangles of a node, in visits of a node.
 inline constexpr std::uint64_t kStepsPerOrientedBox = 4;
 
 /// The pairs that a search has found so far, and its limits.
@@ -55,7 +55,7 @@ class PairSearch {
     return !result_.are_all_listed && limits_.is_expected && limits_.is_expected(f, g);
   }
 
-  /// Appends what was found.
+  /// Appends the result of one part of the search.
   void add(const FacePairs& pairs, std::uint64_t steps) {
     result_.steps += steps;
     for (const auto& pair : pairs) {
@@ -68,12 +68,13 @@ class PairSearch {
       if (!result_.is_complete) return;
     }
   }
-  /// Adds steps to the progress within the stage. Nobody knows how many steps there will be, so progress takes ever
-  /// smaller steps towards 1, but never stops. Several threads may tell at once.
+  /// Adds steps to the progress within the stage. The number of steps is unknown, so progress takes ever smaller steps
+  /// towards 1, but never stops. Several threads may call this at once.
   void tell_progress(std::uint64_t steps) {
     constexpr double kHalfTheWay = 1 << 26;
     const std::lock_guard lock(told_mutex_);
-    // A loop in between, such as one that builds a tree, has told progress of its own. What follows it begins there.
+    // A loop between two searches, such as one that builds a tree, has set the progress. The search continues from
+    // there.
     if (const double now = control_.told_fraction(); now > told_fraction_) {
       progress_before_ = now;
       told_ = 0;
@@ -90,7 +91,7 @@ class PairSearch {
   }
 
  private:
-  /// Lists only pairs that are not expected from now on.
+  /// From now on, lists only pairs that are not expected.
   void end_list() {
     result_.are_all_listed = false;
     if (!limits_.is_expected) {
@@ -110,9 +111,9 @@ class PairSearch {
   SelfIntersections result_;
   std::mutex told_mutex_;
   double progress_before_;
-  double told_ = 0;             ///< the steps since then of which progress was told
+  double told_ = 0;             ///< the steps that progress has counted since `progress_before_`
   double told_fraction_ = -1;   ///< the progress that was told last
-  std::size_t unexpected_ = 0;  ///< the number of pairs that are not expected; 0 if nothing is
+  std::size_t unexpected_ = 0;  ///< the number of unexpected pairs; 0 without `is_expected`
 };
 
 /// The pairs of some items that were treated one after the other.
@@ -127,7 +128,7 @@ struct FoundInTurn {
 /// Output:  the number of items that were treated. It is less than n if the search was cut short, because there are
 ///          more than max_pairs or because it took more than max_steps.
 /// Holds:   the result is the same for any number of threads. To this end, work is done in rounds, and limits are
-///          looked at between rounds. In a round, a block of items has a bounded turn. What is left of it comes first
+///          checked between rounds. In a round, a block of items has a bounded turn. The rest of the block comes first
 ///          in the next round.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
 template <class Item>
@@ -184,11 +185,11 @@ struct SearchedTriangles {
   enum { kByTriangles, kByBoxes } by = kByTriangles;
 };
 
-/// Tells which pairs of slots have already been found by an earlier search, which had another tree.
+/// Knows which pairs of slots were found by an earlier search that used another tree.
 class EarlierSearch {
  public:
-  /// Input:   is_left(slot) says whether a slot of the earlier tree is searched again. All pairs of other slots were
-  ///          found by the earlier one of the two slots, but with slots that are searched again.
+  /// Input:   is_left(slot) says whether a slot of the earlier tree is searched again. For all other slots, the earlier
+  ///          search has found the pairs with the slots that come after them in its tree.
   template <class IsLeft>
   EarlierSearch(const TriangleTree& earlier, const TriangleTree& tree, const IsLeft& is_left, RunControl& control)
       : slot_before_(tree.size()), is_left_(tree.size()) {
@@ -209,7 +210,7 @@ class EarlierSearch {
   }
 
   bool is_left(std::size_t slot) const { return is_left_[slot] != 0; }
-  /// Returns whether a slot that is left has to look for pairs with another one.
+  /// Returns whether a slot that is searched again has to look for pairs with another slot.
   bool is_new(std::size_t slot, std::size_t other) const {
     return is_left(other) ? slot < other : slot_before_[slot] < slot_before_[other];
   }
@@ -220,8 +221,8 @@ class EarlierSearch {
 
  private:
   std::vector<std::uint32_t> slot_before_;    ///< by slot: that of the same face in the earlier tree
-  std::vector<std::uint8_t> is_left_;         ///< by slot
-  std::vector<std::uint32_t> last_finished_;  ///< by node: the last earlier slot of those that are not left, or 0
+  std::vector<std::uint8_t> is_left_;         ///< by slot: whether it is searched again
+  std::vector<std::uint32_t> last_finished_;  ///< by node: the last earlier slot that is not searched again, or 0
 };
 
 /// Returns the groups without those that have only a few faces, as for a TriangleTree. A node of a large group makes no
@@ -262,8 +263,9 @@ std::size_t find_pairs(const SearchedTriangles& triangles, const Reported& repor
   const std::size_t n = triangles.faces.size();
   constexpr std::size_t kBlock = 256;
   constexpr std::uint64_t kStepsBetweenChecks = 1 << 15;
-  // If a slot needs more tests without success than `most_in_vain`, its pairs are dropped and it is searched again
-  // later. This would gain nothing for a slot with nearly as many pairs.
+  // If a slot needs more tests without success than `most_in_vain`, its pairs are dropped and the slot is searched
+  // again later. A slot that has found at least a quarter as many pairs is not dropped, because a second search would
+  // gain nothing.
   constexpr std::size_t kMaxInVainPerPair = 4;
   std::vector<std::uint32_t> slots;
   std::vector<std::uint8_t> is_for_later(n, 0);

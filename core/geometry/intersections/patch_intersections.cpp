@@ -34,13 +34,13 @@ constexpr std::size_t kRun = 32;
 /// are looked up in the tree for each face.
 constexpr std::size_t kFewPatches = 16;
 
-/// If sheets lie in one another, each face is near many patches. If there are more parts than this per face, on average
-/// over many faces, looking at patches gains nothing, and the parts would take all memory.
+/// If sheets lie in one another, each face is near many patches. If faces have more parts than this on average, culling
+/// by patches gains nothing, and the parts would take all memory.
 constexpr std::size_t kMaxPartsPerFace = 4;
 constexpr std::size_t kManyParts = 1 << 16;
 
-/// If there are more tests per face than this whether it is near a patch, looking at patches gains nothing either. For
-/// example, if the facets of a cone stand on a fan of needles, all boxes meet all others in one point.
+/// Culling by patches gains nothing if it needs more than this many tests per face of whether the face is near a patch.
+/// For example, if the facets of a cone stand on a fan of needles, all boxes meet all others in one point.
 constexpr std::size_t kMaxLooksPerFace = 64;
 
 /// The rounding error of heights, relative to the largest coordinate. Heights are sums of three products.
@@ -97,8 +97,8 @@ class Cull {
 
   void run() {
     find_places();
-    // All faces of small patches are tested against each other anyway, so these faces look only for large patches near
-    // them.
+    // All faces of small patches are tested against each other in any case, so here they are compared with large
+    // patches only.
     std::vector<PatchId> all, large;
     StopCheck check(control_);
     for (std::uint32_t p = 0; p < places_.size(); ++p) {
@@ -143,7 +143,7 @@ class Cull {
           progress.add(end - first);
           return near;
         });
-    // The counts exceed the limits, or do not, whatever the order in which blocks are counted.
+    // The order in which blocks are counted does not decide whether the counts exceed the limits.
     if (are_too_many(parts.load(std::memory_order_relaxed), looks.load(std::memory_order_relaxed))) {
       faces_.resize(surface_.face_count());
       std::iota(faces_.begin(), faces_.end(), 0u);
@@ -160,9 +160,9 @@ class Cull {
     }
   }
 
-  /// The faces that are tested against all others among them.
+  /// The whole faces, which are tested against all other whole faces.
   const std::vector<std::uint32_t>& faces() const { return faces_; }
-  /// The rest: parts of faces that are near another patch.
+  /// The parts of the other faces, which are near another patch.
   const std::vector<Part>& parts() const { return parts_; }
 
   TriangleTree tree_of(const std::vector<Box3>& boxes) const {
@@ -188,7 +188,7 @@ class Cull {
   struct Near {
     std::vector<std::uint32_t> faces;
     std::deque<Part> parts;  ///< a deque, because there may be millions, and none is moved when more are added
-    std::size_t looks = 0;   ///< number of patches that were looked at
+    std::size_t looks = 0;   ///< number of patches that were tested
   };
 
   bool has_few(PatchId p) const { return count_[p.value].load(std::memory_order_relaxed) <= kFewFaces; }
@@ -208,8 +208,8 @@ class Cull {
   }
 
   /// Finds the other patches that may be near some of these faces, which belong to one patch. It tests a run of faces
-  /// at once, because most runs have no other patches near them. If there are many, not all of them are found. Returns
-  /// how many patches were looked at.
+  /// at once, because most runs have no other patches near them. If there are many such patches, not all are found.
+  /// Returns the number of patches that were tested.
   std::size_t find_near(std::size_t begin, std::size_t end, const std::vector<PatchId>& patches,
                         const TriangleTree& tree, std::vector<PatchId>& near, StopCheck& check) const {
     near.clear();
@@ -229,8 +229,8 @@ class Cull {
     return looks;
   }
 
-  /// Returns whether a box reaches the heights over a patch's plane at which the patch is. The boxes of patches that
-  /// are askew to the axes are wide, and this test excludes what is beside the patch.
+  /// Returns whether a box reaches, by height over a patch's plane, the heights of the patch itself. The boxes of
+  /// patches that are askew to the axes are wide, and this test excludes what lies beside the patch.
   bool is_at_height(const Box3& box, PatchId p) const {
     constexpr double kMargin = 4 * kHeightMargin;  // also covers the rounding of the middle and the extents
     const Place place = places_[p.value].get();
@@ -300,7 +300,7 @@ class Cull {
       return true;
     });
   }
-  /// Does the same for a few other patches.
+  /// Does the same, but tests a few given patches without a tree.
   void look_at(std::size_t f, const std::vector<PatchId>& patches, Near& near, StopCheck& check) const {
     const Box3 box = box_of(f);
     near.looks += patches.size();
@@ -336,8 +336,8 @@ class Cull {
       }
     }
     if (box.is_empty()) return box;
-    // The margin is for rounding. It never takes the part out of the face, whose own box is exact. Beside a coordinate
-    // that is far too large, the margin may be larger than all other faces.
+    // The margin covers rounding. The box of the part never leaves the box of the face, which is exact. Beside a
+    // coordinate that is far too large, the margin may be larger than all other faces.
     const Box3 whole = box_of(f);
     for (int axis = 0; axis < 3; ++axis) {
       box.min[axis] = std::clamp(box.min[axis] - kHeightMargin, whole.min[axis], whole.max[axis]);
@@ -356,7 +356,7 @@ class Cull {
   std::vector<Part> parts_;
 };
 
-/// The faces of a surface that are left, with vertices of their own, because if patches are large, these vertices are
+/// The faces that remain to be compared, with vertices of their own, because if patches are large, these vertices are
 /// few. The vertices stay in their order.
 class Excerpt {
  public:
@@ -389,7 +389,7 @@ class Excerpt {
   }
 
   const std::vector<Vec3>& positions() const { return positions_; }
-  /// One of the surface's faces that are left, over the new vertices.
+  /// One of the faces of the excerpt, over the new vertices.
   Triangle face(std::size_t f) const {
     const auto [a, b, c] = surface_.face(f);
     return {VertexId(number_[a.value]), VertexId(number_[b.value]), VertexId(number_[c.value])};
@@ -401,8 +401,9 @@ class Excerpt {
   std::vector<Vec3> positions_;
 };
 
-/// Finds pairs of faces of two patches, among those parts of either that are where the other is. If many patches meet,
-/// as at the apex of a cone, all these parts lie in one place; therefore they are compared patch by patch.
+/// Finds pairs of faces of two patches, among the parts of either patch that lie where the other one is. If many
+/// patches meet, as at the apex of a cone, all these parts lie in one place; therefore they are compared patch by
+/// patch.
 class Meetings {
  public:
   Meetings(const Cull& cull, const Excerpt& excerpt, RunControl& control)
@@ -446,7 +447,7 @@ class Meetings {
     return std::minmax({parts_[part].of, parts_[part].near});
   }
   std::size_t size() const { return begin_.size() - 1; }
-  /// The parts of two patches near each other. Those of the one patch come first.
+  /// The parts of two patches near each other. The parts of the first patch come first.
   std::span<const std::uint32_t> meeting(std::size_t m) const {
     return std::span(order_).subspan(begin_[m], begin_[m + 1] - begin_[m]);
   }
@@ -521,8 +522,8 @@ class Meetings {
     });
   }
 
-  /// Returns whether the boxes of parts meet so many boxes of the tree that they tell little. It looks at some parts
-  /// that are evenly spread.
+  /// Returns whether each part's box meets so many boxes of the tree that boxes hardly cull any pair. Only an evenly
+  /// spread sample of the parts is tested.
   bool do_many_boxes_meet(std::span<const std::uint32_t> parts, const TriangleTree& tree) const {
     constexpr std::size_t kSamples = 64, kMany = 64;
     const std::size_t step = std::max<std::size_t>(1, parts.size() / kSamples);
@@ -553,8 +554,8 @@ class Meetings {
     std::vector<std::uint32_t> of_node_;  ///< the side of all faces of a node, or kNone
   };
 
-  /// Finds the pairs where boxes tell too little. For example, a fan of needles may end at a row of faces that stand on
-  /// it, and the box of each needle contains half of the row.
+  /// Finds the pairs where boxes separate too few faces. For example, a fan of needles may end at a row of faces that
+  /// stand on it, and the box of each needle contains half of the row.
   void search_by_shape(std::span<const std::uint32_t> few, std::span<const std::uint32_t> many,
                        PairSearch& found) const {
     std::vector<std::uint32_t> part, side;

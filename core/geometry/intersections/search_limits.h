@@ -15,13 +15,13 @@ namespace remesh {
 struct SelfIntersections {
   std::vector<std::pair<FaceId, FaceId>> pairs;  ///< (f, g) with f < g, sorted
   bool is_complete = true;                       ///< false if the search was cut short, so there may be more pairs
-  /// False if there are more pairs than are listed. If the search was complete, all others are expected
-  /// (SearchLimits::is_expected).
+  /// False if there are more pairs than are listed. If the search was complete, the pairs that are not listed are
+  /// expected (SearchLimits::is_expected).
   bool are_all_listed = true;
   std::uint64_t steps = 0;  ///< the work that was done, as SearchLimits counts it
-  /// The share of the faces that were held against all others that they might meet; 1 if the search was complete.
+  /// The share of the faces that were compared with all faces that they might meet; 1 if the search was complete.
   double searched = 1;
-  /// About how many pairs there are in all, if that was asked for and the search was cut short; otherwise 0. It is
+  /// An estimate of the number of all pairs, if it was wanted and the search was cut short; otherwise 0. It is
   /// extrapolated from the pairs of a few faces that are spread over the surface.
   double estimated_pairs = 0;
 };
@@ -30,7 +30,7 @@ struct SelfIntersections {
 /// the work of a search is the same on every machine and for any number of threads.
 struct SearchLimits {
   static constexpr std::uint64_t kNoLimit = ~std::uint64_t{0};
-  /// The pairs that are found at most where a surface has to be known to cross itself, and roughly where.
+  /// The max number of pairs for a search that only has to show that a surface crosses itself, and roughly where.
   static constexpr std::size_t kEnoughPairs = 100'000;
 
   SearchLimits(std::size_t pairs, std::uint64_t steps = kNoLimit) : max_pairs(pairs), max_steps(steps) {}

@@ -53,8 +53,8 @@ Hubs common(const Hubs& a, const Hubs& b) {
 using HubEdge = std::pair<VertexId, VertexId>;
 constexpr HubEdge kNoEdge{};
 
-/// Helps searches in which boxes separate too little. For a slot with hubs, nodes that lie at other angles about an
-/// edge between hubs are of no interest.
+/// Speeds up searches in which boxes separate too few faces. For a slot with hubs, nodes that lie at other angles about
+/// an edge between hubs are of no interest.
 class AxialSearch {
  public:
   /// Input:   edge_of(slot) is an edge at the slot's face, or kNoEdge. `faces` are the triangles of the tree, by their
@@ -319,7 +319,7 @@ class Search {
       pages.clear();
       for (std::size_t i = begin; i < end; ++i) {
         if (i % kFacesBetweenChecks == 0) control_.check_and_move();
-        // A face without a third corner is the edge itself, and meets the others only in what they share.
+        // A face without a third corner is the edge itself. It meets the other faces only in shared vertices and edges.
         for (const VertexId v : faces_[at_edge_[i].second.value])
           if (v != from && v != to) pages.push_back({v, at_edge_[i].second});
       }
@@ -343,7 +343,7 @@ class Search {
           }
           found.steps += kStepsPerTest * (tests + 1);
         });
-    // The faces that have a half-plane to themselves are treated as well.
+    // Faces that are alone in their half-plane count as treated, too.
     return at_edge_.size() - (faces.size() - done);
   }
 

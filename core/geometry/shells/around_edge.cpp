@@ -17,15 +17,15 @@ int side_along(const Vec3& a, const Vec3& b, const Vec3& p, int axis) {
   return orient2d(without(a, axis), without(b, axis), without(p, axis));
 }
 
-/// An axis along which the three points are seen not to lie on a line; -1 if there is none.
+/// An axis along which one sees that the three points are not on one line; -1 if there is none.
 int axis_that_tells(const Vec3& a, const Vec3& b, const Vec3& p) {
   for (int axis = 0; axis < 3; ++axis)
     if (side_along(a, b, p, axis) != 0) return axis;
   return -1;
 }
 
-/// Orders faces by their angle around the edge. It begins at the first face and goes in the direction in which forward
-/// faces look.
+/// Orders faces by their angle around the edge. The order begins at the first face and turns the way in which the
+/// normals of forward faces point.
 class AngularOrder {
  public:
   AngularOrder(const Vec3& a, const Vec3& b, const Vec3& first)
@@ -63,7 +63,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> pair_around_edge(const Vec3
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
   if (faces.size() < 2) return pairs;
   sort_stoppable(faces.begin(), faces.end(), control, AngularOrder(a, b, faces[0].apex));
-  // Faces without a partner after the first time around are paired with the ends before the first face.
+  // After one turn, faces that still wait for a partner are paired with the faces that came before any face waited.
   std::vector<std::uint32_t> waiting, left;
   for (const FaceAtEdge& f : faces) {
     if (!f.is_forward) {

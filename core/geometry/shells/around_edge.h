@@ -19,11 +19,11 @@ struct FaceAtEdge {
   std::uint32_t tag = 0;    ///< identifies the face for the caller; also orders faces with equal layers
 };
 
-/// Pairs the faces at an edge that have solid between them and no other pair in that solid. This works like nested
-/// parentheses: a face behind which the solid begins opens one, and a face at which the solid ends closes one. Faces in
-/// one plane are treated as if each were moved against its normal by an infinitesimal. So two faces back to back are
-/// the walls of two solids. Faces with the same orientation are moved by different infinitesimals, in the order of
-/// their `layer`.
+/// Pairs the faces at an edge that bound one solid from both sides, with no other pair between them. This works like
+/// nested parentheses: a face behind which the solid begins opens one, and a face at which the solid ends closes one.
+/// Faces in one plane are treated as if each were moved against its normal by an infinitesimal. So two faces back to
+/// back are the walls of two solids. Faces with the same orientation are moved by different infinitesimals, in the
+/// order of their `layer`.
 /// Input:  coordinates in the range of orient3d. The function sorts `faces`, and removes those whose corners lie on a
 ///         line.
 /// Output: the tags of the two faces of each pair.

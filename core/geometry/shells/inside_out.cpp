@@ -76,14 +76,15 @@ bool encloses(const Box3& outer, const Box3& inner) {
   return true;
 }
 
-/// The shells that are not closed. Nobody can tell what they enclose, but only how far they wind around a place.
+/// The shells that are not closed. What they enclose is unknown; only how far they wind around a place can be computed.
 class OpenPieces {
  public:
   OpenPieces(std::span<const Vec3> positions, std::span<const VertexId> corners, const Shells& shells,
              RunControl& control)
       : positions_(positions), corners_(corners), shells_(shells), control_(control) {}
 
-  /// Returns whether the open pieces wind around a closed shell more, or less, than around the one that it lies in.
+  /// Returns whether the open pieces wind around a closed shell by another number than around the shell in which it
+  /// lies.
   bool are_between(std::uint32_t shell, std::optional<std::uint32_t> outer) {
     if (ends_.empty()) prepare();
     if (!number_ || !encloses(number_->box(), shells_.all[shell].box)) return false;
@@ -157,7 +158,7 @@ class Judging {
  private:
   Side side(std::uint32_t shell) const { return shells_.all[shell].volume > 0 ? Side::kOut : Side::kIn; }
 
-  /// The way in which a shell should look. The next shell outside must have been judged.
+  /// The way in which a shell should look. The next shell outside of it must have been judged.
   Side right_side(std::uint32_t shell, std::uint32_t outer) const {
     if (shells_.all[shell].has_open_neighbours) return side(shell);
     if (outer == kNone) return Side::kOut;
@@ -176,7 +177,7 @@ class Judging {
     return open_.are_between(shell, outer == kNone ? std::nullopt : std::optional(outer));
   }
 
-  /// Returns whether a shell, in the same place as one that is right, is merely a copy of that one.
+  /// Returns whether a shell is merely a copy of another one, which is in the same place and has the right orientation.
   bool is_copy(std::uint32_t shell, std::uint32_t other) const {
     return !is_wrong_[other] && side(shell) == side(other) && labels_.do_share(shell, other);
   }

@@ -19,15 +19,15 @@ struct InsideOut {
 };
 
 /// Finds the closed shells (shells.h) that have the wrong orientation. It judges them from outside in:
-/// - A shell that lies in no other one has to face outwards. So does a shell that lies in a cavity.
+/// - A shell that lies in no other shell, or in a cavity, has to face outwards.
 /// - A shell that lies in the solid inside another one, and shares a label with it, is a cavity of the same body and
 ///   has to face inwards.
 /// - If such a shell has labels of its own, it may be a solid of its own, or a cavity with a name, so either way is
 ///   right. The exception is that both face inwards and the outer one is wrong: then a body was mirrored together with
 ///   its contents, and the inner shell is wrong, too.
-/// A shell is judged as if those around it had the right orientation, so if all shells that are found are turned over,
-/// none is wrong. Two shells share a label if a face of one and a face of the other belong to the same object, group
-/// and material.
+/// A shell is judged as if the shells around it had the right orientation. So if all shells that are found are turned
+/// over, all orientations are right. Two shells share a label if a face of one and a face of the other belong to the
+/// same object, group and material.
 /// Input:   triangles, three corners each, and their labels; coordinates within [-2^250, 2^250].
 /// Holds:   in case of doubt, a shell is not called wrong:
 ///          - A shell is not judged if open pieces stand on its edges, because they may belong to a body that it lies

@@ -24,14 +24,14 @@ constexpr double kSameVolume = 1e-9;
 /// A point counts as touching a shell if it is nearer to it than this fraction of its own shell's extent.
 constexpr double kTouch = 1e-12;
 
-/// The number of triangles that are looked at between two checks for cancellation.
+/// The number of triangles that are tested between two checks for cancellation.
 constexpr std::size_t kTrianglesBetweenChecks = 4096;
 
 /// The number of shells per task. It is small because their work varies.
 constexpr std::size_t kShellsPerBlock = 16;
 
-/// The directions in which a shell's outermost vertices are looked for. Later, other shells are looked for in the first
-/// direction, because on that way there is nothing of the shell itself, nor of what lies in it.
+/// The directions in which a shell's outermost vertices are searched. Later, other shells are searched in the first
+/// direction, because on that way there is no part of the shell itself and nothing inside it.
 constexpr std::array<Vec3, 14> kDirections{{{-1, 0, 0},
                                             {1, 0, 0},
                                             {0, 1, 0},
@@ -201,7 +201,7 @@ void ShellNesting::follow(const std::vector<std::uint32_t>& inner, const std::ve
 /// The nest around a shell of `nest` that has this link. `nest` itself need not have been followed yet.
 std::uint32_t ShellNesting::around(const Link& link, std::uint32_t nest) const {
   if (link.nest == kNone || link.is_within) return link.nest;
-  // If shells cross, or touch up to rounding, the other shell may lie in some that are not around this one.
+  // If shells cross, or touch up to rounding, the other shell may lie in shells that do not contain this one.
   std::uint32_t around = nests_[link.nest].around;
   while (around != kNone && !may_contain(around, nest)) {
     control_.check();
@@ -305,8 +305,8 @@ ShellNesting::Samples ShellNesting::samples_of(std::uint32_t shell) const {
   using Outermost = std::pair<double, Vec3>;
   std::array<Outermost, kDirections.size()> vertices;
   vertices.fill({-HUGE_VAL, {}});
-  // The first is that of an edge. The others are those of faces, by the axis along or against which their normals point
-  // most.
+  // The first entry is the middle of an edge. The others are middles of faces, by the axis to which their normals are
+  // nearest, in either direction.
   std::array<Middle, 7> middles;
   std::size_t looks = 0;
   for (const std::uint32_t f : (*faces_)[shell]) {
@@ -375,14 +375,14 @@ bool ShellNesting::is_touching(const Vec3& p, double reach, std::uint32_t nest) 
   return is_touching;
 }
 
-/// Returns whether it may follow from another shell where this nest's shell lies. If the other shell is the nearest one
-/// seen from this one and does not contain it, both lie in the same shell. Otherwise a shell that contains only one of
-/// them would be nearer, because such shells count, too.
+/// Returns whether the place of this nest's shell may follow from the place of another shell. If the other shell is the
+/// nearest one seen from this one and does not contain it, both lie in the same shell. Otherwise a shell that contains
+/// only one of them would be nearer, because such shells count, too.
 bool ShellNesting::may_tell(std::uint32_t other, std::uint32_t nest) const {
   return may_contain(other, nest) || boxes_[other].min.x < boxes_[nest].min.x;
 }
 
-/// Finds the nearest face, from p in the direction of -x, of a shell from which it may follow where this nest lies. If
+/// Finds the nearest face, from p in the direction of -x, of a shell from which the place of this nest may follow. If
 /// many shells stand in a row, that face is near.
 ShellNesting::Link ShellNesting::nearest(const Vec3& p, double tie, std::uint32_t nest, Tellers tellers) const {
   struct Hit {
@@ -391,7 +391,7 @@ ShellNesting::Link ShellNesting::nearest(const Vec3& p, double tie, std::uint32_
   };
   std::vector<Hit> hits;
   std::size_t looks = 0;
-  // The search goes in ever larger steps, so that far faces are looked at only if there are no near ones.
+  // The search goes in ever larger steps, so that far faces are tested only if there are no near ones.
   double reach = boxes_[nest].diagonal() / static_cast<double>(faces_of_tree_.size());
   constexpr double kStep = 16;
   for (bool is_last = false; !is_last && hits.empty(); reach *= kStep) {

@@ -43,7 +43,7 @@ class ShellNesting {
   /// All nests. A nest comes after those that it lies in.
   const std::vector<Nest>& nests() const { return nests_; }
   /// Returns whether a shell crosses the one around it, or crosses another shell whose box contains half of this
-  /// shell's box or more. Then nobody can tell in which one it lies. Touching does not count as crossing, and
+  /// shell's box or more. Then it cannot be decided in which shell it lies. Touching does not count as crossing, and
   /// coinciding shells do not cross.
   bool is_place_in_doubt(std::uint32_t shell) const;
 
@@ -56,8 +56,8 @@ class ShellNesting {
     bool is_within = false;
   };
   struct Samples;
-  /// The shells whose faces count when a link is looked for: all from which it may follow, or only those that may
-  /// contain the shell.
+  /// The shells whose faces count when a link is looked for: all shells that may tell the place of a shell, or only
+  /// those that may contain it.
   enum class Tellers : std::uint8_t { kAll, kLarger };
 
   void group_by_place();

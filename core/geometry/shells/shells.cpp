@@ -16,7 +16,7 @@ namespace {
 /// rounding.
 constexpr double kNoVolume = 1e-12;
 
-/// The number of half-edges that are looked at between two checks for cancellation.
+/// The number of half-edges that are visited between two checks for cancellation.
 constexpr std::size_t kLooksBetweenChecks = 4096;
 
 class ShellSearch {

@@ -31,7 +31,7 @@ class WindingNumber {
     Box3 box;
     Vec3 twice_area;         ///< the sum of the triangles' area vectors, doubled
     Vec3 moment;             ///< the sum of the triangles' centroids, weighted by area
-    double twice_sizes = 0;  ///< the sum of the lengths of these vectors
+    double twice_sizes = 0;  ///< the sum of the lengths of these area vectors, doubled
   };
   Node node_of(std::size_t slot) const;
   double solid_angle(std::size_t slot, const Vec3& p) const;

@@ -67,7 +67,8 @@ bool SectionCurve::begin_at(const Vec3& p) {
   return norm_squared(x_) > 0;
 }
 
-/// Returns the circle, if all points lie on it. Without a radius it is their mean distance from the centre.
+/// Returns the circle, if all points lie on it. Without a given radius, the radius is their mean distance from the
+/// centre.
 std::optional<SectionCurve> SectionCurve::circle(std::span<const Vec3> points, const Vec3& centre, const Vec3& axis,
                                                  std::optional<double> radius, double fit_tolerance) {
   SectionCurve curve;
@@ -100,7 +101,7 @@ std::optional<SectionCurve> SectionCurve::ruled(std::span<const Vec3> points, co
   if (std::fabs(slope) >= kMinSlope) {
     curve.centre_ = surface.origin + (height / slope) * surface.axis;
   } else {
-    // The plane may meet the axis far away, or not at all. Every other circle serves as well.
+    // Any circle about the axis will do: the plane may meet the axis far away, or not at all.
     curve.centre_ = surface.origin + dot(points.front() - surface.origin, surface.axis) * surface.axis;
     curve.offset_ = dot(plane.origin - curve.centre_, plane.normal);
   }

@@ -50,7 +50,7 @@ std::optional<Circle> guess_circle(std::span<const Vec3> points, const ToPlane& 
 }
 
 std::optional<Vec3> solve3(const Matrix<3>& a, const Vec3& b) {
-  // Powers of two before the matrix make no difference, so that a determinant can be compared with its terms.
+  // The determinant is compared with its own terms, so a power of two before the matrix makes no difference.
   const Vec3 r0{a[0][0], a[0][1], a[0][2]}, r1{a[1][0], a[1][1], a[1][2]}, r2{a[2][0], a[2][1], a[2][2]};
   const Vec3 c12 = cross(r1, r2), c20 = cross(r2, r0), c01 = cross(r0, r1);
   const double det = dot(r0, c12);
@@ -75,7 +75,7 @@ struct Parameters {
   Vec3 origin;  ///< a point of the axis, or the centre of a sphere
   Vec3 axis, x, y;
   std::array<double, 3> profile;  ///< see residual_of
-  double cosine = 1, sine = 0;    ///< a cone has these of its angle
+  double cosine = 1, sine = 0;    ///< cone: cosine and sine of the half angle
 
   std::size_t count() const { return static_cast<std::size_t>(parameter_count(kind)); }
   void set_angle() {
@@ -259,7 +259,7 @@ std::optional<AnalyticSurface> surface_of(const Parameters& at, double scale) {
       break;
     default: return std::nullopt;
   }
-  // A surface that is so much larger than the points is a plane, or one of a kind with fewer parameters.
+  // A surface that is more than this many times as large as the points is a plane, or of a kind with fewer parameters.
   constexpr double kMaxRadius = 1e5;
   const bool is_small = std::fabs(s.radius) * scale < kMaxRadius && s.minor_radius * scale < kMaxRadius;
   const bool has_radius =

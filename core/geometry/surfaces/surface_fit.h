@@ -20,7 +20,7 @@ struct FacetPlace {
 /// The number of free parameters of a kind.
 int parameter_count(SurfaceKind kind);
 
-/// The following functions make a first guess, from which `fit_from` goes on. Each returns nothing if the points or
+/// The following functions make a first guess, with which `fit_from` begins. Each returns nothing if the points or
 /// normals do not determine a surface of the kind.
 std::optional<AnalyticSurface> guess_sphere(std::span<const Vec3> points);
 /// Input: the direction of the axis.
@@ -45,7 +45,7 @@ struct FitGoal {
 };
 
 /// Improves a surface until the sum of the squares of the points' distances from it is a minimum.
-/// Output: nothing if this ends in a surface that is none, for example with an infinite radius, or if it is hopeless.
+/// Output: nothing if the fit ends in no valid surface, for example with an infinite radius, or stays above `hopeless`.
 /// Holds:  the result depends on the order of the points only by rounding.
 /// Errors: kCancelled, kTimeout - asked to stop through the goal's control.
 /// Cost:   some passes over the points.

@@ -96,7 +96,7 @@ double SurfaceIntegral::area_form(const Vec3& p) const {
   switch (shape_.kind) {
     case SurfaceKind::kCylinder: return -r * p.z / squared;
     case SurfaceKind::kSphere: return r * r / (norm(p) * (norm(p) + p.z));
-    // A point of the cone is as far from the apex as from the axis, times the sine.
+    // The distance of a point of the cone from the axis is its distance from the apex times the sine.
     case SurfaceKind::kCone: return -1 / (2 * std::sin(shape_.half_angle));
     case SurfaceKind::kTorus: {
       const double t = shape_.minor_radius, angle = tube_angle(p);

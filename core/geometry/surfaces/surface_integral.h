@@ -22,7 +22,7 @@ class SurfaceIntegral {
  public:
   static constexpr int kPoints = 17;
   using Curve = std::array<Vec3, kPoints>;
-  /// The parts of the way at which the points of a curve are given, from 0 to 1. The way may be any smooth parameter.
+  /// The parameters, from 0 to 1, at which the points of a curve are given. Any smooth parameter will do.
   static const std::array<double, kPoints>& places();
 
   /// Input: a cylinder, cone, sphere, or a torus that does not touch its axis, in model units; `middle` is a point of

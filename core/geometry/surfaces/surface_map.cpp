@@ -12,11 +12,12 @@ constexpr double kTurn = 2 * std::numbers::pi;
 /// At a tube that touches the axis, the square root of the ratio of its distances from the axis is 0 up to rounding.
 constexpr double kNoPart = 1e-6;
 
-/// Places where a tube ends are taken to be this part of the way from there, and those behind its end to be at it.
+/// Where a tube ends at the axis, points beyond this share of the infinite way to the end, or behind the end, are moved
+/// back to it.
 constexpr double kNearEnd = 1 - 1e-9, kHalfTurn = 0.999 * std::numbers::pi;
 
-/// A squeezed map multiplies lengths along rulings by this. A patch that is a thousand times as long as its edges are
-/// wide is then about as long as they are.
+/// A squeezed map multiplies lengths along rulings by this. A patch whose length is a thousand times the width of its
+/// edges then has about the same length and width.
 constexpr double kSqueeze = 0x1p-10;
 
 /// Returns a unit vector across an axis: in the direction of `towards`, or any if that is along the axis.

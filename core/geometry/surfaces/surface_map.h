@@ -18,7 +18,7 @@ struct MappedPiece {
 /// A map between a surface and a plane that keeps angles. It is a small value. A cylinder and a cone are unrolled, so
 /// that lengths stay, too. A sphere is projected from the point opposite to the middle of the piece (stereographic
 /// projection). A torus is laid out in the angle around its axis and in the integral of ds / rho along its tube, where
-/// rho is the distance from the axis. Seen in the plane, what runs counter-clockwise runs counter-clockwise on the
+/// rho is the distance from the axis. A curve that is counter-clockwise in the plane is counter-clockwise on the
 /// surface, seen from the facets' outside.
 /// Source: M. do Carmo, Differential Geometry of Curves and Surfaces, 1976, sections 4-2 and 4-3.
 class SurfaceMap {
@@ -29,21 +29,21 @@ class SurfaceMap {
   SurfaceMap(const AnalyticSurface& shape, const MappedPiece& piece);
 
   /// Returns this map with the plane of a cylinder or a cone squeezed along the rulings, which makes them short. It
-  /// does not keep angles. A Delaunay triangulation there joins what is nearest around the axis, so its edges run along
-  /// the rulings, and the surface turns little along them. A cone is laid out in the angle around its axis and in the
-  /// distance from its apex. The maps of other surfaces do not change.
+  /// does not keep angles. A Delaunay triangulation there joins points that are nearest around the axis, so its edges
+  /// run along the rulings, and the surface turns little along them. A cone is laid out in the angle around its axis
+  /// and in the distance from its apex. The maps of other surfaces do not change.
   SurfaceMap squeezed() const;
-  /// Returns whether this map was made by `squeezed` and is not the same as before.
+  /// Returns whether lengths along rulings are squeezed. `squeezed` does not do this for all surfaces.
   bool is_squeezed() const { return squeeze_ != 1; }
 
   /// Returns whether there is a map for that surface.
   static bool can_map(const AnalyticSurface& shape);
 
-  /// Returns the place of the surface's point that is nearest to `p`.
+  /// Returns the place in the plane of the surface's point that is nearest to `p`.
   Vec2 flat(const Vec3& p) const;
-  /// Returns the point of the surface at a place.
+  /// Returns the point of the surface at a place of the plane.
   Vec3 point(Vec2 q) const;
-  /// Returns the unit normal there, on the facets' outside.
+  /// Returns the unit normal at a place, on the facets' outside.
   Vec3 normal(Vec2 q) const;
   /// Returns the length on the surface of a short way at a place, per length of that way in the plane. In a squeezed
   /// map, it is that of a way around the axis.

@@ -19,8 +19,8 @@
 
 namespace remesh {
 
-/// A box in single precision, rounded outwards. It takes half the memory, and a point outside of it is also outside of
-/// the exact box.
+/// A box in single precision, rounded outwards. It takes half the memory of a box of doubles, and a point outside of it
+/// is also outside of the exact box.
 struct FloatBox {
   std::array<float, 3> min{HUGE_VALF, HUGE_VALF, HUGE_VALF};
   std::array<float, 3> max{-HUGE_VALF, -HUGE_VALF, -HUGE_VALF};
@@ -94,9 +94,9 @@ struct Offsets {
   Of of;  ///< called with a tag
 };
 
-/// Returns the offset of an entry that asks for a size, where sizes grow with the distance by `slope`. Where they grow
-/// fast, a large size counts for a short way only. But what asks for a large size is about as large itself, and a node
-/// with it reaches as far, so large and small sizes must be apart all the same.
+/// Returns the offset of an entry that limits sizes to `size`, where sizes grow with the distance by `slope`. For steep
+/// slopes the offset is nearly constant, but a node must still keep large and small sizes apart: things with a large
+/// size are about as large themselves, and so is the box of their node. Therefore `slope` counts as at most 1.
 inline float offset_of_size(double size, double slope) {
   constexpr double kFarthest = 0x1p100;  // this is for sizes that hardly grow
   const double steepness = std::min(slope, 1.0);
@@ -116,8 +116,8 @@ class BoxTree {
   };
 
   using Entries = std::vector<Entry, DefaultInit<Entry>>;
-  /// Makes n entries in parallel: calls set(i, entry) with the i-th one, whose box is empty. To clear millions of them
-  /// first would take a while in which nobody could stop the work.
+  /// Makes n entries in parallel: calls set(i, entry) with the i-th one, whose box is empty. Clearing millions of
+  /// entries first would take long and could not be cancelled.
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
   template <class Set>
   static Entries make_entries(std::size_t n, RunControl& control, const Set& set);

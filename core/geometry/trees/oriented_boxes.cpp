@@ -107,8 +107,8 @@ OrientedBoxes::Box OrientedBoxes::box_of(const TriangleTree& tree, std::size_t n
     for (const Vec3& p : corners(slot)) samples.push_back(p - origin);
   for (const Vec3& p : samples) moments.add(p);
   box.axes = principal_axes(moments).axes;
-  // These axes follow what is flat or long. A square cross-section, however, leaves them undetermined, so they are
-  // turned.
+  // These axes follow what is flat or long in the points. A square cross-section leaves two axes undetermined, so these
+  // are turned.
   std::vector<Vec2> flat;
   for (int round = 0; round < kRounds; ++round)
     for (std::size_t axis = 0; axis < 3; ++axis) turn_about(axis, samples, flat, box.axes);

@@ -116,8 +116,9 @@ void split_by_shape(std::span<ShapedItem> items, std::size_t middle, RunControl&
     reaches.add(reach);
     add_product(lengths, reach);
   }
-  // Twice the centre is on one scale with the whole length. A direction in which all triangles are narrow counts as if
-  // they were a millionth as wide there as they are long, so that rounding is not taken for distance.
+  // Twice a centre is compared with a whole length, so both have the same scale. A direction in which all triangles are
+  // narrow counts as if they were a millionth as wide there as they are long, so that rounding is not taken for
+  // distance.
   constexpr double kNarrow = 0x1p-40;
   Eigen<3> eigen = symmetric_eigen(lengths);
   const double smallest = kNarrow * eigen.values[2];
@@ -126,7 +127,7 @@ void split_by_shape(std::span<ShapedItem> items, std::size_t middle, RunControl&
     for (int i = 0; i < 3; ++i)
       for (double& x : eigen.vectors[i]) x /= std::sqrt(std::max(smallest, eigen.values[i]));
     by_place = widest_direction(eigen.vectors, places.get());
-    // Nothing more is gained by a direction in which the sides differ little, even if all are short there.
+    // A direction in which the sides differ little separates nothing, even if all sides are short there.
     const Eigen<3> of_reach = symmetric_eigen(reaches.get());
     by_reach.along = {of_reach.vectors[2][0], of_reach.vectors[2][1], of_reach.vectors[2][2]};
     by_reach.ratio = of_reach.values[2] / std::max(smallest, dot(by_reach.along, times(lengths, by_reach.along)));

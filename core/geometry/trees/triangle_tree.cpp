@@ -90,7 +90,7 @@ TriangleTree::TriangleTree(std::span<const Vec3> positions, std::span<const Tria
               control);
         });
   } else {
-    // All nodes of a level have all faces together.
+    // The nodes of one level contain every face once.
     LoopProgress progress(control, faces.size() * static_cast<std::size_t>(slots_.leaf_level()));
     sort<ShapedItem>(
         [&](std::size_t f) {

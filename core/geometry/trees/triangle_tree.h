@@ -30,8 +30,8 @@ class TriangleTree {
   };
 
   /// Input:   `groups` is empty or has one entry per face. In nodes of up to 2^13 faces, the faces of one group have
-  ///          slots next to each other, and those of kNoGroup are ordered by place. So few of the nodes below mix faces
-  ///          of a group with others.
+  ///          slots next to each other, and faces of kNoGroup are ordered by place. So few of the nodes below mix faces
+  ///          of a group with other faces.
   /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
   TriangleTree(std::span<const Vec3> positions, std::span<const Triangle> faces, RunControl& control,
                std::span<const std::uint32_t> groups = {}, Split split = kByPlace);

@@ -42,7 +42,7 @@ bool do_overlap(const Triangle& f, const Triangle& g, std::span<const Vec3> posi
     for (const Vec3& p : *t) largest = std::max({largest, norm(p - a[0])});
   const double scale = largest > 0 ? std::ldexp(1.0, -std::clamp(std::ilogb(largest), -1000, 1000)) : 1;
   if (!is_in_plane_of(a, b, scale, tolerance) || !is_in_plane_of(b, a, scale, tolerance)) return false;
-  // Dropping an axis preserves lines. Dropping the axis of the normal's largest component preserves most of the area.
+  // Dropping an axis preserves lines. Dropping the axis along which the normal is longest preserves most of the area.
   const Vec3 n = cross(scale * (a[1] - a[0]), scale * (a[2] - a[0]));
   const double x = std::fabs(n.x), y = std::fabs(n.y), z = std::fabs(n.z);
   const auto flat = [&](const Corners& t) {

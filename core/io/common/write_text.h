@@ -30,7 +30,7 @@ class WriteProgress {
   std::size_t done_ = 0;
 };
 
-/// The part of a stage's progress that belongs to some work.
+/// The part of a stage's progress that one piece of the work takes.
 struct ProgressShare {
   double begin, end;
 };

@@ -20,8 +20,8 @@ namespace {
 /// True if the character ends a token: a blank or a line end. Nearly all other characters are above them.
 bool is_token_end(char c) { return static_cast<unsigned char>(c) <= ' ' && (is_blank(c) || is_line_end(c)); }
 
-/// Parses a chunk. Every member function that takes something returns false if it cannot, which ends the parsing. The
-/// text ends with a line end, so no step must check for the end of the text.
+/// Parses a chunk. Every `take_` function returns false if the text does not fit, which ends the parsing. The text ends
+/// with a line end, so no step must check for the end of the text.
 class Parser {
  public:
   explicit Parser(std::string_view text) : at_(text.data()), end_(at_ + text.size()) { reserve(text); }
@@ -48,8 +48,8 @@ class Parser {
   ObjChunk take() { return std::move(chunk_); }
 
  private:
-  /// Reserves memory for a chunk that consists only of records like its first one, with a usual length. Growing step
-  /// by step takes longer. A chunk with one very long line does not have more records.
+  /// Reserves memory for a chunk that consists only of records like its first one, with a usual length. Growing a list
+  /// step by step takes longer. A chunk with one very long line does not have more records.
   void reserve(std::string_view text) {
     constexpr std::size_t kVertexLine = 24, kFaceLine = 16, kUsualChunk = std::size_t{1} << 18;
     const std::size_t size = std::min(text.size(), kUsualChunk);

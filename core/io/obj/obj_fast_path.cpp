@@ -98,8 +98,8 @@ class Gatherer {
   }
 
  private:
-  /// Estimates the share of a chunk's text that its faces take. In the chunk where the vertices end it is a part, and
-  /// afterwards it is everything.
+  /// Estimates the share of a chunk's text that its faces take. Faces take a part of the chunk in which the vertices
+  /// end, and all of the chunks after it.
   double share_of_faces(const ObjChunk& chunk, std::size_t size) {
     constexpr double kLeast = 1.0 / 64;
     if (chunk.face_end.empty() && !chunk.positions.empty())

@@ -71,7 +71,7 @@ std::string_view ObjRecords::take_logical_line() {
   joined_.clear();
   do {
     joined_.append(line);
-    joined_ += ' ';  // nobody breaks a line inside a number, but some break it directly after one
+    joined_ += ' ';  // no writer breaks a line inside a number, but some break it directly after one
     if (!lines_.next()) return joined_;
     lines_.check_is_text();
     line = lines_.line();

@@ -116,7 +116,7 @@ class TextReader {
 
   ReadResult read() {
     while (next_line()) take_line();
-    // Some programs never end a solid, and nothing else tells that the last one is complete.
+    // Some programs never end a solid, so a missing end does not mean that the last solid is incomplete.
     if (state_ != State::kOutside && state_ != State::kSolid) throw error("the text ends inside a facet");
     if (solids_.empty()) throw error("not STL: there is no \"solid\"");
     ReadResult result;
@@ -315,8 +315,8 @@ class TextReader {
 }  // namespace
 
 bool has_length_of_binary_stl(std::string_view content) {
-  // A text whose length happens to be the one that four of its own bytes ask for does not occur: these bytes would
-  // mean at least 150 million triangles.
+  // A text does not have this length by chance: its bytes at the place of the count would mean at least 150 million
+  // triangles.
   if (content.size() < kBeginOfRecords) return false;
   const std::uint64_t count = load<std::uint32_t>(content.data() + kHeader, ByteOrder::kLittle);
   return content.size() == kBeginOfRecords + kRecord * count;

@@ -20,7 +20,7 @@ namespace remesh {
 IdVector<FaceId, std::uint32_t> number_labels(const FaceLabels& labels, const Barriers& barriers, std::size_t faces,
                                               RunControl& control);
 
-/// The labels of faces that each came from one input face. Barriers do not matter.
+/// The labels of faces, each of which came from one input face. Labels that are no barriers count, too.
 /// Cost:    O(n log k) for k combinations of labels. Neighbours in the input have few.
 BodyLabels labels_of_sources(const FaceLabels& labels, std::span<const FaceId> source, RunControl& control);
 

@@ -5,7 +5,7 @@ namespace remesh {
 
 enum class Mend { kNo, kYes };
 
-/// Converts one of the options `repair`.
+/// Converts a flag of the option `repair`.
 inline Mend mend_if(bool is_asked_for) { return is_asked_for ? Mend::kYes : Mend::kNo; }
 
 }  // namespace remesh

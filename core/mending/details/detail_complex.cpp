@@ -105,7 +105,7 @@ void DetailComplex::join(std::uint32_t from, std::uint32_t to) {
 }
 
 std::uint32_t DetailComplex::cut(std::uint32_t from, std::uint32_t to, double at, WorkBound& work) {
-  // All triangles with both nodes have this edge, those without area perhaps twice.
+  // All triangles with both nodes have this edge. Triangles without area may have it twice.
   std::vector<std::uint32_t> with_edge;
   std::uint64_t steps = 1;
   for (std::uint32_t corner = first_[from]; corner != kNone; corner = next_[corner], ++steps) {
@@ -153,7 +153,8 @@ std::uint32_t DetailComplex::cut(std::uint32_t from, std::uint32_t to, double at
       is_new[size] = true;
       loop[size++] = point_between(p, q);
     }
-    // One new point: a fan from it. Two: the corner between them is cut off, and the rest is cut along a diagonal.
+    // With one new point, the loop is cut into a fan from it. With two, the corner between them is cut off, and the
+    // rest is cut along a diagonal.
     std::size_t begin = 0;
     while (!is_new[begin]) ++begin;
     if (size == 4) {

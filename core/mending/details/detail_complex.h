@@ -22,7 +22,7 @@ struct PresentTriangle {
   std::array<std::uint32_t, 3> corners;  ///< nodes
 
   bool has(std::uint32_t node) const { return corners[0] == node || corners[1] == node || corners[2] == node; }
-  /// Returns the position of a node that it has.
+  /// Returns the position of a node among the corners. The triangle must have the node.
   int at(std::uint32_t node) const { return corners[0] == node ? 0 : corners[1] == node ? 1 : 2; }
 };
 
@@ -40,27 +40,27 @@ class DetailComplex {
   FaceId face_of(std::uint32_t triangle) const { return of_[triangle]; }
   /// Returns the node to which a point belongs.
   std::uint32_t node_of(std::uint32_t point) const;
-  /// Returns whether nothing has been joined to anything for this point's node, nor has it moved.
+  /// Returns whether this point's node has not moved, and no other point has been joined to it.
   bool is_untouched(std::uint32_t point) const { return node_of(point) == point && is_single_[point] != 0; }
   /// Returns whether a triangle has not been cut and has three different nodes, which it writes to `present`.
   bool find_present(std::uint32_t triangle, PresentTriangle& present) const;
-  /// Collects the triangles that are present at a node. Counts the work.
+  /// Collects the triangles that are present at a node. Counts the triangles as work.
   void collect(std::uint32_t node, std::vector<PresentTriangle>& triangles, WorkBound& work) const;
 
-  /// Returns how far the points of a node are from a place at most.
+  /// Returns the max distance of the points of a node from a place.
   double reach(std::uint32_t node, const Vec3& place) const { return farthest(box_[node], place); }
-  /// Returns how far the points on an edge, at this share of the way, are from a place at most.
+  /// Returns the max distance of the points on an edge, at this share of the way, from a place.
   double reach_on_edge(std::uint32_t from, std::uint32_t to, double at, const Vec3& place) const;
   Vec3 place_on_edge(std::uint32_t from, std::uint32_t to, double at) const {
     return place_[from] + at * (place_[to] - place_[from]);
   }
 
-  /// Joins one node to another, which keeps its place.
+  /// Joins the node `from` to the node `to`, which keeps its place.
   void join(std::uint32_t from, std::uint32_t to);
   /// Cuts an edge, and all triangles at it, and returns the new node on it.
   std::uint32_t cut(std::uint32_t from, std::uint32_t to, double at, WorkBound& work);
 
-  /// Moves the pieces and cuts out. `image` has the nodes.
+  /// Moves the pieces and cuts out of this object. The images of points are nodes.
   DetailMap take_map();
 
  private:

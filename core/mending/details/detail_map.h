@@ -15,8 +15,9 @@ namespace remesh {
 /// go. So no point of a piece moves farther than one of its corners does. Where every triangle of the other surface is
 /// the image of a piece, the two surfaces are no farther apart than the corners move, in both directions.
 ///
-/// A part of the surface that hangs together with nothing else may go as a whole. All of its corners are anchored at
-/// one point of the other surface then, and no point of the part is farther from it than the farthest of them.
+/// A part of the surface that is connected with nothing else may be removed as a whole. Then all of its corners are
+/// anchored at one point of the other surface, and no point of the part is farther from that point than the farthest
+/// corner.
 ///
 /// Points are the vertices of the surface, followed by one point per cut.
 struct DetailMap {
@@ -30,7 +31,7 @@ struct DetailMap {
     FaceId of;         ///< the triangle of which it is a piece
   };
 
-  /// A vertex of a part that goes, and the point near it: the sum of a face's corners, each times its weight.
+  /// A vertex of a removed part, and the point near it: the sum of a face's corners, each times its weight.
   struct Anchor {
     VertexId vertex;
     FaceId face;  ///< a face of the other surface

@@ -1,4 +1,4 @@
-/// Measures of the triangles and edges at a node, for whoever looks at a change there.
+/// Measures of the triangles and edges at a node, for code that tests a change at the node.
 #pragma once
 
 #include <algorithm>
@@ -36,11 +36,11 @@ struct TriangleShape {
   double height = 0;  ///< over the longest edge
 };
 
-/// Returns whether a triangle may change so. One that is a detail may not be turned over, if it is not noise; others
-/// turn by no more than 60 degrees.
+/// Returns whether a triangle may change in this way. A triangle that is a detail, and not noise, may not be turned
+/// over; other triangles may turn by at most 60 degrees.
 bool may_become(const TriangleShape& before, const TriangleShape& after, const DetailRules& rules);
 
-/// The edge from a node to a neighbour, and what is known of it from the triangles there.
+/// The edge from a node to a neighbour, with facts from the triangles there.
 struct Spoke {
   std::uint32_t to;
   std::uint32_t faces = 0;
@@ -65,7 +65,7 @@ std::uint32_t third(const PresentTriangle& t, std::uint32_t a, std::uint32_t b);
 /// Two faces at one edge lie on each other if they enclose less than about 8 degrees.
 inline constexpr double kFoldedCosine = 0.99;
 
-/// The triangles at the edge between a node and another one that is named beside it, but for those with a third node.
+/// The triangles at the edge between a node and another named node, except those with a third node.
 struct FacesAtEdge {
   std::uint32_t node, without;
   const std::vector<PresentTriangle>& at_node;

@@ -20,12 +20,13 @@
 namespace remesh {
 namespace {
 
-/// If details that went have led to new intersections, they stay in another try. There are this many of them.
+/// If removing details has led to new intersections, these details stay in another attempt. This is the max number of
+/// attempts.
 constexpr int kMaxTries = 8;
 
 /// Removes the details of one surface.
-/// This class is larger than the bound because it looks at two kinds of details with the same tests of shapes, links
-/// and folds. Those of slits are in a class of their own.
+/// This class is larger than the bound because it treats two kinds of details with the same tests of shapes, links and
+/// folds. The tests for slits are in another class.
 class DetailRemover {
  public:
   DetailRemover(const DetailRules& rules, const std::vector<std::uint8_t>& is_fixed, RunControl& control)
@@ -68,7 +69,8 @@ class DetailRemover {
     double size;
     Kind kind;
     std::uint32_t first, second;  ///< the edge's nodes; or the triangle, or the slit's tip, twice
-    /// The smaller place first: those of the edge, of the triangle's longest edge, or twice that of the tip.
+    /// Two places, the smaller one first: the ends of the edge, or of the triangle's longest edge; or the slit's tip,
+    /// twice.
     std::array<Vec3, 2> places;
 
     /// The smallest detail is the last in this order, since a priority queue serves the last one first.
@@ -78,7 +80,7 @@ class DetailRemover {
     }
   };
 
-  /// A change that was looked at.
+  /// The effect of a possible change on the triangles around it.
   struct Change {
     double lowest_before = std::numeric_limits<double>::infinity();
     double lowest_after = std::numeric_limits<double>::infinity();
@@ -144,7 +146,7 @@ class DetailRemover {
     const std::optional<Slit> slit = slits_.find(tip);
     if (!slit) return;
     if (slit->width != detail.size) {
-      // It has changed since.
+      // The slit has changed since it was found.
       add_slit_at(tip);
       return;
     }
@@ -187,7 +189,7 @@ class DetailRemover {
     add_details_at(is_u_kept ? u : v);
   }
 
-  /// Looks at joining a node to its neighbour. Output: nothing if it may not be done.
+  /// Tests whether a node may be joined to its neighbour. Output: nothing if it may not.
   std::optional<Change> look_at_join(std::uint32_t from, std::uint32_t to, const std::vector<PresentTriangle>& at_from,
                                      const std::vector<PresentTriangle>& at_to, const std::vector<Spoke>& spokes_from,
                                      const std::vector<Spoke>& spokes_to) {
@@ -265,7 +267,7 @@ class DetailRemover {
     return false;
   }
 
-  /// Looks at the faces at a node that moves to another place. `goes` tells which of them go.
+  /// Tests the faces at a node that moves to another place. `goes` tells which faces vanish.
   /// Output: false if a face would turn too far.
   template <class Goes>
   bool look_at_move(std::uint32_t node, const Vec3& target, const std::vector<PresentTriangle>& at_node,
@@ -285,7 +287,7 @@ class DetailRemover {
       if (!spoke.is_crease) continue;
       const Vec3 along = complex_.place(spoke.to) - complex_.place(node);
       const double length = norm(along);
-      // The crease to a face that goes is a detail itself.
+      // A crease to a face that vanishes is a detail itself.
       if (length < rules_.size || is_of_gone(spoke.to, at_node, goes)) continue;
       change.bend = std::max(change.bend, norm(cross(along, move)) / length);
     }
@@ -302,8 +304,8 @@ class DetailRemover {
     return may_become(before, after, rules_);
   }
 
-  /// Returns whether a node has faces only at its edge to another, and each of these hangs on an edge at which two
-  /// faces stay.
+  /// Returns whether all faces of a node are at its edge to another node, and the outer edges of each of these faces
+  /// have two faces that stay.
   static bool hangs_on_edges_of(std::uint32_t from, std::uint32_t to, const std::vector<PresentTriangle>& at_from,
                                 const std::vector<PresentTriangle>& at_to) {
     return std::all_of(at_from.begin(), at_from.end(), [&](const PresentTriangle& t) {
@@ -314,7 +316,8 @@ class DetailRemover {
     });
   }
 
-  /// The link condition in a surface: nodes and edges that are seen from both ends belong to faces at the edge.
+  /// The link condition in a surface: a node or edge that sees both ends of the joined edge belongs to a face at that
+  /// edge.
   static bool keeps_links(std::uint32_t from, std::uint32_t to, const std::vector<PresentTriangle>& at_from,
                           const std::vector<PresentTriangle>& at_to, const std::vector<Spoke>& spokes_from,
                           const std::vector<Spoke>& spokes_to) {
@@ -373,7 +376,7 @@ class DetailRemover {
     if (shape.height != detail.size || shape.has_edge_below(rules_.size)) return;
     const auto k = static_cast<std::size_t>(shape.longest);
     Sliver s{t.corners[k], t.corners[(k + 1) % 3], t.corners[(k + 2) % 3], 0, shape.height};
-    // From the smaller end, so that both faces at the edge would find the same.
+    // Begins with the end that has the smaller place, so that both faces at the edge give the same result.
     if (complex_.place(s.b) < complex_.place(s.a)) std::swap(s.a, s.b);
     const Vec3 side = complex_.place(s.b) - complex_.place(s.a);
     s.at = dot(complex_.place(s.c) - complex_.place(s.a), side) / norm_squared(side);
@@ -407,7 +410,7 @@ class DetailRemover {
 
   bool is_gone(const Sliver& s, const PresentTriangle& t) const { return t.has(s.a) && t.has(s.b); }
 
-  /// Looks at cutting the long side and moving the cut to the corner.
+  /// Tests cutting the long side and moving the cut to the corner.
   std::optional<Change> look_at_bent_side(const Sliver& s, const std::vector<PresentTriangle>& beside,
                                           const std::vector<PresentTriangle>& at_c) const {
     const Vec3& target = complex_.place(s.c);
@@ -427,7 +430,7 @@ class DetailRemover {
     return accept(s, change, target, beside, at_c);
   }
 
-  /// Looks at moving the corner to the long side.
+  /// Tests moving the corner to the long side.
   std::optional<Change> look_at_lowered_corner(const Sliver& s, const std::vector<PresentTriangle>& beside,
                                                const std::vector<PresentTriangle>& at_c,
                                                const std::vector<Spoke>& spokes_c) const {
@@ -450,7 +453,7 @@ class DetailRemover {
     return accept(s, change, target, beside, at_c);
   }
 
-  /// Output: the change, if no face is narrower than before and none lies on another.
+  /// Output: the change, if no face becomes narrower and none lies on another one.
   std::optional<Change> accept(const Sliver& s, const Change& change, const Vec3& target,
                                const std::vector<PresentTriangle>& beside,
                                const std::vector<PresentTriangle>& at_c) const {
@@ -511,7 +514,7 @@ class DetailRemover {
     return points_near_specks(specks_, rules_.positions, corners, rules_.allowed, control_);
   }
 
-  /// Anchors the vertices of specks at the points near them.
+  /// Anchors the vertices of removed specks at the points near them.
   /// Input: `kept` has the numbers of the triangles to which the points belong, and `faces` the result's triangles in
   ///        order.
   void anchor_specks(const std::vector<std::optional<PointOfTriangle>>& points, const std::vector<std::uint32_t>& kept,
@@ -541,8 +544,8 @@ class DetailRemover {
   WithoutDetails result_;
 };
 
-/// Fixes the vertices of faces that intersect since details went.
-/// Output: whether there were any.
+/// Fixes the vertices of faces that intersect since details were removed.
+/// Output: whether there were any such faces.
 bool fix_new_intersections(const DetailRules& rules, const WithoutDetails& result, const SelfIntersections& before,
                            const SelfIntersections& after, std::vector<std::uint8_t>& is_fixed) {
   bool is_any = !after.is_complete;
@@ -583,7 +586,7 @@ WithoutDetails remove_details(const DetailRules& rules, RunControl& control) {
     const SelfIntersections after = find_intersections(result.positions, result.faces);
     if (!fix_new_intersections(rules, result, *before, after, is_fixed)) return result;
   }
-  // Nothing goes.
+  // Every vertex is fixed, so that no detail is removed.
   is_fixed.assign(is_fixed.size(), 1);
   return DetailRemover(rules, is_fixed, control).run();
 }

@@ -21,38 +21,38 @@ struct WithoutDetails {
   std::vector<Vec3> positions;       ///< by node, in the unit of the input
   std::vector<VertexId> vertex;      ///< by node: the vertex of the input that has this place, or invalid if none does
   std::vector<Triangle> faces;       ///< ascending by source
-  std::vector<FaceId> source;        ///< the input's face of which each is the image
+  std::vector<FaceId> source;        ///< the input's face of which each face is the image
   DetailMap map;                     ///< its images are nodes
   std::vector<FaceId> removed;       ///< the faces of the input without an image of their own, ascending
   std::uint64_t joined_edges = 0;    ///< the number of edges whose ends were joined
   std::uint64_t closed_slivers = 0;  ///< the number of narrow faces whose long side and opposite corner were joined
-  std::uint64_t removed_specks = 0;  ///< the number of parts that went as a whole
+  std::uint64_t removed_specks = 0;  ///< the number of parts that were removed as a whole
   std::uint64_t closed_slits = 0;    ///< the number of gaps whose two sides were joined
-  std::vector<FaceId> at_slits;      ///< for each of these, a face of the input where it began
+  std::vector<FaceId> at_slits;      ///< for each of these gaps, a face of the input where it began
   bool is_effort_spent = false;      ///< the bound on work was reached, so some details may be left
 
   bool is_changed() const { return joined_edges + closed_slivers + removed_specks + closed_slits > 0; }
 };
 
-/// The removal of details. A step is a face at a vertex that is looked at. Good surfaces take fewer than 40 for each
-/// face that goes.
+/// The removal of details. A step is one test of a face at a vertex. Good surfaces take fewer than 40 steps for each
+/// face that is removed.
 inline constexpr StageWork kWorkOfDetails{4, 0, 1 << 18};
 
 /// Joins the ends of short edges, and the corner of a narrow face to the crease over which it stands, the smallest
-/// first. Ties are broken by places. This goes on until no detail is left that can go. A detail stays in these cases:
+/// first. Ties are broken by places. This goes on until no more detail can be removed. A detail stays in these cases:
 /// - A point would be moved by more than is allowed, or a vertex that is fixed.
 /// - The surface would no longer be homeomorphic to the input, with the borders on it: edges of one face or of more
 ///   than two, and edges between labels. (The link condition.) Flaps that hang on one edge are an exception.
 /// - A face that is not noise would be turned by more than 60 degrees, or turned over if it is narrow itself, or become
-///   narrower than what goes.
+///   narrower than the details that are removed.
 /// - Two faces that are no details would lie on each other, as the walls of a slot would.
-/// - It is one end of a strip whose other end cannot go: between two such faces, or between two borders.
+/// - It is one end of a strip whose other end cannot be removed: between two such faces, or between two borders.
 /// Where a corner can take either of two places, it takes the one that bends planes and creases by less.
 ///
-/// A part that hangs together with nothing else and is no larger than a detail (Specks) goes as a whole, if what is
-/// left has a point from which no point of the part is farther than is allowed. Otherwise it stays as it is.
-/// A slit is a gap between two chains of open edges that meet at one end, its tip. If all of it is narrower than a
-/// detail, up to another tip or to its mouth, its sides are joined to each other (Slits). So a hole may go.
+/// A part that is connected with nothing else and is no larger than a detail (Specks) is removed as a whole, if the
+/// remaining surface has a point within the allowed distance of all points of the part. Otherwise it stays as it is. A
+/// slit is a gap between two chains of open edges that meet at one end, its tip. If all of it is narrower than a
+/// detail, up to another tip or to its mouth, its sides are joined to each other (Slits). So a hole may be closed.
 /// Input:   faces and vertices as above. Equal vertices of two faces have equal ids.
 /// Output:  a surface with the input's vertices, but for those that had to go to an edge.
 /// Holds:   the result depends on geometry, not on the order of faces, except for faces with equal corners.

@@ -12,9 +12,9 @@ namespace {
 
 /// The faces at a tip span at least this angle: the gap between them is narrower than 135 degrees.
 constexpr double kTipAngle = 1.25 * std::numbers::pi;
-/// The sides of a slit run in directions that differ by less than 60 degrees at its tip. If they differ by more later,
-/// this is a mouth, unless the sides have corners and are near each other beyond these. It is one in any case from 120
-/// degrees on.
+/// The sides of a slit run in directions that differ by less than 60 degrees at its tip. Where they differ by more, the
+/// slit has its mouth, unless the sides have corners and are near each other beyond these. From 120 degrees on, it is a
+/// mouth in any case.
 constexpr double kTipCosine = 0.5, kMouthCosine = -0.5;
 
 }  // namespace
@@ -29,7 +29,7 @@ Slits::Around Slits::around(std::uint32_t node) const {
 }
 
 double Slits::angle_around(std::uint32_t node, const Around& around) const {
-  // They are added in the order of their sizes, so that the sum does not depend on the order of faces.
+  // The angles are added in the order of their sizes, so that the sum does not depend on the order of faces.
   std::vector<double> angles;
   for (const PresentTriangle& t : around.faces) {
     const auto at = static_cast<std::size_t>(t.at(node));
@@ -63,16 +63,17 @@ bool Slits::walk_on(Side& side) const {
   return true;
 }
 
-/// Returns whether the node after that of a side is this one.
+/// Returns whether `node` comes after the next node of a side.
 bool Slits::is_next(Side side, std::uint32_t node) const { return walk_on(side) && side.node == node; }
 
-/// Returns whether the node after that of a side is nearer to another node, and not the same.
+/// Returns whether the node after the next one of a side is nearer to another node, and not that node itself.
 bool Slits::is_next_nearer(Side side, std::uint32_t other) const {
   const Vec3 &here = complex_.place(side.node), &there = complex_.place(other);
   return walk_on(side) && side.node != other && norm(complex_.place(side.node) - there) < norm(here - there);
 }
 
-/// Finds the point nearest to a node on the way from a place to another node, if it is not an end.
+/// Finds the point nearest to a node on the way from a place to another node. Output: nothing if that point is an end
+/// of the way.
 std::optional<Slits::Foot> Slits::foot_on(const Vec3& from, std::uint32_t to, std::uint32_t node) const {
   const Vec3 way = complex_.place(to) - from, apart = complex_.place(node) - from;
   const double at = dot(way, apart) / norm_squared(way);
@@ -105,7 +106,7 @@ std::optional<Slit> Slits::find(std::uint32_t tip) const {
   return {};
 }
 
-/// Looks for what can be joined next. A side whose edge is cut begins at the cut then.
+/// Finds the next nodes to join. If the edge of a side is cut, the side begins at the cut from then on.
 /// Input:  `width` - it becomes larger with a wider place.
 /// Output: nothing if the slit is too wide there.
 std::optional<Slit::Step::Joins> Slits::step_over(Side& a, Side& b, double& width) const {
@@ -150,7 +151,7 @@ std::vector<std::uint32_t> Slits::close(std::uint32_t tip, const Slit& slit) {
   return joined;
 }
 
-/// Joins one of two nodes to the other one. Output: the one that is kept, or nothing if neither may go.
+/// Joins one of two nodes to the other one. Output: the node that is kept, or nothing if neither node may be joined.
 std::optional<std::uint32_t> Slits::join_nodes(std::uint32_t first, std::uint32_t second) {
   const auto to_second = look_at_join(first, second), to_first = look_at_join(second, first);
   if (!to_second && !to_first) return {};
@@ -190,8 +191,8 @@ bool Slits::join_to_edge(std::uint32_t tip, std::uint32_t node, std::uint32_t ah
   return true;
 }
 
-/// Looks at joining a node to one on the other side.
-/// Output: how far planes would be bent, if that is more than noise, or nothing if it may not be done.
+/// Tests whether a node may be joined to one on the other side.
+/// Output: how far planes would be bent, if that is more than noise, or nothing if the nodes may not be joined.
 std::optional<double> Slits::look_at_join(std::uint32_t from, std::uint32_t to) const {
   const Vec3& target = complex_.place(to);
   if (is_fixed(from) || is_fixed(to) || !(complex_.reach(from, target) <= rules_.allowed)) return {};
@@ -217,10 +218,9 @@ std::optional<double> Slits::look_at_join(std::uint32_t from, std::uint32_t to) 
   return bend;
 }
 
-/// Returns whether two nodes may become one: pairs of open edges then become edges between two faces, which have them
-/// in opposite directions, and nothing else that is different becomes one. If the nodes are neighbours, the face at
-/// their edge goes, and its two other edges become one. One of these must be no border then, or a label would go as
-/// well.
+/// Returns whether two nodes may become one: pairs of open edges then become edges between two faces that run in
+/// opposite directions, and nothing else that differs becomes one. If the nodes are neighbours, the face at their edge
+/// vanishes, and its two other edges become one. One of these must be no border then, or a label would vanish as well.
 bool Slits::keeps_links(std::uint32_t from, std::uint32_t to, const Around& at_from, const Around& at_to) {
   if (!open_neighbours(at_from) || !open_neighbours(at_to)) return false;
   std::vector<std::uint32_t> apexes;

@@ -17,9 +17,9 @@ namespace remesh {
 /// A slit that begins at a tip: the node where its two sides meet. It ends at another tip, or at a mouth, where the
 /// open edges of the rim leave it to both sides.
 struct Slit {
-  /// The nodes ahead of the closed part: those on the two sides that come next. One of them is joined to the other, or
-  /// the nearer one to a point on the edge to the other one. The second happens if the other one is too far away, or if
-  /// the node after the nearer one is nearer to it.
+  /// The next nodes on the two sides beyond the closed part. Either one of them is joined to the other, or the nearer
+  /// one to a point on the edge to the other one. The second happens if the other one is too far away, or if the node
+  /// after the nearer one is nearer to the other one.
   struct Step {
     enum class Joins : std::uint8_t { kNodes, kFirstToEdge, kSecondToEdge };
 
@@ -39,15 +39,15 @@ class Slits {
       : complex_(complex), rules_(rules), is_fixed_(is_fixed), work_(work) {}
 
   /// Finds the slit that begins at a node. All of it must be narrower than a detail, so a notch that becomes wider and
-  /// wider is no slit. No point of its sides may move too far. The surface lies around its tip, so what is beside the
-  /// tip of a spike is no slit either.
+  /// wider is no slit. No point of its sides may move too far. The surface must lie around the tip, so the space beside
+  /// the tip of a spike is no slit either.
   /// Errors: kCancelled, kTimeout - asked to stop through the control of the bound on work.
   /// Cost:   O(k) for k triangles at the nodes of its sides.
   std::optional<Slit> find(std::uint32_t tip) const;
 
   /// Closes a slit from its tip on, as far as no face turns too far and no point moves too far, and no nodes but those
   /// of the slit become one.
-  /// Input:  what find returned, if nothing has changed since.
+  /// Input: the result of `find`, if nothing has changed since.
   /// Output: the nodes to which others were joined, one for each step that was taken.
   std::vector<std::uint32_t> close(std::uint32_t tip, const Slit& slit);
 

@@ -42,7 +42,7 @@ Weights nearest_weights(const Vec3& place, const Corners3& corners) {
   return best;
 }
 
-/// Returns whether all labels of some faces are among these.
+/// Returns whether all labels of some faces are among `labels`.
 bool are_labels_among(const std::vector<std::uint32_t>& labels, const std::vector<FaceId>& faces,
                       std::span<const std::uint32_t> label_of) {
   return std::all_of(faces.begin(), faces.end(),

@@ -1,4 +1,4 @@
-/// Finds specks: parts of a surface that are as small as details and hang together with nothing else.
+/// Finds specks: parts of a surface that are as small as details and connected with nothing else.
 #pragma once
 
 #include <array>
@@ -25,9 +25,9 @@ struct Specks {
   bool has(FaceId f) const { return !of_face.empty() && of_face[f.value] != kNone; }
 };
 
-/// Finds the parts that may go as a whole: faces that hang together over vertices, open or closed, and whose bounding
-/// box has a diagonal of at most the size. Some part that is no speck must be left, and each label of a speck must also
-/// be on such a part, or the speck is none. Neither is a part with a fixed vertex.
+/// Finds the parts that may be removed as a whole: faces connected over vertices, open or closed, whose bounding box
+/// has a diagonal of at most the size. At least one part must be no speck. A part is no speck if it has a fixed vertex,
+/// or a label that no larger part has.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:   O(n log n).
 Specks find_specks(const DetailRules& rules, RunControl& control);
@@ -38,7 +38,7 @@ struct PointOfTriangle {
   std::array<double, 3> weights;  ///< each is at least 0, and their sum is 1, up to rounding
 };
 
-/// Finds a point for each speck that is near all of it.
+/// For each speck, finds a point that is near all of the speck.
 /// Input:  `kept` - the triangles that are left; `positions` - of the specks' vertices.
 /// Output: for each speck, the point of these triangles that is nearest to the middle of the speck's bounding box, if
 ///         no point of the speck is farther from it than `allowed`.

@@ -33,7 +33,8 @@ struct Nearest {
   double width = 0;
 };
 
-/// Calls find(i, nearest) for all edges. It returns how many others it looked at. Output: empty if there were too many.
+/// Calls find(i, nearest) for all edges. `find` returns how many other edges it tested. Output: empty if there were too
+/// many tests.
 template <class Find>
 std::vector<Nearest> find_all(std::size_t edges, RunControl& control, const Find& find) {
   constexpr std::size_t kManyLooks = 1 << 12;
@@ -60,7 +61,7 @@ std::vector<Nearest> find_all(std::size_t edges, RunControl& control, const Find
   return all;
 }
 
-/// Finds edges whose ends are both near to those of another one.
+/// Finds pairs of edges whose ends are near each other, both at one end and at the other.
 class Pairs {
  public:
   Pairs(const OpenEdges& open, double tolerance, RunControl& control)
@@ -169,7 +170,7 @@ struct EdgeKinds {
   }
 };
 
-/// Joins the input as it would be prepared with a weld tolerance, and counts its edges.
+/// Joins the input as preparation with a weld tolerance would do it, and counts its edges.
 class Trial {
  public:
   Trial(const PolygonMesh& input, const Options& options, const CrackRules& rules, RunControl& control)
@@ -263,8 +264,8 @@ Cracks find_cracks(const Surface& surface, const Adjacency& edges, double roundi
 
 std::string describe_cracks(const Cracks& cracks, const PolygonMesh& input, const Options& options,
                             const CrackRules& rules, RunControl& control) {
-  // The widest gaps may be no cracks, but for example the sides of a slot. Then a smaller tolerance may still be of
-  // use.
+  // The widest gaps may be no cracks but, for example, the sides of a slot. Then a smaller tolerance may still close
+  // the cracks.
   constexpr int kMaxTries = 4;
   const std::vector<double>& widths = cracks.widths;
   if (widths.empty()) return "";

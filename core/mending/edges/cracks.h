@@ -38,9 +38,9 @@ struct CrackRules {
   double plane_tolerance = 0;  ///< edges are split at vertices up to this far away
 };
 
-/// Describes how wide cracks are, and how many edges a certain `weld_tolerance` would close. This is no guess: the
-/// input is welded with that tolerance, its edges are split and its seams closed as they would be, and the open edges
-/// are counted.
+/// Describes how wide cracks are, and how many edges a certain `weld_tolerance` would close. The number is no estimate:
+/// the input is welded with that tolerance, edges are split and seams are closed, and the remaining open edges are
+/// counted.
 /// Input:   the mesh as read, and the options with which it was prepared.
 /// Output:  the text; empty if there is no crack. A tolerance is named only if it leaves fewer open edges than there
 ///          were, makes no further edges with three or more faces, and makes no further edge of a face vanish.

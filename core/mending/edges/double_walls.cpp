@@ -28,8 +28,8 @@ class Walls {
         keep_verbatim_(keep_verbatim),
         control_(control) {}
 
-  /// Returns whether all faces of a piece are triangles of the input. What was made of a polygon has to cover that
-  /// polygon, so no larger one may take its place.
+  /// Returns whether all faces of a piece are triangles of the input. Pieces of a polygon have to cover just that
+  /// polygon, so no larger polygon may replace them.
   bool are_triangles_of_input(const std::vector<FaceId>& piece) {
     if (faces_of_source_.empty()) {
       StopCheck check(control_);
@@ -51,7 +51,7 @@ class Walls {
     find_inner_edges();
     if (inner_.empty()) return faces;
     join_sides();
-    std::vector<std::uint32_t> replaced(surface_.face_count(), kNone);  // the polygon in the place of a face
+    std::vector<std::uint32_t> replaced(surface_.face_count(), kNone);  // by face: the polygon that takes its place
     std::vector<std::vector<VertexId>> polygons;
     for (const std::vector<FaceId>& piece : pieces()) {
       if (!are_triangles_of_input(piece)) continue;
@@ -92,8 +92,8 @@ class Walls {
     return sum;
   }
 
-  /// Returns whether a face looks to the side whose faces become a polygon. All faces of one side agree, because no
-  /// plane of a model contains this direction but by a rare chance.
+  /// Returns whether a face looks to the side whose faces become a polygon. All faces of one side agree, because a
+  /// plane of a model contains this direction only by a rare chance.
   bool is_of_side(FaceId f) const { return dot(normal(f), {0.8414709848, 0.4546487134, 0.2920365}) > 0; }
 
   void find_inner_edges() {

@@ -12,8 +12,8 @@
 namespace remesh {
 
 /// Two solids that touch have a wall twice. An edge inside the wall that both sides have in common has four faces. No
-/// patch may grow over such an edge, so it would be in the result as well. So the faces of one side become one polygon,
-/// where they lie in one plane. Then the edges inside the wall belong to the other side alone.
+/// patch may grow over such an edge, so the edge would be in the result as well. So the faces of one side become one
+/// polygon, where they lie in one plane. Then the edges inside the wall belong to the other side alone.
 /// Input:   a welded surface; the labels of the input that it came from; the tolerance of planes, in local units.
 ///          Walls with a face that is marked in `keep_verbatim` stay as they are; see mend_faces.
 /// Output:  the surface with a polygon for one side of each flat wall whose outline is one simple loop. Which side that

@@ -22,26 +22,26 @@
 namespace remesh {
 namespace {
 
-/// A hole is small by itself if its rims have at most so many edges, or are smaller than this part of the diagonal.
+/// A hole is small by itself if its rims have at most this many edges, or are smaller than this part of the diagonal.
 constexpr std::size_t kFewHoleEdges = 12;
 constexpr double kSmallHole = 0.05;
-/// Nothing is tested for larger holes that are not to be closed.
+/// Holes with more edges than this that are not to be closed are not tested.
 constexpr std::size_t kMaxTestedEdges = 1024;
-/// A message names so many holes.
+/// The max number of holes that a message names.
 constexpr std::size_t kMaxNamedHoles = 20;
 
-/// An opening, and what becomes of it.
+/// An opening, and the decision about it.
 struct Hole {
   const Opening* opening;
   bool is_small = false;     ///< without regard to the options
-  bool is_selected = false;  ///< the options ask for it to be closed
-  bool is_tested = false;    ///< its triangles were looked for
-  bool is_unknown = false;   ///< it was not found out whether its face would meet others
-  bool is_taken = false;     ///< one of its edges belongs to a hole that can be closed
+  bool is_selected = false;  ///< the options select it to be closed
+  bool is_tested = false;    ///< its triangles were searched for faces that they meet
+  bool is_unknown = false;   ///< it was not found out whether its face would meet other faces
+  bool is_taken = false;     ///< one of its edges belongs to another hole that can be closed
   FaceId met;                ///< a face that the face over the hole would meet elsewhere than in its rim
   std::vector<Triangle> triangles;
   Vec3 centre, normal;  ///< its plane goes through the centre
-  double height = 0;    ///< how far the rim is from it
+  double height = 0;    ///< max distance of the rim from this plane
 
   bool is_closable() const { return !triangles.empty() && !met.is_valid() && !is_unknown && !is_taken; }
 };
@@ -52,8 +52,8 @@ class HoleTest {
   HoleTest(const Surface& surface, std::vector<Hole>& holes, RunControl& control)
       : surface_(surface), holes_(holes), control_(control) {}
 
-  /// If a search for meeting faces is cut short, it goes on without the holes that are known to be met. The holes that
-  /// are left after some such searches are not known to be free, and stay open, too.
+  /// If a search for meeting faces is cut short, it is repeated without the holes whose faces are known to meet others.
+  /// Holes that are still undecided after some such searches stay open, too.
   void run() {
     constexpr int kMaxSearches = 4;
     find_rims();
@@ -81,8 +81,8 @@ class HoleTest {
     sort_stoppable(rim_vertices_.begin(), rim_vertices_.end(), control_);
   }
 
-  /// Searches for the faces that holes meet of which none is known yet.
-  /// Output: whether all are known then.
+  /// Searches for the faces that meet the faces over undecided holes.
+  /// Output: whether all holes are decided then.
   bool search() {
     std::vector<Triangle> triangles;
     std::vector<std::uint32_t> hole_of;
@@ -224,7 +224,7 @@ class Closing {
     return (rules_.max_edges && rim.vertices.size() <= *rules_.max_edges) || size_of(rim) < rules_.size;
   }
 
-  /// Makes the triangles of the face over a hole, if anything is to be known of it.
+  /// Makes the triangles of the face over a hole, if the hole has to be tested.
   void split(Hole& hole, double tolerance) const {
     const std::vector<VertexId>& outline = hole.opening->outline;
     if (hole.opening->kind != OpeningKind::kFlat) return;
@@ -246,8 +246,8 @@ class Closing {
     for (const auto& [a, b, c] : triangles.triangles) hole.triangles.push_back({outline[a], outline[b], outline[c]});
   }
 
-  /// Decides which of two holes at an edge is the one there, if faces could close either. It is the outer one. For
-  /// example, a pipe with a thick wall is open between its rims, and not across its bore.
+  /// Decides which of two holes that share an edge gets the edge, if faces could close either. The outer hole gets it.
+  /// For example, a pipe with a thick wall is open between its rims, and not across its bore.
   void give_edges_to_holes() {
     std::vector<Hole*> by_depth;
     for (Hole& hole : holes_)
@@ -290,8 +290,9 @@ class Closing {
     return norm(surface_.local[w] - surface_.local[v]);
   }
 
-  /// The face whose labels and source the face over a hole gets: of the faces with those labels that most of the rims'
-  /// length belongs to, the one at the longest edge. The first one along the rims decides between equals.
+  /// The face whose labels and source the face over a hole gets. Of all labels at the rims, those along the largest
+  /// length win; of the faces with these labels, the one at the longest edge wins. The first one along the rims decides
+  /// between equals.
   FaceId model_face(const Hole& hole, const IdVector<FaceId, std::uint32_t>& label) const {
     struct Share {
       double length = 0, longest = 0;
@@ -360,7 +361,7 @@ class Closing {
     return std::max({labels_.object.of_face.size(), labels_.group.of_face.size(), labels_.material.of_face.size()});
   }
 
-  /// The rims of a hole that are not those of another one, which can be closed and is on the other side of them.
+  /// The rims of a hole, except those whose other side belongs to another hole that can be closed.
   std::vector<const Rim*> own_rims(const Hole& hole) const {
     std::vector<const Rim*> rims;
     for (const Rim& rim : hole.opening->rims)
@@ -384,7 +385,7 @@ class Closing {
            coordinate(at.z) + ")";
   }
 
-  /// Lists the first holes, each with what stands in `words` for it.
+  /// Lists the first holes, each with its text in `words`.
   std::string list(const std::vector<const Hole*>& holes, const std::vector<std::string>& words) const {
     std::string text;
     for (std::size_t i = 0; i < std::min(holes.size(), kMaxNamedHoles); ++i)
@@ -393,7 +394,7 @@ class Closing {
     return text;
   }
 
-  /// Says what closes a hole that is left, or why nothing does.
+  /// Returns the option that closes a hole that stays open, or the reason why no option does.
   std::string remedy(const Hole& hole) const {
     switch (hole.opening->kind) {
       case OpeningKind::kNotFlat: return "no option closes it, because it lies in no plane";
@@ -421,7 +422,7 @@ class Closing {
     return most;
   }
 
-  /// Describes the holes that are left.
+  /// Describes the holes that stay open.
   std::string describe_left() const {
     std::vector<const Hole*> named;
     std::vector<std::string> remedies;

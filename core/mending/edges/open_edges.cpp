@@ -21,7 +21,7 @@ constexpr std::size_t kMaxFaces = 8;
 OpenEdges::OpenEdges(const Surface& surface, const Adjacency& edges, Which which, RunControl& control)
     : surface_(surface) {
   StopCheck check(control);
-  // Growing a list of millions copies it several times, and nobody could stop that.
+  // A list that grows to millions of items is copied several times, and these copies cannot be cancelled.
   edges_.reserve(edges.odd_edges().size());
   for (const EdgeId e : edges.odd_edges()) {
     check();
@@ -42,8 +42,8 @@ OpenEdges::OpenEdges(const Surface& surface, const Adjacency& edges, Which which
     }
   }
   if (edges_.empty()) return;
-  // They are sorted by half-edge, so that the edges of one face are next to each other and a polygon is measured only
-  // once.
+  // The open edges are sorted by half-edge, so that the edges of one face are next to each other and a polygon is
+  // measured only once.
   sort_stoppable(edges_.begin(), edges_.end(), control,
                  [](const OpenEdge& a, const OpenEdge& b) { return a.half_edge < b.half_edge; });
   FaceId last;
@@ -101,8 +101,8 @@ Fit OpenEdges::fit(std::size_t i, std::size_t j, double reach) const {
 
 bool OpenEdges::do_lie_on_each_other(std::size_t i, std::size_t j, double reach) const {
   // The distance between the two faces grows with the distance from their edges. If it is at most this many times
-  // `reach` even at the far end of the face with the smaller depth, the faces count as lying on each other. Then nobody
-  // can tell whether they were meant to be a single face.
+  // `reach` even at the far end of the face with the smaller depth, the faces count as lying on each other. Then it
+  // cannot be decided whether they were meant to be a single face.
   constexpr double kOnEachOther = 4;
   const OpenEdge &a = edges_[i], &b = edges_[j];
   if (!(dot(a.inward, b.inward) > 0)) return false;

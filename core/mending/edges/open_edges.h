@@ -38,8 +38,8 @@ class OpenEdges {
  public:
   enum class Which {
     kOpen,  ///< edges with one face
-    /// Edges with one face, and edges with more faces of which most run one way. Of the latter, all half-edges that run
-    /// that way are included.
+    /// Edges with one face, and edges with more faces of which more run one way than the other. Of the latter edges,
+    /// all half-edges that run the more frequent way are included.
     kUnbalanced
   };
 

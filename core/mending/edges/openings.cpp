@@ -83,7 +83,8 @@ class RimEdges {
           for (std::size_t i = begin + 1; i < path.size(); ++i) at[path[i]] = kNone;
           path.resize(begin + 1);
           path_edges.resize(begin + 1);
-          // A loop that came by twice is in two parts. The rest goes on where the first part would have.
+          // A loop that passes a vertex twice is taken off in two parts. The rest of the path continues as the first
+          // part would have.
           if (path_edges.back() != kNone) partner_[path_edges.back()] = partner_[edge];
         }
       }
@@ -97,7 +98,7 @@ class RimEdges {
     VertexId from, to;
     FaceId face;
   };
-  /// The same by the vertices' numbers.
+  /// The same edge, by the numbers of its vertices.
   struct RimEdge {
     std::uint32_t from, to;
     FaceId face;
@@ -155,9 +156,9 @@ class RimEdges {
     }
   }
 
-  /// Finds for each edge that ends where several do the edge with which it bounds a gap between the faces there. Seen
-  /// from outside, along the mean of the faces' normals, faces and gaps take turns around the vertex. A gap runs
-  /// counter-clockwise from an edge that leaves the vertex to one that ends there.
+  /// At a vertex where several open edges end, finds for each of them the edge with which it bounds a gap between the
+  /// faces there. Seen from outside, along the mean of the faces' normals, faces and gaps take turns around the vertex.
+  /// A gap runs counter-clockwise from an edge that leaves the vertex to one that ends there.
   void find_partners(StopCheck& check) {
     partner_.assign(edges_.size(), kNone);
     struct Around {
@@ -208,15 +209,15 @@ class RimEdges {
     }
   }
 
-  /// Returns the first edge from a vertex that is left, or kNone.
+  /// Returns the first edge from a vertex that is not taken yet, or kNone.
   std::uint32_t first_left(std::uint32_t v) {
     std::uint32_t& next = next_[v];
     while (next < begin_[v + 1] && is_taken_[next] != 0) ++next;
     return next < begin_[v + 1] ? next : kNone;
   }
 
-  /// Returns the edge that goes on from the end of a path, or kNone: the partner of the last edge, or the edge that
-  /// bends least out of the plane of the edges before.
+  /// Returns the edge by which a path continues, or kNone: the partner of the last edge, or the edge that bends out of
+  /// the plane of the edges before by the smallest angle.
   std::uint32_t choose(const RimNumbers& path, std::uint32_t last_edge) {
     constexpr std::uint32_t kMaxLooks = 16;
     const std::uint32_t v = path.back(), first = first_left(v);
@@ -512,7 +513,7 @@ class RimPlane {
     HalfEdges candidates;
     StopCheck check(control_);
     for (const std::uint32_t bound : bounds)
-      // All edges of the part begin at points of its boundary, and are met around these.
+      // All edges of the part begin at points of its boundary, so walks around these points meet every edge.
       for (std::uint32_t h = Triangulation2d::next(bound); !mesh_.is_constrained(h);
            h = Triangulation2d::next(mesh_.twin(h))) {
         check();
@@ -625,8 +626,8 @@ class OpeningSearch {
 
   /// Puts the flat loops together that lie in one plane, one of them in the box around another one.
   std::vector<std::vector<const RimLoop*>> loops_of_planes() {
-    // If there are too many pairs, some loops stay alone. Then a face that closes one of them is found to touch the
-    // other one, if there should be a face between them.
+    // If there are too many pairs, some loops stay alone. Then, if one loop lies in the other, the test of a closing
+    // face finds that it touches the other loop.
     constexpr std::size_t kFew = 4096, kMaxPerLoop = 64;
     std::vector<std::uint32_t> flat;
     for (std::uint32_t i = 0; i < loops_.size(); ++i)

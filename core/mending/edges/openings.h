@@ -1,4 +1,4 @@
-/// The openings of a surface: what its open edges bound.
+/// The openings of a surface, which its open edges bound.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@ struct Rim {
   double size = 0;    ///< twice the distance of the farthest vertex from `middle`, in local units
 };
 
-/// Says whether a flat face closes an opening, or why none does.
+/// The kind of an opening: whether a flat face closes it, or why none does.
 enum class OpeningKind : std::uint8_t {
   kFlat,         ///< `outline` closes it
   kNotFlat,      ///< no plane has all vertices of its rim within the tolerance
@@ -35,19 +35,19 @@ enum class OpeningKind : std::uint8_t {
 /// A part of a plane between rims, or a single rim that lies in no plane.
 struct Opening {
   OpeningKind kind = OpeningKind::kNotFlat;
-  /// How many times the way from outside of all rims of its plane to this part crosses an edge, at least. Two openings
-  /// that share an edge differ in this. Either could be closed there, but not both.
+  /// The min number of edges that a way from outside of all rims of the plane to this part crosses. Two openings that
+  /// share an edge differ in this number. Either of them could be closed, but not both.
   std::uint32_t depth = 1;
   std::vector<Rim> rims;  ///< the outer one first; the others are holes of the face that closes the opening
-  /// The polygon that closes a flat opening. It looks the same way as the faces around. To each further rim runs a
-  /// bridge, which is an edge in both directions.
+  /// The polygon that closes a flat opening. It has the same orientation as the faces around. A bridge, which is an
+  /// edge in both directions, leads to each further rim.
   std::vector<VertexId> outline;
 };
 
 /// Finds the openings of a surface.
-/// Open edges that hang together are taken apart where they lie in different planes. All that lie in one plane divide
-/// it into parts, and each bounded part is an opening that a face may close, if the faces at its edges all look the
-/// same way. So a ring between two rims is one opening, an island in it has an opening of its own, and openings that
+/// Connected open edges are taken apart where they lie in different planes. The open edges of one plane divide it into
+/// parts, and each bounded part is an opening that a face may close, if the faces at its edges all have the same
+/// orientation. So a ring between two rims is one opening, an island in it has an opening of its own, and openings that
 /// touch each other in a vertex are two.
 /// Input:   a surface whose faces have consistent orientations; `tolerance` is how far vertices may be from their
 ///          plane, in local units.

@@ -38,8 +38,8 @@ Candidates find_candidates(const OpenEdges& open, const SeamRules& rules, RunCon
   const auto blocks =
       map_blocks<std::vector<SeamPair>>(open.size(), kPartnerBlock, control, [&](std::size_t begin, std::size_t end) {
         std::vector<SeamPair> pairs;
-        // The radius is a little larger, so that edges at exactly the tolerance are found despite the rounding of the
-        // middles.
+        // The radius is a little larger than the tolerance, so that rounding of the middles hides no edge at exactly
+        // the tolerance.
         const double radius = tolerance * (1 + 1e-6) + 1e-300;
         for (std::size_t i = begin; i < end && !looks.are_too_many(); ++i) {
           if (!is_worth_a_look(open[i])) continue;
@@ -140,8 +140,7 @@ class Choice {
   static constexpr std::size_t kFew = 8;
   using Joins = std::vector<std::pair<std::pair<VertexId, VertexId>, std::pair<VertexId, VertexId>>>;
 
-  /// Chooses among the pairs of a group. With `has_to_be_clear`, it chooses only if there are better reasons than
-  /// chance.
+  /// Chooses among the pairs of a group. If `has_to_be_clear`, it decides only if no other choice is about as good.
   /// Output: whether it has decided.
   bool choose(std::span<const SeamPair> pairs, bool has_to_be_clear) {
     pairs_ = pairs;
@@ -171,11 +170,11 @@ class Choice {
             open_.angle_behind(p.i, p.j), turn * turn};
   }
 
-  /// The properties of one way to pair edges by which it is better or worse than others.
+  /// The measures by which one way to pair edges is better or worse than other ways.
   struct Rank {
     std::size_t unpaired;
     int alike, across_pieces, across_labels;
-    long turns_behind;  ///< number of whole turns by which its angles exceed those of the first way
+    long turns_behind;  ///< number of whole turns by which the sum of its angles exceeds that of the first way
     long bend;          ///< in steps of kBendStep
     double width;
 
@@ -232,7 +231,7 @@ class Choice {
     }
     if (has_to_be_clear || best_->unpaired > 0) return false;
     // This happens, for example, if a surface occurs twice in the same place. With exact coordinates, all these edges
-    // would be one.
+    // would be one edge.
     std::vector<std::size_t> all;
     for (const Rival& rival : rivals_)
       if (!best_->is_clearly_better_than(rival.rank)) all.insert(all.end(), rival.way.begin(), rival.way.end());
@@ -246,8 +245,8 @@ class Choice {
     return static_cast<std::size_t>(std::find(nodes_.begin(), nodes_.end(), node) - nodes_.begin());
   }
 
-  /// Tries all ways to pair the edges from number k on. `left_over` edges before it have no partner. The function
-  /// recurses at most eight levels deep.
+  /// Tries all ways to pair the edges from number k on. Of the edges before k, `left_over` have no partner. The
+  /// function recurses at most eight levels deep.
   void try_from(std::size_t k, std::size_t left_over) {
     while (k < nodes_.size() && is_taken_[k]) ++k;
     check_();
@@ -271,8 +270,8 @@ class Choice {
     if (!best_ || left_over < best_->unpaired) try_from(k + 1, left_over + 1);
   }
 
-  /// The joins that these pairs make, in order. Edges with the same ends are the same edge, whichever of its faces is
-  /// meant.
+  /// The vertices that these pairs join, in order. Edges with the same ends are the same edge, whichever of its faces
+  /// is meant.
   Joins joins_of(std::span<const std::size_t> pairs) const {
     Joins joins;
     for (const std::size_t k : pairs) {
@@ -337,7 +336,7 @@ class Choice {
   std::vector<std::size_t> way_, best_way_;
   std::optional<Rank> best_;
   std::optional<double> behind_;  ///< the sum of the angles of the first way that pairs all edges
-  std::vector<Rival> rivals_;     ///< the ways that were about as good as the best one so far, and that one itself
+  std::vector<Rival> rivals_;     ///< the ways that were about as good as the best one so far, including the best one
 };
 
 /// Removes the pairs whose edges run the same way and would make a piece one-sided if their ends became one.

@@ -32,13 +32,13 @@ struct SeamPartners {
 
 /// Pairs the edges that lie beside each other within the tolerance. Edges no longer than twice the tolerance, and edges
 /// of faces that are as thin as that (kThinFace), have no partners. More than two edges may lie beside each other, for
-/// example where two bodies touch along a seam. Then this chooses the pairing that
+/// example where two bodies touch along a seam. Then the function chooses the pairing that
 /// 1. leaves the fewest edges without a partner,
 /// 2. turns over the fewest faces,
-/// 3. joins what is connected already (over edges, or over partners that had no alternative), and after that what has
-///    the same label,
-/// 4. has the smallest angles behind the faces, that is, through the bodies: so bodies that touch stay two,
-/// 5. bends least.
+/// 3. joins faces that are connected already (over edges, or over partners that had no alternative), and then faces
+///    with the same label,
+/// 4. has the smallest angles behind the faces, that is, through the bodies, so that two bodies that touch stay two,
+/// 5. bends the surface by the smallest angles.
 /// Several pairings may be equally good, for example if a surface occurs twice in the same place. Then all these edges
 /// become one, as they would if coordinates were exact; or if some have no partner, all stay open. An edge that runs
 /// the same way as its partner gets none if that would make a piece one-sided.

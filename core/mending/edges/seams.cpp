@@ -121,7 +121,7 @@ class SeamClosing {
   bool is_closed(std::uint32_t half_edge) const {
     return std::binary_search(closed_half_edges_.begin(), closed_half_edges_.end(), half_edge);
   }
-  /// The vertices that others become, each with the box of the places of all these.
+  /// The vertices that others become, each with a box around the places of all vertices that became it.
   const std::vector<std::pair<VertexId, Box3>>& boxes() const { return boxes_; }
   double width() const {
     double width = 0;
@@ -217,8 +217,8 @@ class SeamClosing {
     sort_stoppable(closed_half_edges_.begin(), closed_half_edges_.end(), control_);
   }
 
-  /// The edges with an end that becomes one with another vertex, in order. Also notes the vertices of faces that would
-  /// collapse.
+  /// The edges with an end that becomes one with another vertex, in order. Also collects the vertices of faces that
+  /// would collapse.
   std::vector<Moved> moved_edges() {
     std::vector<Moved> moved;
     StopCheck check(control_);
@@ -236,7 +236,7 @@ class SeamClosing {
         const VertexId from = loop[i], to = loop[i + 1 == loop.size() ? 0 : i + 1];
         if (!is_joined(from) && !is_joined(to)) continue;
         const VertexId a = image_[from], b = image_[to];
-        // Either a polygon has the corner twice, or the face collapses and has been noted.
+        // Either a polygon has the corner twice, or the face collapses and is listed already.
         if (a == b) continue;
         const auto half_edge = static_cast<std::uint32_t>(surface_.face_begin[f] + i);
         moved.push_back({std::min(a, b), std::max(a, b), std::min(from, to), std::max(from, to), half_edge, a < b});
@@ -246,7 +246,7 @@ class SeamClosing {
     return moved;
   }
 
-  /// Returns whether a face with joined corners has lost more than corners that repeat their neighbours.
+  /// Returns whether a face with joined corners loses more than repeated corners.
   bool does_collapse(std::span<const VertexId> loop) {
     loop_.clear();
     for (const VertexId v : loop)
@@ -369,7 +369,7 @@ bool Seams::close(Surface& surface, const Adjacency& edges, Mend mend, RunContro
   }
   SeamClosing closing(surface, edges, open, rules_, places_, control);
   const bool is_any = !partners.pairs.empty() && closing.run(std::move(partners.pairs));
-  // If the edges beside an edge were joined without it, it still counts as an edge that has others beside it.
+  // If the edges beside an edge were joined without it, it still counts as an edge with others beside it.
   std::vector<Ends> left_ends;
   for (std::size_t i = 0; i < open.size(); ++i) {
     check();

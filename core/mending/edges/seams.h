@@ -56,9 +56,9 @@ class Seams {
   /// Cost:    O(b log b) for b open edges; O(n) more if some are joined; nothing if no edge is open.
   bool close(Surface& surface, const Adjacency& edges, Mend mend, RunControl& control);
 
-  /// Reports the edges that all calls have joined, or with Mend::kNo would join, as seam. Reports separately the open
-  /// edges that are left although others lie, or lay, beside them within the tolerance. Elements are one face of each
-  /// edge.
+  /// Reports the edges that all calls have joined, or with Mend::kNo would join, as seam. Reports separately the edges
+  /// that stay open although other open edges lie, or lay, beside them within the tolerance. Elements are one face of
+  /// each edge.
   void tell(std::vector<Diagnostic>& diagnostics) const;
 
  private:

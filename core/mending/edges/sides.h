@@ -10,7 +10,7 @@
 
 namespace remesh {
 
-/// Knows which faces have the same orientation, as far as the edges over which they were joined tell.
+/// Knows which faces have the same orientation, as far as this follows from the edges over which they were joined.
 class Sides {
  public:
   explicit Sides(std::size_t faces) : parent_(faces), size_(faces, 1), is_turned_(faces, 0) {

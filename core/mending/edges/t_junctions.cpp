@@ -158,7 +158,7 @@ class Search {
           progress.add(end - begin);
           return junctions;
         });
-    // The counts exceed the limits, or do not, whatever the order in which edges are looked at.
+    // The order in which edges are tested does not decide whether the counts exceed the limits.
     result.is_complete = !are_too_many();
     std::vector<Junction>& all = result.junctions;
     if (result.is_complete)
@@ -183,7 +183,7 @@ class Search {
   }
 
  private:
-  /// The numbers of vertices and of nodes of the tree that were looked at.
+  /// The numbers of vertices and of tree nodes that were tested.
   struct Looks {
     std::size_t vertices = 0, nodes = 0;
   };
@@ -236,8 +236,8 @@ class Search {
     return looks;
   }
 
-  /// The junctions that are found until there are more tests than allowed. They are the same whatever the threads have
-  /// tested.
+  /// The junctions that are found until there are more tests than allowed. They do not depend on which tests the
+  /// threads have made before.
   std::vector<Junction> find_first(const VertexTree& tree, const Looks& most) const {
     std::vector<Junction> junctions;
     Looks all;

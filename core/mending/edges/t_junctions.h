@@ -1,4 +1,4 @@
-/// Splits T-junctions: vertices that lie on an edge of a face that does not have them.
+/// Splits T-junctions: vertices that lie on an edge of a face without being corners of the face.
 #pragma once
 
 #include <cstdint>

@@ -20,11 +20,11 @@ struct BackToBack {
   bool does_first_stay = true;
 };
 
-/// One face of each pair is to be dropped. This chooses which one. It decides for all connected pairs together, so that
-/// the faces that stay have the same orientation as each other and as the faces that they border on. If connected pairs
-/// border on nothing else, they form two shells, and one of these is dropped:
-/// - If the two have different labels, they are walls of two bodies, and the one that faces outwards stays: it is right
-///   as a body of its own inside another one.
+/// One face of each pair is to be dropped, and this function chooses which one. It decides for all connected pairs
+/// together, so that the faces that stay have the same orientation as each other and as the faces that they border on.
+/// If connected pairs border on nothing else, they form two shells, and one of these is dropped:
+/// - If the two have different labels, they are walls of two bodies, and the shell that faces outwards stays: it may be
+///   a body of its own inside another body.
 /// - Otherwise the one with the smallest face stays.
 /// - If the shell that would stay by these rules has the wrong orientation (inside_out.h), the other one
 ///   stays.

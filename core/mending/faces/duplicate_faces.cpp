@@ -17,7 +17,7 @@ namespace remesh {
 namespace {
 
 /// These are the decisions on faces. The second face of a pair that stands back to back is a kBack until it is known
-/// which of the two go.
+/// which of the two are dropped.
 enum Fate : std::uint8_t { kStays = 0, kDropped = 1, kBack = 2, kCopy = 3, kFin = 4 };
 
 /// Decides on pairs of faces that stand back to back. Pairs that hang together over edges with no other faces are a
@@ -54,7 +54,7 @@ class Sheets {
     return others;
   }
 
-  /// Calls visit(edge, the numbers of the pairs there) for each edge of pairs.
+  /// Calls visit(edge, pairs) for each edge of pairs, with the numbers of the pairs at that edge.
   template <class Visit>
   void for_each_edge(const Visit& visit) const {
     StopCheck check(control_);
@@ -183,7 +183,7 @@ class Duplicates {
   Duplicates(const Surface& surface, const Adjacency& edges, const FaceLabels& labels, RunControl& control)
       : surface_(surface), edges_(edges), labels_(labels), control_(control) {}
 
-  /// Output: what to do with each face; empty if none repeats another.
+  /// Output: the fate of each face; empty if no face repeats another.
   const std::vector<std::uint8_t>& find() {
     const std::vector<FaceId> suspects = find_suspects();
     if (suspects.empty()) return fate_;
@@ -213,8 +213,8 @@ class Duplicates {
   }
 
  private:
-  /// Finds all faces that may repeat another one. The other face is at each of their edges then, so it suffices to look
-  /// at one edge.
+  /// Finds all faces that may repeat another one. A face that repeats another shares all edges with it, so it suffices
+  /// to test one edge.
   std::vector<FaceId> find_suspects() const {
     auto suspects = select_ids<FaceId>(surface_.face_count(), kItemsPerBlock, control_, [&](std::size_t f) {
       const std::uint32_t h = surface_.face_begin[f], twin = edges_.twin(h);
@@ -232,8 +232,8 @@ class Duplicates {
     return suspects;
   }
 
-  /// Returns whether two faces at an edge have the same next vertex, seen in one direction. Most have not, and need no
-  /// closer look.
+  /// Returns whether two faces at an edge have the same next vertex, seen in one direction. Most faces do not, and need
+  /// no closer test.
   bool do_go_on_alike(std::uint32_t g, std::uint32_t h) const {
     const VertexId after = edges_.to(edges_.next(g));
     return edges_.from(g) == edges_.from(h) ? after == edges_.to(edges_.next(h)) : after == edges_.from(before(h));
@@ -304,7 +304,7 @@ class Duplicates {
     }
   }
 
-  /// Decides on faces over one loop, ascending. One face of each orientation is left.
+  /// Decides on faces over one loop, ascending. One face of each orientation stays.
   void decide_on(std::span<const FaceId> alike) {
     if (fate_.empty()) {
       fate_.assign(surface_.face_count(), kStays);
@@ -329,7 +329,7 @@ class Duplicates {
     pairs_.push_back({first, second});
   }
 
-  /// Returns whether the face f is left rather than g, which comes before it.
+  /// Returns whether the face f stays rather than g, which comes before it.
   bool is_rather_left(FaceId f, FaceId g) const {
     return extent(f) != extent(g) ? extent(f) < extent(g) : is_piece(g) && !is_piece(f);
   }
@@ -353,7 +353,7 @@ class Duplicates {
     for (const Box3& box : boxes) extents_.push_back(box.diagonal());
   }
 
-  /// The extent of everything that has the same labels as a face. A wall that two bodies share belongs to the smaller
+  /// The extent of all faces that have the same labels as a face. A wall that two bodies share belongs to the smaller
   /// one.
   double extent(FaceId f) const { return extents_.empty() ? 0 : extents_[of_faces_.set_of[f.value]]; }
 
@@ -399,8 +399,8 @@ class Duplicates {
       if (fate_[f] == fate && !has_to_stay[cluster.find(f)]) fate_[f] = kDropped;
   }
 
-  /// Decides on copies. A copy is the wall of a second body if only with it as many faces run one way as the other
-  /// along its edges.
+  /// Decides on copies. A copy is the wall of a second body if the faces along its edges run equally often in both
+  /// directions with the copy, and not without it.
   void decide_on_copies() {
     StopCheck check(control_);
     decide(kCopy, [&](EdgeId e) {

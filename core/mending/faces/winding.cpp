@@ -53,7 +53,7 @@ class Unifying {
   Unifying(const Surface& surface, const Adjacency& edges, RunControl& control)
       : surface_(surface), edges_(edges), control_(control), side_(surface.face_count(), kUnknown) {}
 
-  /// Winds each piece consistently that has one of these edges.
+  /// Gives each piece that has one of these edges a consistent winding.
   void run(const std::vector<std::uint32_t>& inconsistent) {
     is_turned.assign(surface_.face_count(), 0);
     for (const std::uint32_t h : inconsistent) {
@@ -123,7 +123,7 @@ class Unifying {
     struct Side {
       double area = 0;
       std::size_t faces = 0;
-      Vec3 place{HUGE_VAL, HUGE_VAL, HUGE_VAL};  ///< decides between equals, independently of the input's order
+      Vec3 place{HUGE_VAL, HUGE_VAL, HUGE_VAL};  ///< decides ties, independently of the input's order
     };
     std::array<Side, 2> sides;
     double volume = 0;  // six times that of side 0, with the other side turned

@@ -48,7 +48,7 @@ class Covering {
 
  private:
   /// The polygons that share two edges in a row with a triangle, or have an edge with three faces. Each triangulation
-  /// of a polygon has a triangle with two of its edges.
+  /// of a polygon has a triangle with two of the polygon's edges.
   std::vector<FaceId> find_suspects() const {
     return select_ids<FaceId>(surface_.face_count(), kItemsPerBlock, control_, [&](std::size_t f) {
       if (surface_.face(FaceId(f)).size() < 4) return false;
@@ -120,7 +120,7 @@ class Covering {
       before[i] = (i + n - 1) % n;
       queue[i] = i;
     }
-    // The order of corners in the file does not count where several triangulations are there.
+    // Where several triangulations lie over the polygon, the order of corners in the file must not decide.
     sort_stoppable(queue.begin(), queue.end(), control_, [&](std::uint32_t i, std::uint32_t j) {
       return surface_.positions[loop[j]] < surface_.positions[loop[i]];
     });

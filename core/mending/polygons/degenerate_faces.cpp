@@ -76,7 +76,7 @@ class ClusterDrop {
     on_line_.erase(std::unique(on_line_.begin(), on_line_.end()), on_line_.end());
   }
 
-  /// Finds the clusters that would hand a vertex to a face that must not get any. They stay.
+  /// Finds the clusters that would give a vertex to a face that must not get any. These clusters stay.
   void find_staying() {
     stays_.assign(surface_.face_count(), 0);
     for (std::uint32_t f = 0; f < surface_.face_count(); ++f) {
@@ -87,7 +87,7 @@ class ClusterDrop {
     }
   }
 
-  /// Returns the faces that are not dropped, with the vertices that they are handed.
+  /// Returns the faces that are not dropped, with the vertices that they get from dropped ones.
   FaceList rest() {
     FaceList out;
     std::size_t inserted = 0;

@@ -9,8 +9,8 @@
 
 namespace remesh {
 
-/// Drops degenerate faces. Those that share edges lie on one line, and are a cluster. Each cluster hands its vertices
-/// to the faces around it, so that each edge still meets its counterpart.
+/// Drops degenerate faces. Degenerate faces that share edges lie on one line, and form a cluster. Each cluster hands
+/// its vertices to the faces around it, so that each edge still meets its counterpart.
 /// Input:  `is_degenerate` has one entry per face. The corners of a face with 1 there are exactly on one line.
 ///         `keep_verbatim` has one entry per input face, or is empty; see mend_faces.
 /// Output: the faces without the clusters. A cluster stays if a face marked in `keep_verbatim` would get its vertices.

@@ -19,7 +19,7 @@
 namespace remesh {
 namespace {
 
-/// Counts the faces that are mended, by what is wrong with them.
+/// Counts the faces that are mended, by their defects.
 struct MendedFaces {
   Diagnostic repeated{DiagnosticCode::kDuplicateVertex,
                       0,
@@ -69,7 +69,7 @@ class Mending {
           "`degenerate`";
   }
 
-  /// Drops repeated corners and faces without area, and leaves polygons that have an area as they are otherwise.
+  /// Drops repeated corners and faces without area, and makes no other change to polygons that have an area.
   bool clean(std::vector<Diagnostic>& diagnostics) {
     if (are_all([&](FaceId f) { return is_clean(f); })) return false;
     cleaned_.emplace();
@@ -79,7 +79,7 @@ class Mending {
       take_face(FaceId(f));
     }
     if (counts_.repeated.count == 0 && counts_.zero_area.count == 0) return false;
-    // Those that stay are counted when the other faces are mended.
+    // The faces that stay are counted when the other faces are mended.
     counts_.zero_area.count = 0;
     counts_.zero_area.elements.clear();
     drop_marked();
@@ -101,7 +101,7 @@ class Mending {
     if (keep_verbatim_.empty() && are_all([&](FaceId f) { return is_sound(f); })) return false;
     is_degenerate_.reserve(faces);
     const double before = control_.told_fraction();
-    // The rest is for what comes after it.
+    // The other half of the progress is for the work after this loop.
     constexpr double kShare = 0.5;
     for (std::size_t f = 0; f < faces; ++f) {
       if (f % 4096 == 0)
@@ -174,7 +174,7 @@ class Mending {
     return std::adjacent_find(sorted_loop_.begin(), sorted_loop_.end()) != sorted_loop_.end();
   }
 
-  /// Returns whether nothing is left of the loop after every edge is removed that the loop runs back along directly.
+  /// Returns whether the loop vanishes if all edges are removed that the loop directly runs back along.
   bool cancels_itself() const {
     std::vector<VertexId> left;
     for (const VertexId v : loop_) {
@@ -247,8 +247,8 @@ class Mending {
       emit_triangle(triangle, source, label, are_collinear(triangle));
   }
 
-  /// Splits the polygon in points_. If it crosses itself, no triangulation is right. But it may cross itself only
-  /// because a spike was rounded further than is proven, so it is split again with a larger tolerance for spikes.
+  /// Splits the polygon in points_. If it crosses itself, no triangulation is right. But the reason may be a spike that
+  /// was rounded further than is proven, so the polygon is split again with a larger tolerance for spikes.
   PolygonSplit split_points() {
     PolygonSplit split = split_polygon(points_, plane_tolerance_, control_);
     if (split.kind != PolygonKind::kSelfCrossing || possible_rounding_ <= plane_tolerance_) return split;
@@ -291,14 +291,14 @@ class Mending {
     loop_.resize(outline.size());
   }
 
-  /// Returns whether no other face is at the sides of a needle.
+  /// Returns whether no other face shares the sides of a needle.
   bool is_missed_by_nobody(const PolygonCuts::Corners& t, FaceId f) {
     return !cuts().is_of_others(t[0], t[1], f) && !cuts().is_of_others(t[1], t[2], f);
   }
 
   /// Handles a triangle that was cut off a polygon. If it is exactly on a line, it is a face without area like any
   /// other. If it is on a line only in local units, it stays.
-  /// Returns: whether it is gone, or will go as a face without area.
+  /// Returns: whether the triangle is dropped, now or later as a face without area.
   bool take_needle(const PolygonCuts::Corners& t, double tolerance, FaceId source, std::uint32_t label) {
     if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) return true;
     const bool is_degenerate = are_collinear(t);
@@ -319,8 +319,8 @@ class Mending {
   const std::vector<std::uint8_t>& keep_verbatim_;
   Mend degenerate_;
   RunControl& control_;
-  /// The input faces that clean() has found without an area, ascending. Only there, polygons with an area are left as
-  /// they are.
+  /// The input faces in which clean() has found faces without an area, ascending. clean() leaves polygons with an area
+  /// as they are only in these input faces.
   std::optional<std::vector<FaceId>> cleaned_;
   std::optional<PolygonCuts> cuts_;
   FaceList mended_;

@@ -14,7 +14,7 @@ namespace remesh {
 
 /// Drops repeated corners and faces without area from a welded surface, as mend_faces does. Polygons with an area stay
 /// polygons. Faces without area hide duplicates, turned copies and seams, because the edges that they lie on have one
-/// face too many. So this comes before those are looked at.
+/// face too many. So this function runs before duplicates, turned copies and seams are searched.
 /// Returns: whether the surface changed.
 /// Errors, cost, source: those of mend_faces.
 bool clean_faces(Surface& surface, const std::vector<std::uint8_t>& keep_verbatim, Mend degenerate,

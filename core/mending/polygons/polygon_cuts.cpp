@@ -27,7 +27,7 @@ std::vector<PolygonCuts::Corners> PolygonCuts::cut(std::span<const VertexId> loo
   }
 
   // The key is a pair of vertices and not of corners, because a loop may pass a vertex or an edge more than once. Each
-  // cut is met from both of its sides.
+  // cut occurs twice, once for each of its sides.
   std::map<Edge, std::optional<VertexId>> vertex_of;
   for (std::size_t i = 0; i < loop.size(); ++i) vertex_of[std::minmax(loop[i], loop[(i + 1) % loop.size()])] = {};
   std::vector<Corners> result;

@@ -16,8 +16,8 @@
 
 namespace remesh {
 
-/// The edges of the faces of a surface, and those that cuts have added. A cut along an edge that is there already would
-/// make an edge with four faces where there were two edges with two faces each.
+/// The edges of the faces of a surface, and those that cuts have added. A cut along an existing edge would make one
+/// edge with four faces out of two edges with two faces each.
 /// Holds: the surface's faces must not change while this object exists. `cut` adds vertices to the surface.
 class PolygonCuts {
  public:
@@ -34,7 +34,7 @@ class PolygonCuts {
   /// Cost:   O(k log n) for k corners.
   std::vector<Corners> cut(std::span<const VertexId> loop, const PolygonSplit& split);
 
-  /// Returns whether a face other than f has an edge between two vertices.
+  /// Returns whether two vertices are joined by an edge of a face other than f.
   bool is_of_others(VertexId a, VertexId b, FaceId f) const;
 
  private:

@@ -68,7 +68,7 @@ class Ring {
       const auto [from, to] = sides_of(tip);
       if (!turns_back(from, tip, to)) continue;
       if (reversals_ == Reversals::kKeepSlits && is_slit(from, tip, to)) continue;
-      // If the tip is blunt, the corners beside it go first.
+      // If the tip is blunt, the corners beside it are cut off first.
       while (next_[from] != tip) take(next_[from], spikes);
       while (next_[tip] != to) take(next_[tip], spikes);
       take(tip, spikes);
@@ -97,7 +97,7 @@ class Ring {
     return points_[i] == points_[j] || norm(points_[i] - points_[j]) <= tolerance_;
   }
 
-  /// The corners on both sides of a tip that are not one with it. In most cases these are its neighbours.
+  /// The corners on both sides of a tip that do not count as one with the tip. In most cases these are its neighbours.
   Sides sides_of(std::uint32_t tip) const {
     constexpr int kMaxSteps = 3;
     Sides sides{before_[tip], next_[tip]};
@@ -165,8 +165,8 @@ OutlinePlane plane_of(std::span<const Vec3> points, std::span<const std::uint32_
   return plane;
 }
 
-/// Marks the corners of spikes that are out of the plane's reach, and those that are further out on the same spike.
-/// Output: whether it marked any.
+/// Marks the corners of spikes that are out of the plane's reach, and the corners further out on the same spikes.
+/// Output: whether any corner was marked.
 bool mark_leaving(std::span<const Vec3> points, const Spikes& spikes, const OutlinePlane& plane, double tolerance,
                   std::vector<std::uint8_t>& leaves, StopCheck& check) {
   const auto are_one = [&](std::uint32_t i, std::uint32_t j) {
@@ -174,8 +174,8 @@ bool mark_leaving(std::span<const Vec3> points, const Spikes& spikes, const Outl
   };
   leaves.assign(points.size(), 0);
   bool is_any = false;
-  // The needle that was cut last is next to the outline. In this order, what a spike stands on is known before the
-  // spike.
+  // The needle that was cut last is next to the outline. In reverse order, the base of a spike is known before the
+  // spike itself.
   for (auto needle = spikes.needles.rbegin(); needle != spikes.needles.rend(); ++needle) {
     check();
     const auto [before, tip, next] = *needle;

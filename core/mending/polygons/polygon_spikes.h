@@ -32,8 +32,8 @@ struct Spikes {
 };
 
 /// Cuts off the corners at which a polygon turns back over itself, one after the other, until none is left. So a spike
-/// with several vertices goes from its tip down, and a spike that comes back only part of the way is cut off as far as
-/// it comes back.
+/// with several vertices is cut off from its tip down, and a spike whose outline comes back only part of the way is cut
+/// off by that part.
 /// Input:   the corners of a polygon, and a tolerance in their units; with 0, only exact spikes are cut off. A tip
 ///          turns back if its neighbours are on one side of it and exactly on one line with it. It also does if the
 ///          nearer neighbour is within `tolerance` of the edge to the other one, and further than twice the tolerance

@@ -31,8 +31,8 @@ double covered_by_fan(std::span<const Vec3> points, std::size_t apex) {
 }
 
 /// Returns the corner from which a fan stands for a polygon that crosses itself: the lexicographically smallest one. If
-/// a fan from another corner covers less than half as much, triangles of this one lie upon each other and cover what
-/// the polygon does not enclose, as they do if it is hardly more than two spikes.
+/// a fan from another corner covers less than half as much, that corner is better: triangles of the first fan lie upon
+/// each other and cover places outside the polygon, for example if the polygon is little more than two spikes.
 std::uint32_t apex_of_fan(std::span<const Vec3> points) {
   constexpr std::size_t kMaxCorners = 64;  // looking at all fans takes the square of this
   const auto smallest = static_cast<std::size_t>(std::min_element(points.begin(), points.end()) - points.begin());
@@ -183,7 +183,7 @@ PolygonSplit split_outline(std::span<const Vec3> points, double plane_tolerance,
   return result;
 }
 
-/// Splits what is left after these spikes have been cut off.
+/// Splits the rest of a polygon after these spikes have been cut off.
 PolygonSplit split_without(Spikes spikes, std::span<const Vec3> points, double plane_tolerance, RunControl& control) {
   if (spikes.needles.empty()) return split_outline(points, plane_tolerance, control);
   std::vector<Vec3> outline;

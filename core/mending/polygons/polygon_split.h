@@ -26,8 +26,8 @@ struct PolygonSplit {
   bool has_two_ways = false;  ///< a convex quadrilateral; its other diagonal cuts it as well
   /// The corner numbers of each triangle.
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  /// The spikes that were cut off first, as in cut_spikes; the corners of `outline` are ascending. Without a spike both
-  /// lists are empty. `kind` and `triangles` are those of the outline.
+  /// The spikes that were cut off first, as in cut_spikes; the corners of `outline` are ascending. Both lists are empty
+  /// if there is no spike. `kind` and `triangles` are those of the outline.
   Spikes spikes;
   double spike_tolerance = 0;  ///< the tolerance with which spikes were looked for; 0: they are exact
 
@@ -42,8 +42,8 @@ struct PolygonTolerances {
 
 /// Classifies a polygon and triangulates it. The triangulation is constrained Delaunay in the plane of the polygon's
 /// Newell normal. If the polygon crosses itself there, it is a fan from the lexicographically smallest corner, because
-/// no triangulation would be right. If that covers over twice as much as another fan, it is the fan that covers the
-/// least.
+/// no triangulation would be right. If that fan covers over twice as much as another fan, the fan with the smallest
+/// area is taken.
 /// Spikes are cut off before:
 /// - Spikes that come back part of the way, or within the tolerance, are always cut off.
 /// - Exact reversals are cut off if they leave the polygon's plane (see cut_spikes_out_of_plane), or if the polygon

@@ -12,7 +12,7 @@ namespace {
 
 double area_of(const std::vector<Vec3>& loop) { return norm(newell_normal(loop)) / 2; }
 
-/// Returns whether a polygon is as flat as rounding leaves one.
+/// Returns whether a polygon is flat up to rounding.
 bool is_flat(const std::vector<Vec3>& loop) {
   const Vec3 normal = normalized(newell_normal(loop));
   Box3 box;

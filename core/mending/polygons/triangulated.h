@@ -24,13 +24,13 @@ class Triangulated {
   /// The corners of the triangles, three each.
   std::span<const VertexId> corners() const { return are_split() ? std::span(corners_) : surface_->corners.items(); }
   Triangle triangle(std::size_t t) const { return {corners()[3 * t], corners()[3 * t + 1], corners()[3 * t + 2]}; }
-  /// The face to which a triangle belongs. Ascending in t.
+  /// The face to which a triangle belongs. It never decreases with `t`.
   FaceId face(std::size_t t) const { return are_split() ? face_[t] : FaceId(t); }
   /// The first triangle of a face.
   std::size_t first_of(FaceId f) const;
   /// The area of the triangles minus the area of the faces, in local units. A flat polygon that crosses itself has the
   /// area around which its outline winds, counted with its sign (Newell), while the fan that stands for it covers more.
-  /// A polygon that is not flat has no area but that of its triangles.
+  /// The area of a polygon that is not flat is the area of its triangles.
   double excess_area() const { return excess_area_; }
 
  private:

@@ -21,8 +21,8 @@ constexpr std::size_t kMaxAround = 8;
 constexpr std::size_t kNoiseBlock = 4096;
 
 /// Collects the amounts by which faces bend, as distances. Amounts that differ by less than about one part in a
-/// thousand may count as one. No more than kBendsOfNoise different amounts are collected, because so many are enough to
-/// prove that the bends are noise and not part of the shape.
+/// thousand may count as one. No more than kBendsOfNoise different amounts are collected, because this number proves
+/// that the bends are noise and not part of the shape.
 class DifferentBends {
  public:
   void add(double distance, double floor, double tolerance) {
@@ -56,7 +56,7 @@ bool is_noise_present(const Surface& surface, const Adjacency& adjacency, const 
     double most = 0;
     for (const VertexId v : surface.face(of)) {
       most = std::max(most, std::fabs(plane.distance(surface.local[v])));
-      if (most > tolerance) break;  // such a bend is of another kind, however large it is
+      if (most > tolerance) break;  // such a bend is no rounding, however large the other bends are
     }
     return most;
   };
@@ -69,8 +69,8 @@ bool is_noise_present(const Surface& surface, const Adjacency& adjacency, const 
     // The test does not depend on orientation: the faces must be on opposite sides of the edge, and not on each other.
     const double cosine = dot(geometry[f].normal, geometry[g].normal);
     if (!((adjacency.from(h) == adjacency.from(k) ? -cosine : cosine) > 0)) return;
-    // The rounding of a corner moves it off the other face's plane by its own amount. But it tilts a small face by so
-    // much that corners of a large face are further off the small face's plane. So the smaller distance counts.
+    // Rounding a corner moves it off the other face's plane by the rounding itself. But the same rounding tilts a small
+    // face so much that corners of a large face are farther off the small face's plane. So the smaller distance counts.
     bends.add(std::min(bend(f, g), bend(g, f)), floor, tolerance);
   };
   const auto look_at_edge = [&](DifferentBends& bends, EdgeId e) {

@@ -1,4 +1,4 @@
-/// Tells whether faces bend as rounding bends them.
+/// Tests whether faces bend in the way in which rounding bends them.
 #pragma once
 
 #include <cstddef>

@@ -15,6 +15,7 @@
 
 #include "core/base/blocks.h"
 #include "core/base/coordinate_range.h"
+#include "core/base/number_text.h"
 #include "core/base/parallel.h"
 #include "core/base/stoppable.h"
 #include "core/mending/common/body_labels.h"
@@ -41,7 +42,7 @@ bool find_equal_by_hash(const IdVector<VertexId, Vec3>& positions, const std::ve
                         Numbers& stands_for, RunControl& control) {
   constexpr std::uint64_t kFree = 0xffffffffffffffffu;
   constexpr std::size_t kMaxLooks = 16;  // per vertex, on average
-  // Adding 0 turns -0 into 0, which it equals.
+  // Adding 0 turns -0 into 0, because both are equal.
   const auto hash = [](const Vec3& p) {
     std::uint64_t h = 0;
     for (const double c : {p.x, p.y, p.z}) {
@@ -51,8 +52,8 @@ bool find_equal_by_hash(const IdVector<VertexId, Vec3>& positions, const std::ve
     return h;
   };
   // All threads fill one table. An entry is a vertex and the upper half of its hash, which distinguishes it from most
-  // others; to compare coordinates would mean to read memory far away. The slot that a place gets depends on the
-  // threads. That the first vertex at the place ends up in this slot does not.
+  // other vertices; comparing coordinates would read memory far away. The slot that a place gets depends on the
+  // threads. But the slot always ends up with the first vertex at the place.
   std::vector<std::uint64_t, DefaultInit<std::uint64_t>> table(std::bit_ceil(2 * positions.size() + 1));
   for_blocks(table.size(), kItemsPerBlock, control,
              [&](std::size_t begin, std::size_t end) { std::fill_n(&table[begin], end - begin, kFree); });
@@ -196,7 +197,7 @@ class SortedCells {
   std::vector<Grid::Cell> cells_;
 };
 
-/// Welds within a tolerance. The vertices that others become are further apart than the tolerance, so each cell has
+/// Welds within a tolerance. Vertices to which others are welded are further apart than the tolerance, so each cell has
 /// only a few of them, and only a few cells are within reach.
 template <class Cells>
 class NearWelding {
@@ -238,7 +239,7 @@ class NearWelding {
     std::uint32_t count = 0;
   };
 
-  /// Finds the vertices within the tolerance that others become.
+  /// Finds the vertices within the tolerance to which other vertices have been welded.
   Near find_near(std::uint32_t i) {
     const Vec3 p = places_[i].position;
     Near near;
@@ -289,15 +290,6 @@ void weld_near(std::span<const Indexed> places, double tolerance, Numbers& stand
   }
   const SortedCells cells(places, grid, control);
   NearWelding(places, tolerance, grid, cells, control).run(stands_for, wide);
-}
-
-std::string number_text(double x) {
-  constexpr int kDigits = 6;
-  std::ostringstream text;
-  text.imbue(std::locale::classic());
-  text.precision(kDigits);
-  text << x;
-  return text.str();
 }
 
 std::string place_text(const Vec3& p) {
@@ -374,7 +366,7 @@ void set_local_units(Surface& surface, RunControl& control) {
   std::frexp(largest, &exponent);
   // Frames are up to twice as large, and must not overflow either.
   if (exponent > std::ilogb(CoordinateRange::kFarthest)) throw_too_large(surface);
-  // Smaller doubles have ever fewer digits, too few for points in a plane.
+  // Smaller doubles are subnormal and have too few digits for points in a plane.
   if (largest < CoordinateRange::kSmallest && box.min != box.max)
     throw out_of_range(surface, 0,
                        "the mesh is too small to compute with: all its vertices are less than 2^-1022 (2.2e-308) away "

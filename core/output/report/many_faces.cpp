@@ -11,6 +11,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/base/number_text.h"
 #include "core/output/report/surface_words.h"
 
 namespace remesh {

@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/number_text.h"
 #include "core/output/report/surface_words.h"
 
 namespace remesh {

@@ -89,11 +89,11 @@ class Attempts {
   const Storage storage_;
   CurvedGoals curved_goals_;  ///< known when the prepared surface is
   Goals goals_;               ///< those that are asked for
-  // What the products were made for.
+  // The products were made for these decisions.
   std::optional<MendingLimits> prepared_for_;
   std::vector<FaceRungs> replaced_for_;
   std::optional<Division> divided_for_;
-  // What is needed to divide the surface again.
+  // The following is needed to divide the surface again.
   Regions regions_;  ///< those on no rung
   bool is_recognised_ = false;
   SurfaceRungs rungs_;

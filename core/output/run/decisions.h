@@ -11,7 +11,7 @@
 
 namespace remesh {
 
-/// What was decided about stages that put another surface in the place of the prepared one.
+/// The decisions about stages that put another surface in the place of the prepared one.
 struct DetailChoices {
   /// The surface that was divided with these rungs has lost its details, and so on. All other choices are about the
   /// last surface.

@@ -12,7 +12,7 @@
 #include "core/geometry/intersections/self_intersections.h"
 #include "core/mending/details/remove_details.h"
 #include "core/mending/details/specks.h"
-#include "core/mending/polygons/mend_faces.h"
+#include "core/mending/polygons/faces_without_area.h"
 #include "core/output/result/face_source.h"
 #include "core/refinement/adjustment/lifting.h"
 #include "core/refinement/goals/unrefined_reason.h"

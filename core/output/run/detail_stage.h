@@ -34,7 +34,7 @@ DetailLimits detail_limits(const Options& options, double plane_tolerance);
 /// Details are removed so often at most. Each time may show smaller ones.
 inline constexpr std::size_t kMaxDetailPasses = 3;
 
-/// What was removed, in all passes together.
+/// Counts the details that were removed, in all passes together.
 struct RemovedDetails {
   std::uint64_t joined_edges = 0, closed_slivers = 0, removed_specks = 0, closed_slits = 0;
   Diagnostic faces;  ///< the input faces under what was removed

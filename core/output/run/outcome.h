@@ -1,4 +1,4 @@
-/// What an attempt at a surface has shown. All places are input faces, so that nobody needs geometry to learn from it.
+/// The outcome of an attempt at a surface. All places are input faces, so that nobody needs geometry to learn from it.
 #pragma once
 
 #include <cstddef>
@@ -14,6 +14,8 @@
 
 namespace remesh {
 
+/// Tells how an attempt has ended, and what it has shown.
+/// This class is larger than the bound because each end of an attempt comes with its own facts.
 struct Outcome {
   /// How an attempt ends, in the order of its steps.
   enum class End : std::uint8_t {
@@ -52,7 +54,7 @@ struct Outcome {
   std::vector<CurvedFault> faults;  ///< the curved patches that may be at fault
   std::string reason;               ///< the first failure of the check, for people
 
-  /// What the attempt took.
+  /// The work that the attempt took.
   std::uint64_t triangles = 0, search_steps = 0, size_steps = 0;
   std::optional<std::uint64_t> max_in_vain;  ///< see Effort
 };

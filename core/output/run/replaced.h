@@ -9,7 +9,7 @@
 
 namespace remesh {
 
-/// What a stage has made of a surface. All steps after it take the surface, whoever made it. Its faces know which input
+/// The result of a stage that puts another surface in the place of the last one. All steps after it take the surface, whoever made it. Its faces know which input
 /// faces they cover, so that marks and reasons go through them to the input.
 struct Replaced {
   Surface surface;

@@ -1,4 +1,4 @@
-/// What a run has made of its input, in the order in which it is made.
+/// The products of a run, in the order in which its steps make them.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,8 @@
 
 namespace remesh {
 
-/// The products of the steps of a run. They belong to one owner at a time: to the attempts, and then to the report.
+/// Holds the products of the steps of a run. They belong to one owner at a time: to the attempts, and then to the report.
+/// This class is larger than the bound because it has a member for each step.
 struct RunProducts {
   RunProducts(const PolygonMesh& input, const Options& options, RunControl& control)
       : input(input), options(options), control(control), watch(control) {

@@ -1,4 +1,4 @@
-/// Finds the chains of patch boundaries: what lies between two corners, and has the same patches on its sides.
+/// Finds the chains of patch boundaries. A chain lies between two corners and has the same patches on its sides.
 #pragma once
 
 #include <cstddef>
@@ -16,15 +16,15 @@
 
 namespace remesh {
 
-/// A place of a chain: an essential vertex, and the edges of the input on both of its sides along the chain.
+/// A node of a chain: an essential vertex, and the edges of the input on both of its sides along the chain.
 struct ChainNode {
   VertexId vertex;
   std::uint32_t before = kNone;  ///< a half-edge, in either direction, of the edge before the vertex
   std::uint32_t after = kNone;   ///< the same for the edge after the vertex
 };
 
-/// Chains of boundary edges. A chain is a largest run of boundary edges between two corners. A corner is a vertex with
-/// another number of boundary edges than two, or one in which the surface touches itself. A ring is a closed boundary
+/// Chains of boundary edges. A chain is a largest run of boundary edges between two corners. A corner is a vertex that
+/// does not have exactly two boundary edges, or one in which the surface touches itself. A ring is a closed boundary
 /// without a corner.
 struct BoundaryChains {
   std::vector<ChainNode> nodes;         ///< one chain after another

@@ -14,8 +14,8 @@
 namespace remesh {
 namespace {
 
-/// A chord of a chain without a formula may leave its surfaces sideways as well as in depth. So a dropped node may be
-/// off its chord by this share of the tolerance only, unless another limit is given.
+/// A chord of a chain without a formula may leave its surfaces sideways as well as in depth. So the distance of a
+/// dropped node from its chord is at most this share of the tolerance, unless another limit is given.
 constexpr double kShareOfThinning = 0.5;
 
 constexpr double kSlack = 1e-9;
@@ -67,8 +67,8 @@ class ChainCutter {
     return points;
   }
 
-  /// Returns whether the chain divides a ball into two patches. Triangles at it are deeper than its pieces, and nobody
-  /// asked for their number.
+  /// Returns whether the chain divides a ball into two patches. Triangles at such a chain are deeper than its pieces,
+  /// and no option asks for their number.
   bool is_seam() const {
     return sides_.planes.empty() && sides_.curved.size() == 2 && sides_.curved[0].shape->kind == SurfaceKind::kSphere &&
            sides_.curved[0].shape->origin == sides_.curved[1].shape->origin &&
@@ -100,7 +100,7 @@ class ChainCutter {
     return true;
   }
 
-  /// Returns the least number of pieces that are short enough for the width of each curved patch beside the chain. The
+  /// Returns the min number of pieces that are short enough for the width of each curved patch beside the chain. The
   /// width is the patch's area over the chain's length.
   double pieces_for_width(std::span<const ChainNode> nodes) const {
     double length = 0, area = HUGE_VAL;
@@ -122,7 +122,7 @@ class ChainCutter {
         if (!curve) continue;
         auto chain = SectionChain::along(*curve, points);
         if (!chain || !is_on_all(*chain, points.size() - 1)) continue;
-        // A polygon in a plane of its own may be just that. Only pieces that turn as facets do are those of a curve.
+        // A plane polygon may be meant as a polygon. Only pieces that turn as little as facets do belong to a curve.
         if (sides_.planes.empty() && chain->largest_turn() > cutting_.rules.feature_angle * (1 + kSlack)) continue;
         return chain;
       }
@@ -143,12 +143,12 @@ class ChainCutter {
     return true;
   }
 
-  /// Returns how far chords may be from a section, so that they do not leave it too far along a surface. An oblique
+  /// Returns the max distance of chords from a section for which they stay near it along a surface, too. An oblique
   /// section of a cylinder bends along the surface as well as across it, and so do most circles on spheres and tori.
   double tolerance_along(const SectionChain& chain, std::span<const Vec3> points) const {
     double tolerance = HUGE_VAL;
     for (const PatchSurface& side : sides_.curved) {
-      // The limits of a cone know that circles around its axis bend along it.
+      // The limits of a cone already allow for circles around its axis that bend along it.
       const bool is_cone = side.shape->kind == SurfaceKind::kCone;
       if (side.along == 0 || (is_cone && is_around_axis(points, *side.shape))) continue;
       double largest_part = 0;
@@ -254,7 +254,7 @@ class ChainCutter {
     if (kept.size() + 2 == nodes.size()) return;
     room = room_along(points, std::min(sideways_, largest_distance(points, kept)));
     if (room.is_limited) {
-      // The middles of the pieces beside a node count for it, too.
+      // The middles of the pieces beside a node limit the node's room, too.
       for (std::size_t i = 1; i + 1 < points.size(); ++i)
         room.at_node[i] = std::min({room.at_node[i], room.in_middle[i - 1], room.in_middle[i]});
       std::vector<std::uint32_t> fewer_dropped = thin_chain(points, surfaces, limits_, room, cutting_.control);

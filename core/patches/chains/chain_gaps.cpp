@@ -9,8 +9,8 @@
 namespace remesh {
 namespace {
 
-/// The parts of the distance to another edge that a chain may move: in general; if the edge has an end in common with
-/// the chain; and if such an edge does not move itself.
+/// A chain may move by this part of its distance to another edge: in general; if the edge has an end in common with the
+/// chain; and if the edge has such an end and does not move itself.
 constexpr double kOfGap = 0.25, kOfWedge = 0.5, kOfFixedWedge = 0.75;
 
 }  // namespace
@@ -23,7 +23,7 @@ ChainGaps::ChainGaps(const Surface& surface, const Adjacency& adjacency, const B
   for (std::uint32_t c = 0; c < chains.size(); ++c)
     for (const ChainNode& node : chains[c].first(chains[c].size() - 1)) {
       check();
-      // The first node of a ring is inside of it, too.
+      // Where a ring begins, its first node counts as inside the chain, too.
       if (&node != &chains[c].front() || node.before != kNone) chain_of_[node.vertex] = c;
     }
   of_patch_.assign(is_searched.size(), kNone);
@@ -56,7 +56,7 @@ ChainGaps::ChainGaps(const Surface& surface, const Adjacency& adjacency, const B
   }
 }
 
-/// Returns the chain of a piece, if it is known from a node inside.
+/// Returns the chain of a piece, if a node inside the piece tells it.
 std::uint32_t ChainGaps::chain_of(const Piece& piece) const {
   return chain_of_[piece.from] != kNone ? chain_of_[piece.from] : chain_of_[piece.to];
 }
@@ -69,12 +69,12 @@ bool ChainGaps::is_of_chain(const Piece& piece, std::uint32_t chain) const {
   return (piece.from == a && piece.to == b) || (piece.from == b && piece.to == a);
 }
 
-/// Returns whether no piece of another chain counts for a chain.
+/// Returns whether the pieces of another chain do not limit a chain.
 bool ChainGaps::is_out_of_the_way(std::uint32_t chain, std::uint32_t other) const {
   return other == chain || (other < chains_.size() && goes_on_from(chain, other));
 }
 
-/// Returns whether two chains have an end in common, and at no common end an acute angle between them.
+/// Returns whether two chains have a common end, and no acute angle between them at any common end.
 bool ChainGaps::goes_on_from(std::uint32_t chain, std::uint32_t other) const {
   const auto direction = [&](std::span<const ChainNode> nodes, bool at_front) {
     const VertexId end = at_front ? nodes.front().vertex : nodes.back().vertex;

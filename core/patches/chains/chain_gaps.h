@@ -1,4 +1,4 @@
-/// Tells how near other parts of a planar patch's boundary are to a chain of it.
+/// Measures how near a chain is to other parts of a planar patch's boundary.
 #pragma once
 
 #include <cstdint>
@@ -31,7 +31,7 @@ class ChainGaps {
 
   /// Returns how far a chain may move at a place: a quarter of the distance to the nearest edge of another chain of
   /// the patch. If that edge has an end in common with the chain, it is half of the distance, or three quarters if the
-  /// edge is straight and stays as it is. What goes on from an end of the chain at an obtuse angle does not count.
+  /// edge is straight and stays as it is. Edges that continue from an end of the chain at an obtuse angle do not count.
   /// Input:  a place on the chain, in model units. The patch was among `is_searched`.
   /// Output: at most `limit`, which is in model units as well.
   /// Cost:   O(log n), if few edges are nearer than four times the limit. May be called by many threads at once.

@@ -16,14 +16,14 @@ constexpr double kFullTurn = 2 * std::numbers::pi;
 /// Angles and distances are compared with a relative slack, because they are computed with rounding.
 constexpr double kSectionSlack = 1e-9;
 
-/// A piece of the input may turn by this much, and no more, if the direction of the turn is to be clear.
+/// The direction of the turn is clear only if each piece of the input turns by at most this angle.
 constexpr double kMaxInputTurn = kFullTurn / 3 * (1 + kSectionSlack);
 
 /// The parts of a piece at which its height over the chord is measured. For circles and ellipses the middle is the
 /// highest place; for other sections it is near there.
 constexpr std::array kHeightPlaces{0.35, 0.5, 0.65};
 
-/// More pieces than this are never made of one chain.
+/// The max number of pieces of one chain.
 constexpr double kMaxPieces = 1 << 20;
 
 double distance_to(const Vec3& p, const Vec3& a, const Vec3& b) { return norm(p - nearest_on_segment(p, a, b)); }
@@ -78,7 +78,7 @@ std::vector<Vec3> SectionChain::divided(std::size_t pieces) const {
   return division;
 }
 
-/// Compares a division with the curve and with the input.
+/// Measures how far a division is from the curve and from the input.
 SectionChain::Misfit SectionChain::misfit(std::span<const Vec3> division, const ChainLimits& limits,
                                           const ChainRoom* room, const RunControl& control) const {
   StopCheck check(control);
@@ -131,7 +131,7 @@ bool SectionChain::are_pieces_even(std::span<const Vec3> division, double fit_to
   return true;
 }
 
-/// Returns the nodes at the inner points of a division. If some point has none, the result is empty.
+/// Returns the nodes at the inner points of a division. If any inner point has no node, the result is empty.
 std::vector<std::uint32_t> SectionChain::nodes_at(std::span<const Vec3> division, double fit_tolerance) const {
   std::vector<std::uint32_t> nodes;
   std::size_t i = 1;
@@ -156,7 +156,7 @@ SectionChain::Division SectionChain::divide(const ChainLimits& limits, double fi
   const bool may_stay = turn >= largest_turn() * (1 - kSectionSlack);
   const std::size_t max = may_stay ? of_input - 1 : std::max(first, of_input);
   std::optional<ChainRoom> known;
-  std::size_t without_room = 0;  // the number of pieces that are enough if nothing is near
+  std::size_t without_room = 0;  // the number of pieces that would do if no other boundary were near
   std::size_t n = first;
   for (int tries = 0; n <= max && !result.is_changed;) {
     control.check();
@@ -165,14 +165,14 @@ SectionChain::Division SectionChain::divide(const ChainLimits& limits, double fi
     const Misfit found = misfit(division, limits, known ? &*known : nullptr, control);
     if (found.is_off_input || !(found.by_length < kMaxPieces)) break;
     if (found.by_length > 1 + kSectionSlack) {
-      // Heights shrink with the square of the length. The estimate is never above the fewest pieces of a circle. After
-      // some tries the steps grow, so that the work stays in proportion.
+      // Heights shrink with the square of the length. The estimate is never above the min number of pieces of a circle.
+      // After some tries the steps grow, so that the work stays in proportion.
       const double estimate = static_cast<double>(n) * std::sqrt(found.by_length) * (tries++ < 8 ? 0.999 : 1.1);
       if (!(estimate <= kMaxPieces)) break;
       n = std::max(n + 1, static_cast<std::size_t>(std::ceil(estimate)));
     } else if (!known) {
       without_room = n;
-      // Nothing is farther from the input, neither now nor with more pieces.
+      // No distance from the input is larger than this, neither now nor with more pieces.
       known = room(std::min(limits.tolerance, std::max(found.largest, largest_height()) * (1 + kSectionSlack)));
       if (!known->is_limited) take(division, fit_tolerance, result);
     } else {

@@ -15,13 +15,13 @@
 
 namespace remesh {
 
-/// A surface beside a chain, and how far the middles of new pieces may be from it, in model units.
+/// A surface beside a chain, and the max distance of the middles of new pieces from it, in model units.
 struct DepthLimit {
   const AnalyticSurface* surface = nullptr;
   double max_depth = 0;
 };
 
-/// How far the new pieces of a chain may be from the input, and how much they may turn.
+/// The max distance of a chain's new pieces from the input, and the max turn of a piece.
 struct ChainLimits {
   double tolerance = 0;  ///< in model units
   double max_turn = 0;   ///< in radians
@@ -29,16 +29,16 @@ struct ChainLimits {
   double min_pieces = 1;  ///< there are at least this many pieces, or as many as in the input if that is less
 };
 
-/// The tolerance at the nodes of a chain and in the middles of its pieces. It is less than elsewhere where another
-/// boundary is near.
+/// The tolerance at the nodes of a chain and in the middles of its pieces. It is smaller where another boundary is
+/// near.
 struct ChainRoom {
   std::vector<double> at_node;    ///< one per node; those of the ends have no meaning
   std::vector<double> in_middle;  ///< one per piece of the input
-  bool is_limited = false;        ///< some of them are less than what was asked for
+  bool is_limited = false;        ///< some values are less than the limit that was asked for
 };
 
-/// Returns the limit of turns to be used. Where hardly any turn is forbidden, it is a sixth of a circle, so that shapes
-/// do not vanish in a large tolerance.
+/// Returns the limit of turns to be used. If `max_turn` forbids hardly any turn, the limit is a sixth of a circle, so
+/// that shapes do not vanish in a large tolerance.
 double turn_limit(double max_turn);
 
 /// A chain along a section curve. The angles of its nodes about the curve's axis tell where they are on it.
@@ -59,14 +59,13 @@ class SectionChain {
   /// The outcome of a division: everything stays, or there are new points or fewer nodes between the ends.
   struct Division {
     bool is_changed = false;
-    bool is_limited = false;  ///< there are more pieces than without `room` and without a least number of them
+    bool is_limited = false;  ///< there are more pieces than without `room` and without `min_pieces`
     std::vector<std::uint32_t> kept;
     std::vector<Vec3> points;
   };
   /// Divides the chain into equal pieces.
-  /// Input:  `room(limit)` returns the room along the chain, where more than the limit counts as the limit. It is asked
-  ///         only if the chain would change. Nodes within the fit tolerance of a new point take its place, if all new
-  ///         points have one.
+  /// Input:  `room(limit)` returns the room along the chain, cut off at `limit`. It is called only if the chain would
+  ///         change. Nodes within the fit tolerance of a new point take its place, if all new points have one.
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
   Division divide(const ChainLimits& limits, double fit_tolerance, const std::function<ChainRoom(double)>& room,
                   const RunControl& control) const;
@@ -75,9 +74,9 @@ class SectionChain {
   explicit SectionChain(const SectionCurve& curve, std::span<const Vec3> points) : curve_(curve), points_(points) {}
 
   struct Misfit {
-    double by_length = 0;       ///< largest ratio of a distance to its limit, among those that shorter pieces make less
+    double by_length = 0;       ///< max ratio of a distance to its limit, of distances that shrink with the pieces
     double largest = 0;         ///< largest of all distances
-    bool is_off_input = false;  ///< some new point is too far from the input, however many there are
+    bool is_off_input = false;  ///< some new point is too far from the input, whatever the number of pieces
   };
 
   std::size_t piece_count() const { return points_.size() - 1; }

@@ -33,7 +33,7 @@ class ChainThinner {
     if (is_allowed(even)) {
       chosen = std::move(even);
     } else if (chosen.size() - 1 < min_pieces) {
-      // The even division of a short ring fails only where a fold is hidden between its few nodes.
+      // The even division of a short ring fails only if a fold is hidden between its few nodes.
       chosen.clear();
       for (std::uint32_t i = 0; i <= last; ++i) chosen.push_back(i);
     }
@@ -64,12 +64,12 @@ class ChainThinner {
     return true;
   }
 
-  /// Returns a node to which a piece from node i may go: the farthest one, if pieces never become allowed again after
-  /// they were not.
+  /// Returns a node at which a piece from node i may end. It is the farthest such node, unless longer pieces become
+  /// allowed again after a forbidden one.
   std::uint32_t farthest_from(std::uint32_t i) const {
     std::uint32_t step = 1;
     while (i + 2 * step <= last_node() && is_allowed(i, i + 2 * step)) step *= 2;
-    // The piece to `allowed` may be made, and the one to `refused` may not.
+    // The piece from i to `allowed` is permitted, and the piece from i to `refused` is not.
     std::uint32_t allowed = i + step, refused = std::min(i + 2 * step, last_node() + 1);
     while (refused - allowed > 1) {
       const std::uint32_t middle = allowed + (refused - allowed) / 2;
@@ -103,7 +103,7 @@ class ChainThinner {
   std::span<const Vec3> points_;
   const ChainRoom& room_;
   const RunControl& control_;
-  double max_difference_ = 0;  ///< how far apart unit normals are that turn by the largest angle allowed
+  double max_difference_ = 0;  ///< the distance of two unit normals that are the largest allowed turn apart
   std::vector<Vec3> normals_;  ///< those at all points on the first surface, then on the second one, and so on
 };
 

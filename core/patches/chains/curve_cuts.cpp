@@ -21,7 +21,7 @@ bool has_formula(SurfaceKind kind) {
 
 bool is_curved(const PatchSurface& surface) { return surface.shape != nullptr; }
 
-/// Cuts all chains, and then finds those that would become the same edge.
+/// Cuts all chains, and then finds chains that would become the same edge.
 class CurveCutter {
  public:
   CurveCutter(const PatchBoundaries& boundaries, const IdVector<PatchId, PatchSurface>& surfaces,
@@ -50,7 +50,7 @@ class CurveCutter {
  private:
   using Start = CurveCuts::Start;
 
-  /// The straight piece between two nodes of a cut that stay, with nodes between them that do not.
+  /// The straight piece between two nodes of a cut that stay, across nodes that were dropped.
   struct Piece {
     VertexId low, high;
     std::uint32_t edge;  ///< the first half-edge of the input's edge at `low`
@@ -65,8 +65,8 @@ class CurveCutter {
     return twin != kNone ? std::min(h, twin) : in_.adjacency.half_edges(in_.adjacency.edge_of(h))[0];
   }
 
-  /// Returns the patches beside a chain, in an order that depends on geometry alone. If the surface of one of them has
-  /// no formula, none is curved.
+  /// Returns the patches beside a chain, in an order that depends on geometry alone. If the surface of a patch has no
+  /// formula, no patch counts as curved.
   ChainSides sides_of(std::span<const ChainNode> chain) const {
     ChainSides sides;
     std::vector<PatchId> beside;
@@ -143,7 +143,7 @@ class CurveCutter {
     if (!cut.points.empty()) add_points(cut, cut.points);
   }
 
-  /// Finds how far a cut has moved the boundary of each curved patch beside it along the patch's surface.
+  /// For each curved patch beside a cut, finds how far the cut has moved the patch's boundary along the surface.
   void measure_way_along_surfaces(const ChainCut& cut) {
     std::vector<Vec3> before, now;
     for (const ChainNode& node : cut.nodes) before.push_back(in_.surface.positions[node.vertex]);
@@ -161,8 +161,8 @@ class CurveCutter {
     }
   }
 
-  /// Returns whether a polyline runs around the axis of a cylinder. Between two of them in one plane, all ways are
-  /// normal to the cylinder, while the shortest ones to coarse pieces are not.
+  /// Returns whether a polyline runs around the axis of a cylinder. Between two such lines in one plane, all ways are
+  /// normal to the cylinder, while the shortest ways to coarse pieces are not.
   bool is_around_cylinder(std::span<const Vec3> line, const AnalyticSurface& shape) {
     if (shape.kind != SurfaceKind::kCylinder) return false;
     return std::all_of(line.begin(), line.end(), [&](const Vec3& p) {
@@ -208,7 +208,8 @@ class CurveCutter {
     result_.positions.insert(result_.positions.end(), points.begin(), points.end());
   }
 
-  /// Finds chords that join the same two vertices as another edge of a boundary. They get a vertex in the middle.
+  /// Finds chords that join the same two vertices as another edge of a boundary. Such a chord gets a vertex in the
+  /// middle.
   void part_doubled_edges() {
     std::vector<Piece> pieces = new_chords();
     if (pieces.empty()) return;
@@ -252,7 +253,7 @@ class CurveCutter {
     return pieces;
   }
 
-  /// Tells which of the chords, which are sorted, join the same vertices as another edge of some loop.
+  /// For each of the chords, which are sorted, returns whether another edge of some loop joins the same vertices.
   std::vector<std::uint8_t> doubled(const std::vector<Piece>& chords) {
     IdVector<VertexId, std::uint8_t> is_end(in_.surface.vertex_count(), 0);
     for (const Piece& chord : chords) is_end[chord.low] = is_end[chord.high] = 1;

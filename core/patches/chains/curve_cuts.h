@@ -28,7 +28,7 @@ struct PatchBoundaries {
   std::span<const VertexId> pinched;               ///< as for essential_vertices
 };
 
-/// The vertices of patch boundaries after these were cut anew.
+/// The vertices of patch boundaries after the boundaries were cut anew.
 struct CurveCuts {
   /// The new vertices between an essential vertex and the next one, in the direction of a half-edge.
   struct Start {
@@ -40,11 +40,11 @@ struct CurveCuts {
   std::vector<Vec3> positions;  ///< the i-th new vertex has the number surface.vertex_count() + i; in model units
   std::vector<Start> starts;    ///< ascending by half-edge
   std::vector<VertexId> lists;  ///< one list after another
-  /// How far boundaries have moved along the surface of each patch at most, in model units. It is 0 for planar patches.
-  /// It is empty if no patch is curved.
+  /// The max distance by which boundaries have moved along the surface of each patch, in model units. It is 0 for
+  /// planar patches. It is empty if no patch is curved.
   IdVector<PatchId, double> sideways;
-  std::uint64_t cut_chains = 0;  ///< chains that have other vertices than before, in some part at least
-  std::uint64_t capped = 0;  ///< chains that have more pieces than were asked for, because other boundaries are near
+  std::uint64_t cut_chains = 0;  ///< chains of which at least one part has new vertices
+  std::uint64_t capped = 0;  ///< chains with more pieces than the tolerances require, because other boundaries are near
 
   /// Returns the new vertices between the essential vertex where half-edge h begins and the next essential vertex of
   /// its loop, in the loop's order.

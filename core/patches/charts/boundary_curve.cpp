@@ -9,8 +9,8 @@ namespace {
 /// Surfaces that meet at a smaller angle are nearly tangent: the sine of 10 degrees.
 constexpr double kMinSine = 0.17;
 constexpr int kSteps = 12;
-/// A place lies on a surface if it is off it by no more than this multiple of what the curve's ends are, or than this
-/// part of the curve's length.
+/// A point counts as on the surface if its distance is at most this multiple of the end points' distance, or this part
+/// of the curve's length.
 constexpr double kLikeEnds = 4, kOfLength = 1e-9;
 
 /// Returns the part of a surface's normal across a direction.

@@ -8,7 +8,7 @@
 namespace remesh {
 namespace {
 
-/// Edges may be a little deeper, and turn a little more, than is allowed: rounding alone makes as much difference.
+/// Edges may exceed the allowed depth and turn by this factor, which covers rounding.
 constexpr double kRoundingFactor = 1 + 1e-9;
 bool is_doubly_curved(SurfaceKind kind) { return kind == SurfaceKind::kSphere || kind == SurfaceKind::kTorus; }
 
@@ -30,12 +30,12 @@ double highest_of_parabola(double at_0, double at_half, double at_1) {
   return highest;
 }
 
-/// Returns how far along a segment it is deepest below a cylinder, cone or ball, from 0 at a to 1 at b. The distance
-/// from these is convex on a line.
+/// Returns where a segment is deepest below a cylinder, cone or ball, from 0 at a to 1 at b. On a line, the distance
+/// from these surfaces is convex.
 double deepest_place(const AnalyticSurface& shape, const Vec3& a, const Vec3& b) {
   const Vec3 from = a - shape.origin, way = b - a;
-  // For a ball it is the place nearest to the centre. For the others, the slope of the distance from the axis is that
-  // of the surface.
+  // For a ball it is the place nearest to the centre. For a cylinder or cone, it is where the distance from the axis
+  // has the slope of the surface.
   const double along = shape.kind == SurfaceKind::kSphere ? 0 : dot(way, shape.axis);
   const Vec3 across = way - along * shape.axis;
   const double square = norm_squared(across), foot = dot(from, across);
@@ -50,7 +50,7 @@ double deepest_place(const AnalyticSurface& shape, const Vec3& a, const Vec3& b)
   return std::clamp((beyond - foot) / square, 0.0, 1.0);
 }
 
-/// Returns how far the deepest place of a segment is from a surface.
+/// Returns the distance from a surface of the deepest place of a segment.
 double largest_depth(const AnalyticSurface& shape, const Vec3& a, const Vec3& b, double at_a, double at_b) {
   if (shape.kind == SurfaceKind::kTorus) return highest_of_parabola(at_a, shape.distance(0.5 * (a + b)), at_b);
   const double t = deepest_place(shape, a, b);
@@ -65,8 +65,8 @@ CurvedChart::CurvedChart(const CurvedPatch& patch)
   const double distance = 2 * std::sin(patch.limits.max_turn / 2) * kRoundingFactor;
   max_turn_squared_ = distance * distance;
   if (patch.map.shape().kind != SurfaceKind::kCone) return;
-  // Faces at an apex that reached around the axis would look along the surface. They turn by a third of a circle at
-  // most, which changes the normals by the cosine of the half angle times the root of 3.
+  // Faces at an apex that reached around the axis would be perpendicular to the surface. Faces turn by at most a third
+  // of a circle, which changes the normals by the cosine of the half angle times the root of 3.
   const double cosine = std::cos(patch.map.shape().half_angle);
   max_turn_squared_at_apex_ = 3 * cosine * cosine;
   max_turn_squared_ = std::min(max_turn_squared_, max_turn_squared_at_apex_);
@@ -78,8 +78,8 @@ SpacePoint CurvedChart::space_point(const Vec3& position) const {
   const double radius = map_.radius(position);
   constexpr double kAtApex = 1e-3;
   if (radius < kAtApex * max_edge_height_) return {position, {}, true};
-  // So near to its apex, a cone is within the tolerance of edges that turn by a sixth of a circle.
-  // Still nearer, it is within the tolerance of edges that turn by a third.
+  // At this distance from its apex, a cone is within the tolerance of edges that turn by a sixth of a circle. Still
+  // nearer, it is within the tolerance of edges that turn by a third.
   constexpr double kHeightOfSixth = 0.134, kHeightOfThird = 0.5;
   const double depth = radius * std::cos(shape.half_angle);
   return {position, map_.side() * shape.normal(position), kHeightOfSixth * depth < max_edge_height_,
@@ -95,7 +95,7 @@ bool CurvedChart::is_bent(const SpacePoint& a, const SpacePoint& b) const {
   if (!is_at_apex && norm_squared(a.normal - b.normal) > max_squared) return true;
   const AnalyticSurface& shape = map_.shape();
   const double at_a = shape.distance(a.position), at_b = shape.distance(b.position);
-  // Some boundaries are straight and deeper than that. Smaller edges at a vertex of them would be as deep.
+  // Some straight boundaries are deeper than the limit. Smaller edges at a vertex of such a boundary would be as deep.
   const double at_ends = std::max(std::fabs(at_a), std::fabs(at_b));
   const double limit = std::max(max_edge_height_, at_ends * kRoundingFactor);
   return largest_depth(shape, a.position, b.position, at_a, at_b) > limit;

@@ -14,8 +14,8 @@ namespace remesh {
 struct SpacePoint {
   Vec3 position;
   Vec3 normal;  ///< of the surface at its point that is nearest; null at the apex of a cone, which has none
-  bool is_near_apex = false;    ///< edges that turn by a sixth of a circle are within the tolerance there
-  bool is_beside_apex = false;  ///< edges that turn by a third of a circle are
+  bool is_near_apex = false;    ///< there, edges that turn by a sixth of a circle are within the tolerance
+  bool is_beside_apex = false;  ///< there, edges that turn by a third of a circle are within the tolerance
 };
 
 /// A map of a curved patch, and how coarse the patch may become.

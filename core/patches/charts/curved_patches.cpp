@@ -35,7 +35,7 @@ class Joining {
   CurvedPatches run() {
     find_candidates();
     if (std::find(is_candidate_.begin(), is_candidate_.end(), 1) == is_candidate_.end()) return {};
-    // First the sheets, which are all facets that hang together. A sheet without a map is divided into sectors.
+    // First the sheets are made: all connected facets of a surface. A sheet without a map is divided into sectors.
     join_smooth(piece_);
     divide_sheets();
     UnionFind pieces(facets_.count());

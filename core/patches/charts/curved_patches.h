@@ -15,26 +15,26 @@
 
 namespace remesh {
 
-/// How far the result may be from a curved surface, and how coarse it may be there.
+/// The max distance of the result from a curved surface, and how coarse the result may be there.
 struct CurvedLimits {
-  /// Input and result of a patch may be this far apart, in model units. 0 means that its facets stay.
+  /// The max distance between input and result of a patch, in model units. 0 means that its facets stay.
   double tolerance = 0;
   /// New edges lie within this distance of the surface, in model units.
   double max_height = 0;
   double max_turn = 0;  ///< the surface turns along an edge by at most this angle, in radians
-  /// Boundaries that are cut anew lie within this distance of the input's and of the surface, in model units.
+  /// Max distance of boundaries that are cut anew from the input's boundaries and from the surface, in model units.
   double boundary_tolerance = 0;
-  /// New boundaries of no known form leave the input's by at most this in the surface, in model units.
+  /// Max distance, along the surface, of new boundaries without a formula from the input's boundaries, in model units.
   double boundary_sideways = 0;
 
-  /// Returns finer limits, for a patch that failed with these. The tolerance stays.
+  /// Returns finer limits, for a patch that failed with the present ones. The tolerance stays.
   CurvedLimits tightened() const;
 };
 
-/// A rung tells what becomes of a face of a curved surface after patches with it have failed, or were too fine.
+/// A rung is the treatment of a face of a curved surface after patches with the face have failed, or were too fine.
 enum class CurvedRung : std::uint8_t {
-  kJoined,     ///< it is joined with others
-  kTightened,  ///< it is joined with others, within finer limits
+  kJoined,     ///< the face is joined with others
+  kTightened,  ///< the face is joined with others, within finer limits
   kCoarser,    ///< its facet stays a planar patch because that is coarser; nothing has failed
   kFacet       ///< its facet stays a planar patch
 };
@@ -60,8 +60,9 @@ struct CurvedPatches {
 
 /// Joins facets. Facets of one surface that meet at smooth edges become one patch, unless the patch would have no
 /// one-to-one map into the plane: a closed tube becomes two halves, a ball two hemispheres, and a closed ring four
-/// pieces. The borders between these run along edges of facets. A facet that nothing joins stays planar.
-/// Input:   the facets, which are planar patches, and what they were recognised as. `limits` has one entry per surface.
+/// pieces. The borders between these run along edges of facets. A facet that is joined with no other facet stays
+/// planar.
+/// Input:   the facets, which are planar patches, and their recognised surfaces. `limits` has one entry per surface.
 ///          `rungs` has one entry per face; it may be empty if all faces are joined. The finest limits among a patch's
 ///          faces hold for all of it.
 /// Output:  patches are numbered by their first faces. The planes of joined patches are only rough means.

@@ -51,8 +51,8 @@ bool is_across(const Vec3& a, const Vec3& b) {
 }
 
 /// The sides of a triangle, each from a corner to the next one. Differences of corners come first, so that a small
-/// triangle far from the origin loses no digits. They are taken in the triangle's own unit: if it is far smaller than
-/// the mesh, products would underflow in the mesh's unit.
+/// triangle far from the origin loses no digits. The differences are in the triangle's own unit: if it is far smaller
+/// than the mesh, products would underflow in the mesh's unit.
 struct Sides {
   double unit;
   std::array<Vec3, 3> side;
@@ -166,7 +166,7 @@ PatchChart PatchCharts::develop(PatchId p, std::span<const Vec3> points, double 
 PatchChart PatchCharts::project(PatchId p, std::span<const Vec3> points, std::span<const Edge3> edges, double grid) {
   if (!curved_at_.empty() && curved_at_[p] != kNone) return develop(p, points, grid);
   if (stored_at_[p] == kNone) {
-    // Whoever asks later knows nothing of new vertices between the corners, so they do not count here either.
+    // Later callers know nothing of new vertices between the corners, so these do not count here either.
     triangle_kind_[p] = grid == kFineGrid ? TriangleKind::kFineGrid : TriangleKind::kCoarseGrid;
     return PatchChart(frame_of_triangle(p));
   }

@@ -1,5 +1,5 @@
-/// The charts of patches. Refinement works in a plane, and everything that it needs to know of the surface in space it
-/// asks a chart.
+/// The charts of patches. A chart answers every question that refinement, which works in a plane, has about the surface
+/// in space.
 #pragma once
 
 #include <array>
@@ -68,8 +68,8 @@ class PatchChart {
   Vec2 on_grid(Vec2 place) const {
     return {std::nearbyint(place.x / grid()) * grid(), std::nearbyint(place.y / grid()) * grid()};
   }
-  /// Returns the shortest way in the plane, a multiple of the grid, that rounding of a position's coordinates cannot
-  /// lose.
+  /// Returns the shortest way in the plane, a multiple of the grid, that does not vanish when the position's
+  /// coordinates are rounded.
   double visible_step(Vec2 place, const Vec3& position) const;
 
   /// Returns the unit normal of the surface at a place.
@@ -103,7 +103,7 @@ class PatchChart {
 Axes axes_along(const Vec3& normal, std::span<const Edge3> border);
 
 /// The charts of all patches, in flat arrays. A triangle that is a patch of its own has no stored chart: there may be a
-/// million of them, and the chart is computed from the three corners whenever somebody asks for it.
+/// million of them, and the chart is computed from the three corners for each call.
 class PatchCharts {
  public:
   PatchCharts() = default;
@@ -120,7 +120,7 @@ class PatchCharts {
     return stored_at_[p] != kNone ? stored_[stored_at_[p]] : with_offset(p, frame_of_triangle(p));
   }
 
-  /// Returns the frames of all charts, which are what the verifier gets as the pipeline's claim.
+  /// Returns the frames of all charts. The verifier gets them as a part of the pipeline's claim.
   IdVector<PatchId, Frame> planes(RunControl& control) const;
   /// Returns the unit normals of all charts; those of curved patches are null.
   IdVector<PatchId, Vec3> normals(RunControl& control) const;

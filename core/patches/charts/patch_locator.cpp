@@ -9,8 +9,8 @@
 namespace remesh {
 namespace {
 
-/// An upper bound on the error of distances. Boxes count as nearer by this, so that nothing as near as the best so far
-/// is ever passed over, and the answer does not depend on the order of the search.
+/// An upper bound on the error of distances. Boxes count as nearer by this error, so that the search passes over no
+/// triangle as near as the best one, and the answer does not depend on the order of the search.
 constexpr double kRoundingInSpace = 0x1p-48;
 
 Vec3 in_space(Vec2 p) { return {p.x, p.y, 0}; }

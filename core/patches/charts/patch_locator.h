@@ -35,8 +35,8 @@ class PatchLocator {
     Triangle corners;        ///< the corners of the triangle, which is the face itself or a part of it
     std::array<Vec2, 3> uv;  ///< the corners' plane coordinates
   };
-  /// Finds the triangle nearest to p. If several are equally near, it is that of the first face, and of the face's
-  /// triangles the first.
+  /// Finds the triangle nearest to p. Of several that are equally near, it is a triangle of the first face, and of this
+  /// face's triangles the first.
   /// Cost:   O(log n), unless many faces crowd around p.
   Place nearest(Vec2 p) const;
 

@@ -14,12 +14,12 @@ namespace {
 using Around = SurfaceMap::Around;
 using Pair = std::array<std::uint32_t, 2>;
 
-/// Vertices are on one ruling if they are this part of the widest strip apart, or less.
+/// Vertices are on one ruling if the distance between their rulings is at most this part of the widest strip.
 constexpr double kSameRuling = 0.05;
 /// The cosine of the smallest angle that a ruling may make with a side. Triangles in a sharper corner would be small.
 constexpr double kMaxCosine = 0.5 * (1 + 1e-6);
 
-/// A vertex of the outline, seen from the axis.
+/// A vertex of the outline, by its place around the axis and along it.
 struct OnAxis {
   Around at;
   std::uint32_t vertex;
@@ -39,7 +39,7 @@ double widest_turn(const CurvedChart& chart, double way) {
 std::vector<Pair> find_rulings(const CurvedChart& chart, const CurvedOutline& outline, RunControl& control) {
   std::vector<Pair> rulings;
   const SurfaceKind kind = chart.map().shape().kind;
-  // In a squeezed plane, edges run along rulings by themselves.
+  // In a squeezed plane, edges run along rulings without further constraints.
   if ((kind != SurfaceKind::kCylinder && kind != SurfaceKind::kCone) || chart.map().is_squeezed()) return rulings;
   StopCheck check(control);
   std::vector<OnAxis> vertices;
@@ -48,7 +48,7 @@ std::vector<Pair> find_rulings(const CurvedChart& chart, const CurvedOutline& ou
   for (std::uint32_t v = 0; v < outline.positions.size(); ++v) {
     check();
     const Vec3& position = outline.positions[v];
-    // Towards the apex of a cone, rulings come too near to each other.
+    // Near the apex of a cone, rulings are too close to each other.
     if (chart.space_point(position).is_near_apex) continue;
     const Around at = chart.map().around(position);
     if (!std::isfinite(at.way)) continue;

@@ -20,11 +20,11 @@ struct CurvedOutline {
 };
 
 /// Returns pairs of vertices that lie on one ruling of a cylinder or cone. A ruling is a straight line of the surface.
-/// So strips between rulings may have triangles that are several times as long as edges may turn, just like the facets
-/// of a prism.
-/// Output:  each pair lies next to each other on its ruling. The pairs are ordered by the angle around the axis and
-///          then by their place along it. They may cross sides or lie outside of the patch. On other surfaces and
-///          in squeezed maps there are none.
+/// So triangles in strips between rulings may be several times as long as they are wide, just like the facets of a
+/// prism.
+/// Output: the two vertices of a pair are neighbours on their ruling. The pairs are ordered by the angle around the
+///         axis and then by their place along it. They may cross sides or lie outside of the patch. On other surfaces
+///         and in squeezed maps there are none.
 /// Holds:   no pair makes an angle of less than 60 degrees with a side at one of its ends.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:    O(n log n).

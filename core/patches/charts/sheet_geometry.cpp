@@ -13,13 +13,13 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-/// A piece whose map is to be one-to-one leaves at least this angle free around an axis. The map of a sphere reaches
-/// this far beyond the equator at most.
+/// A piece with a one-to-one map leaves at least this angle free around the axis. The map of a sphere reaches this far
+/// beyond the equator at most.
 constexpr double kFreeAngle = kPi / 3, kBeyondEquator = kPi / 18;
 /// The rounding of a model's coordinates must not decide between places that are the same up to a symmetry of the
 /// model. So angles and lengths that differ by no more than these parts are alike.
 constexpr double kAlikeAngle = 1e-6, kAlike = 1e-4;
-/// A point that is nearer to the axis than this part of other ones has no angle around it.
+/// A point has no angle around the axis if its distance from it is below this part of the other points' distance.
 constexpr double kOnAxis = 1e-3;
 
 double within_turn(double angle) {
@@ -51,7 +51,7 @@ void SheetGeometry::for_each_corner(PatchId p, const Take& take) {
     }
 }
 
-/// Returns the area of a flat facet, in squared local units. In these, the rounding is the same at every scale.
+/// Returns the area of a flat facet, in squared local units, where the rounding is the same at every scale.
 double SheetGeometry::area_of(PatchId p) {
   Vec3 twice;
   for (const FaceId f : facets_.faces_of(p)) {
@@ -71,7 +71,7 @@ Vec3 SheetGeometry::middle_of_box(PatchId p) {
   return 0.5 * box.min + 0.5 * box.max;
 }
 
-/// Returns the centroid of a facet. It turns with the model.
+/// Returns the centroid of a facet. If the model is turned, the centroid turns with it.
 Vec3 SheetGeometry::middle_of(PatchId p) {
   Vec3 moment;
   double area = 0;
@@ -138,8 +138,8 @@ Vec3 SheetGeometry::middle_of_sheet(const Sheet& sheet) {
   return middle;
 }
 
-/// Returns a corner of the kind of which there are the fewest. Of two kinds, that with the larger facets counts, and of
-/// two corners of one kind the smaller one.
+/// Returns a corner of the rarest kind. Of two equally rare kinds, the one with the larger facets counts, and of two
+/// corners of one kind the smaller one.
 Vec3 SheetGeometry::rarest(std::vector<Corner> corners) {
   std::sort(corners.begin(), corners.end(), [](const Corner& a, const Corner& b) {
     return std::tie(a.area, a.position) < std::tie(b.area, b.position);
@@ -202,7 +202,7 @@ SheetGeometry::Gap SheetGeometry::largest_gap(std::vector<Covered>& covered, con
     return a.begin != b.begin ? a.begin < b.begin : a.width < b.width;
   };
   sort_stoppable(covered.begin(), covered.end(), control, before);
-  // The interval that reaches farthest may reach beyond a full turn, up to where the first ones begin.
+  // The interval that reaches farthest may reach beyond a full turn, and cover some of the first intervals' angles.
   double reached = -2 * kPi;
   for (const Covered& c : covered) reached = std::max(reached, c.begin + c.width - 2 * kPi);
   Gap gap;

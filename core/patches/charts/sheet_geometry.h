@@ -17,21 +17,20 @@
 
 namespace remesh {
 
-/// The facets of one surface that hang together. They are planar patches.
+/// The connected facets of one surface. They are planar patches.
 using Sheet = std::vector<PatchId>;
 
-/// Measures sheets and pieces of sheets. All lengths are in model units. Sums depend on the order of facets in their
-/// last digits only.
-/// This class is larger than the bound because every kind of surface has a rule of its own for where it is divided, and
-/// all of these rules read the same angles of the same facets.
+/// Measures sheets and pieces of sheets. All lengths are in model units. Only the last digits of sums depend on the
+/// order of facets. This class is larger than the bound because every kind of surface has a rule of its own for where
+/// it is divided, and all of these rules read the same angles of the same facets.
 class SheetGeometry {
  public:
   /// Input: the surface and the facets outlive this object.
   SheetGeometry(const Surface& surface, const PatchSet& facets, const RunControl& control)
       : surface_(surface), facets_(facets), control_(control), check_(control) {}
 
-  /// Returns whether a facet itself goes around the axis. If no corner is where a torus is highest, a flat ring of it
-  /// does. Such a facet has no place in a map.
+  /// Returns whether a facet itself goes around the axis. A flat ring of a torus does, if no corner is where the torus
+  /// is highest. Such a facet has no place in a map.
   bool goes_around(PatchId facet, const AnalyticSurface& shape);
 
   /// Returns whether a facet reaches the axis at which a torus ends, as at the tip of an ogive. Such a facet has no
@@ -42,17 +41,19 @@ class SheetGeometry {
   /// at the angle of a corner. If corners are even, facets end where sectors do.
   std::vector<std::uint8_t> sectors(const Sheet& sheet, const AnalyticSurface& shape);
 
-  /// Returns the corner at which a sheet is divided. It is found by what does not change if the model is turned: it is
-  /// a corner that is farthest from the middle of the sheet. If several are alike, it is one of those of which there
-  /// are the fewest, where corners with facets of the same area count as one kind. Only then the smallest one is taken.
+  /// Returns the corner at which a sheet is divided. The choice depends first on properties that do not change if the
+  /// model is turned. The corner farthest from the middle of the sheet is taken. Of several such corners, one of the
+  /// rarest kind is taken, where corners with facets of the same area are one kind. Remaining ties are broken by the
+  /// smallest position.
   /// Output: a corner on the axis, such as the apex of a cone, is never taken.
   /// Cost:   O(n log n).
   Vec3 dividing_corner(const Sheet& sheet, const AnalyticSurface& shape);
 
   /// Returns whether a piece has a one-to-one map.
   bool has_map(const Sheet& piece, const AnalyticSurface& shape);
-  /// Returns a point in the direction of the middle of a piece, seen from the axis or the centre. From there, the map
-  /// is as even as it can be. Its distance is of the size of the model, so that a scaling changes no direction.
+  /// Returns a point in the direction of the middle of a piece, seen from the axis or the centre. With this middle, the
+  /// map distorts the piece as little as possible. Its distance is of the size of the model, so that a scaling changes
+  /// no direction.
   Vec3 middle_of_piece(const Sheet& piece, const AnalyticSurface& shape);
   /// Returns 1 if all facets look away from the axis or centre, -1 if all look towards it, and otherwise 0.
   int side_of(const Sheet& piece, const AnalyticSurface& shape);

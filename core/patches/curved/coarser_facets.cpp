@@ -15,12 +15,12 @@
 namespace remesh {
 namespace {
 
-/// A strip with the default bound on angles, 25 degrees, gets at least so many triangles for each square of its width.
-/// On cylinders with 36 to 224 facets, refinement made 0.60 to 0.68.
+/// With the default min angle of 25 degrees, a strip gets at least this many triangles for each square of its width. On
+/// cylinders with 36 to 224 facets, refinement made 0.60 to 0.68.
 constexpr double kTrianglesPerSquare = 0.55;
 constexpr double kAngleOfCount = 25;
 
-/// More corners than these are those of a flat face, the width of which is not measured.
+/// A face with more corners than this is flat, and its width is not measured.
 constexpr std::size_t kMaxCornersMeasured = 16;
 
 /// Returns the smallest width of a polygon, across one of its sides.
@@ -36,24 +36,24 @@ double width_of_polygon(std::span<const Vec3> corners) {
   return width;
 }
 
-/// Joined patches are not tried if they are expected to have more than this many times the faces that their facets are
-/// estimated to have.
+/// Joined patches are not tried if their expected number of faces is more than this many times the estimate for their
+/// facets.
 constexpr double kCertainlyFiner = 3;
 
-/// Everything is refined again for facets that stay. After the first time, they have to save more than this part of all
-/// faces.
+/// If facets stay, all patches are refined again. After the first time, the facets have to save more than this part of
+/// all faces.
 constexpr double kWorthAnAttempt = 0.01;
 
-/// Returns whether a surface has as many facets per turn as edges are asked for. If it has fewer, it is to be made
+/// Returns whether a surface has at least as many facets per turn as edges are asked for. If not, it is to be made
 /// finer.
 bool are_facets_as_fine(const RecognisedSurface& surface, const CurvedGoals& goals) {
-  // Facets of one circle differ a little in their turns.
+  // The turns of one circle's facets differ a little.
   constexpr double kAsFine = 1.02;
   const std::optional<double> elements = goals.elements_of(surface);
   return !elements || *elements <= kAsFine * surface.facets_per_turn;
 }
 
-/// Returns by how much an edge of a curved patch may turn across the surface, in radians, at a place of it.
+/// Returns the max angle, in radians, by which an edge of a curved patch may turn at a place of the surface.
 double largest_turn(const CurvedPatch& patch, const Vec3& at) {
   const AnalyticSurface& shape = patch.map.shape();
   const double radius = shape.kind == SurfaceKind::kTorus  ? shape.minor_radius
@@ -99,7 +99,7 @@ void CoarserFacets::count_facets(const Surface& surface, const Adjacency& adjace
     const double width = width_of_polygon(corners);
     const double area = facets.summaries.patches[f.value].area / surface.unit / surface.unit;
     const double squares = width > 0 ? area / (width * width) : 0;
-    // The angles of wider facets meet the bound as they are. A triangle has half of the area of its rectangle.
+    // Wider facets already meet the bound on angles. A triangle has half of the area of its rectangle.
     if (squares * std::tan(min_angle_deg * kRadians) > (corners.size() == 3 ? 0.5 : 1.0))
       cost += per_square * std::max(0.0, squares - 1);
   }

@@ -1,4 +1,4 @@
-/// Decides which curved surfaces keep their facets because these are coarser than what would take their place.
+/// Decides which curved surfaces keep their facets because these are coarser than the remeshed patches would be.
 #pragma once
 
 #include <cstdint>
@@ -23,15 +23,15 @@ class CoarserFacets {
  public:
   /// Counts the faces that the facets become.
   /// Input:  the partition into facets, and the patches that are joined from them.
-  /// Output: the estimate is rather too low: where both ways cost about the same, the facets are to stay. So a
-  ///         larger tolerance never makes more faces, as the cost of joined patches falls while it grows.
+  /// Output: the estimate is low rather than high, so that facets stay where both ways cost about the same. So a larger
+  ///         tolerance never makes more faces, as the cost of joined patches falls while it grows.
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
   /// Cost:   O(n).
   void count_facets(const Surface& surface, const Adjacency& adjacency, const Partition& facets,
                     const CurvedPatches& joined, double min_angle_deg, RunControl& control);
   /// Returns the surfaces whose facets are so coarse that no refinement of joined patches could make fewer faces, and
-  /// those that would have more faces than are in proportion: no floor under the lengths of edges makes a curved patch
-  /// coarser. To find that out by refining them could take far more work than the result is worth.
+  /// surfaces that would have more faces than are in proportion: a min edge length makes no curved patch coarser.
+  /// Finding that out by refinement could take far more work than the result is worth.
   /// Input: the joined patches with their limits, whose facets have been counted; and the number of faces that is in
   ///        proportion to the input (Goals::faces_without_floor).
   std::vector<SurfaceId> find_hopeless(const CurvedPatches& joined, const CurvedGoals& goals,
@@ -58,7 +58,7 @@ class CoarserFacets {
   /// Counts of one joined patch.
   struct Cost {
     double facets = 0;
-    double joined = 0;  ///< expected of the joined patch by its limits
+    double joined = 0;  ///< the expected number of faces of the joined patch by its limits
     std::uint64_t boundary_before = 0, boundary_after = 0;
   };
   IdVector<PatchId, Cost> costs_;

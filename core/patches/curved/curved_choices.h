@@ -1,4 +1,4 @@
-/// What was decided about the curved surfaces of a surface. There is no geometry here.
+/// The decisions about the curved surfaces of a mesh. There is no geometry here.
 #pragma once
 
 #include <cstddef>

@@ -8,14 +8,14 @@ namespace {
 
 /// Columns that are one width apart, with steps of 1.94 widths, make one triangle per this number of squared widths.
 constexpr double kColumnArea = 0.97;
-/// See experiments.md, Prediction of curved patches, for these numbers. A bound on angles makes this many times as many
-/// faces in patches with columns.
+/// The source of the following numbers is experiments.md, Prediction of curved patches. A min angle makes this many
+/// times as many faces in patches with columns.
 constexpr double kFacesForAngle = 1.7;
 /// Most cylinders and cones are divided into strips, with triangles that are twice as long.
 constexpr double kFacesInStrips = 1.15;
-/// A ball has this many times the faces of equilateral triangles with the longest edges.
+/// A ball has this many times the faces that equilateral triangles with edges of the max length would have.
 constexpr double kCurvedFacesPerIdeal = 1.9, kCurvedFacesPerIdealByAngle = 1.6;
-/// Edges of a ball are this part of what its turn allows, because triangles are deeper than their edges.
+/// The edges of a ball are this part of the length that the turn allows, because triangles are deeper than their edges.
 constexpr double kEdgeOfBall = 0.866;
 
 }  // namespace

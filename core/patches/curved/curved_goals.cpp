@@ -3,10 +3,11 @@
 namespace remesh {
 namespace {
 
-/// A surface with more facets per turn is one that somebody had divided finely to be near to it. Others may be meant to
-/// have just these facets. The half leaves room for rounding.
+/// A surface with more facets per turn was divided finely in order to be near a curved surface. With fewer facets, the
+/// facets may be meant as they are. The half leaves room for rounding.
 constexpr double kMaxFacetsMeant = 32.5;
-/// Such a surface is remeshed with this number of edges per turn. Their chord height is 0.86 % of the radius.
+/// A surface with more facets is remeshed with this number of edges per turn. Their chord height is 0.86 % of the
+/// radius.
 constexpr double kEdgesOfFineSurfaces = 24;
 
 }  // namespace
@@ -22,7 +23,7 @@ CurvedGoals curved_goals_of(const Options& options, double diagonal) {
   if (options.surface_tolerance_fraction) goals.tolerance = *options.surface_tolerance_fraction * diagonal;
   goals.elements_per_circle = options.elements_per_circle;
   goals.is_automatic = are_fine_facets_coarsened(options);
-  // Vertices that must stay would be left behind.
+  // Vertices that must stay cannot follow a surface that moves outwards.
   goals.keeps_volume =
       options.circle_fit == CircleFit::kVolume && options.split_boundaries && !options.keep_boundary_vertices;
   const bool are_sizes_given = options.max_edge_length || options.max_edge_fraction || options.max_area ||

@@ -1,4 +1,4 @@
-/// Defines the goals for curved surfaces. They are the options as numbers.
+/// The goals for curved surfaces: the options, as numbers.
 #pragma once
 
 #include <optional>
@@ -10,13 +10,14 @@ namespace remesh {
 
 /// How finely curved surfaces are to be divided, and how far the result may be from them.
 struct CurvedGoals {
-  /// How far the curved parts of input and output may be apart, in model units. Empty: as far as the input's own facets
-  /// are from each surface.
+  /// The max distance between the curved parts of input and output, in model units. Empty: the distance of the input's
+  /// own facets from each surface.
   std::optional<double> tolerance;
   std::optional<double> elements_per_circle;  ///< the same number for all surfaces; empty: none, or see `is_automatic`
-  bool is_automatic = false;                  ///< surfaces with many facets per turn get fewer
+  bool is_automatic = false;                  ///< surfaces with many facets per turn get fewer of them
   bool keeps_volume = false;                  ///< surfaces are moved outwards, so that their volume is kept
-  /// Facets may stay because they are coarser: only these goals decide how many faces there are, and no volume is kept.
+  /// Facets may stay if they are coarser than joined patches: only these goals decide the number of faces, and no
+  /// volume is kept.
   bool may_coarser_facets_stay = true;
   bool is_refined = true;  ///< the patches are refined after facets were joined
   bool may_cut_boundaries = true;
@@ -25,8 +26,8 @@ struct CurvedGoals {
   /// Returns whether some surface may be remeshed with a number of edges per full turn.
   bool may_have_elements() const { return elements_per_circle || is_automatic; }
   /// Returns whether any surface may be remeshed. At the resolution of its own facets, a clean cylinder needs no fewer
-  /// triangles as a whole than facet by facet. So facets stay unless a tolerance or a number of elements says that they
-  /// may get coarser.
+  /// triangles as a whole than facet by facet. So facets stay unless a tolerance or a number of elements allows coarser
+  /// ones.
   bool is_any() const { return tolerance ? *tolerance > 0 : may_have_elements(); }
   /// Returns the number of edges per full turn with which a surface is remeshed, if there is one.
   std::optional<double> elements_of(const RecognisedSurface& surface) const;

@@ -19,17 +19,17 @@ constexpr double kMaxTurn = kHalfTurn / 3;
 
 /// At least this share of the tolerance is for the depth of edges.
 constexpr double kDepthShare = 0.9;
-/// This share of what is then left is for the way along the surface.
+/// This share of the rest is for the way along the surface.
 constexpr double kSidewaysShare = 0.9;
-/// Rounding must not make one piece more than was asked for.
+/// Rounding must not make one piece more than the goals require.
 constexpr double kRounding = 1e-6;
 
-/// A torus is not remeshed if what its tolerance leaves for the result is less than this part of the chord height of
+/// A torus is not remeshed if the tolerance that remains for the result is less than this part of the chord height of
 /// the input's facets.
 constexpr double kMinShare = 0.25;
 
-/// Edges at a torus are no deeper than this part of the tube's radius, whatever its distance from the axis allows.
-/// Otherwise a thin tube would vanish, and its normals would turn too far between old and new places.
+/// The depth of edges at a torus is at most this part of the tube's radius, even if the distance from the axis allows
+/// more. Otherwise a thin tube would vanish, and its normals would turn too far between old and new places.
 constexpr double kMaxPartOfTube = 0.25;
 
 /// Returns the largest distance of each surface's facets from its axis. For a sphere it is the radius.
@@ -83,7 +83,7 @@ std::vector<CurvedLimits> curved_limits(const Surface& surface, const PatchSet& 
     if (!SurfaceMap::can_map(s.shape)) continue;
     const std::optional<double> elements = goals.elements_of(s);
     if (!asked && !elements) continue;
-    // Facets that are hardly off their surface are known to the plane tolerance only.
+    // The distance of facets that hardly leave their surface is known only up to the plane tolerance.
     const double own = std::max(s.input_chord_height, plane_tolerance);
     const double excused = std::max(s.explained_height, plane_tolerance);
     const double turn = elements ? 2 * kHalfTurn / *elements : kMaxTurn;
@@ -100,12 +100,12 @@ std::vector<CurvedLimits> curved_limits(const Surface& surface, const PatchSet& 
       of_surface = {};
       continue;
     }
-    // Vertices of the input are off their surface by rounding. Edges between them are that much deeper, and the
-    // surface's normals at them turn that much more.
+    // Rounding moves the input's vertices off their surface. Edges between them are deeper by this distance, and the
+    // surface's normals at them turn more.
     of_surface.max_height = tolerance + plane_tolerance;
     if (s.shape.kind == SurfaceKind::kTorus) {
-      // On the inner half of a torus, edges around the axis lie outside of the tube and others inside. So the facets
-      // and the result may be on different sides, and their distances from the surface add up.
+      // On the inner half of a torus, edges around the axis lie outside of the tube and other edges inside. So the
+      // facets and the result may be on different sides, and their distances from the surface add up.
       of_surface.max_height = std::min(tolerance + plane_tolerance - own, kMaxPartOfTube * s.shape.minor_radius);
       if (of_surface.max_height < kMinShare * own) {
         of_surface = {};

@@ -12,8 +12,8 @@
 
 namespace remesh {
 
-/// Returns the limits of all surfaces. The tolerance is 0 for planes, for free regions, and for surfaces from which
-/// the input's own facets are farther than is allowed: no coarser result could be proven to be near enough to them.
+/// Returns the limits of all surfaces. The tolerance is 0 for planes, for free regions, and for surfaces whose own
+/// facets in the input are farther away than is allowed: then no coarser result could be proven to be near enough.
 /// Input:  the patches are the facets that were recognised.
 /// Cost:   O(n).
 std::vector<CurvedLimits> curved_limits(const Surface& surface, const PatchSet& facets,

@@ -11,8 +11,8 @@ namespace {
 
 /// Planes whose unit normals differ by no more than this are the same up to rounding.
 constexpr double kSamePlane = 1e-7;
-/// Lines whose unit directions differ by no more than this are the same. The directions of short edges are known no
-/// better, and vertices move by less than edges are long.
+/// Lines whose unit directions differ by no more than this are the same. The directions of short edges are not known
+/// more exactly, and vertices move by less than the length of edges.
 constexpr double kSameLine = 1e-4;
 
 /// A surface does not move a vertex if the plane there leaves no more than this sine of the angle between plane and
@@ -20,7 +20,7 @@ constexpr double kSameLine = 1e-4;
 constexpr double kMinFreeSine = 0.05;
 
 /// Two surfaces that meet at a small angle, and move by different offsets, would move a vertex far along them. The
-/// length of the way counts this much against its distances from where it should be.
+/// length of the vertex's way has this weight against the vertex's distances from the moved surfaces.
 constexpr double kWeightOfLength = 0.05;
 
 /// The directions in which a vertex may move: all, those in a plane, those along a line, or none.

@@ -1,4 +1,4 @@
-/// Tells where vertices of curved patches go if the surfaces are moved outwards.
+/// Computes where vertices of curved patches move if the surfaces are moved outwards.
 #pragma once
 
 #include <cstddef>
@@ -18,18 +18,19 @@ struct OffsetMove {
   Vec3 way;
 };
 
-/// The surfaces, planes and lines to which a vertex keeps while it is moved.
+/// The surfaces, planes and lines on which a vertex stays while it is moved.
 struct OffsetSite {
   std::vector<SurfaceId> surfaces;  ///< the curved surfaces there; each is named once
   std::vector<Vec3> planes;         ///< unit normals of the planar patches there
-  std::vector<Vec3> lines;          ///< unit directions of the edges there that have planar patches alone beside them
+  std::vector<Vec3> lines;          ///< unit directions of the edges there that have only planar patches beside them
 };
 
-/// Appends the moves of a vertex. It stays in the planes and on the lines, and moves out of all surfaces by their
-/// offsets, as well as it can. If a plane touches a surface there, the vertex does not move with that surface.
+/// Appends the moves of a vertex. It stays in the planes and on the lines, and moves away from each surface by that
+/// surface's offset, as nearly as possible. If a plane touches a surface there, the vertex does not move with that
+/// surface.
 /// Input:  `at` is the place of the vertex.
 /// Holds:  a vertex of one surface alone moves along its normal, by the offset times its lever. No way is much longer
-///         than that.
+///         than that product.
 void add_offset_moves(const Vec3& at, const OffsetSite& site, const RecognisedSurfaces& surfaces,
                       std::vector<OffsetMove>& moves);
 

@@ -13,12 +13,12 @@ namespace {
 /// The rest is for the way of boundaries along the surface.
 constexpr double kDepthOfBoth = 0.9;
 
-/// A torus may end where its tube is highest. The edges there are outside of it by less than this part of the distance
-/// of facets inside.
+/// A torus may end where its tube is highest. The edges there are outside of the tube by less than this part of the
+/// depth of facets inside.
 constexpr double kHardly = 0x1p-5;
 
-/// Tells of each surface whether it is a torus of which some facet is outside of the tube. An edge around the axis has
-/// its middle farthest outside.
+/// Returns for each surface whether it is a torus with a facet outside of the tube. An edge around the axis is farthest
+/// outside in its middle.
 std::vector<std::uint8_t> find_outside(const TorusFacets& input, RunControl& control) {
   std::vector<std::uint8_t> is_outside(input.recognised.surfaces.size(), 0);
   StopCheck check(control);

@@ -1,4 +1,4 @@
-/// Decides how far from a torus the result may be.
+/// Decides the max distance of the result from a torus.
 #pragma once
 
 #include <vector>
@@ -12,7 +12,7 @@
 
 namespace remesh {
 
-/// The facets of a surface, and what they were recognised as.
+/// The facets of a surface, and their recognised surfaces.
 struct TorusFacets {
   const Surface& surface;
   const PatchSet& facets;
@@ -20,9 +20,10 @@ struct TorusFacets {
   double plane_tolerance;  ///< model units
 };
 
-/// Changes the limits of tori to what their facets leave of the tolerance. On the outer half of the tube, facets and
-/// result are both inside of it, so their distances from the surface do not add up. On the inner half, edges around the
-/// axis are outside of the tube, and others inside. There, both have to be within the tolerance together.
+/// Reduces the limits of tori to the part of the tolerance that their facets do not use. On the outer half of the tube,
+/// facets and result are both inside of it, so their distances from the surface do not add up. On the inner half, edges
+/// around the axis are outside of the tube, and other edges are inside. There, the sum of both distances has to be
+/// within the tolerance.
 /// Input:  `limits` has one entry per surface, made from the same goals.
 /// Output: tori whose facets are hardly outside of the tube may be as deep as their boundaries. Other tori stay as they
 ///         are if `elements_per_circle` is given. Otherwise they leave room for the way of boundaries along the

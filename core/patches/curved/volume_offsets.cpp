@@ -18,7 +18,7 @@ namespace {
 /// A piece of a loop between two vertices that stay or are new. The patch is on its left.
 struct LoopPiece {
   VertexId from, to;
-  std::uint32_t half_edge;  ///< the input's half-edge along the piece, or where the chain begins that it is a part of
+  std::uint32_t half_edge;  ///< the input's half-edge along the piece, or the one where the piece's chain begins
 };
 
 /// Calls take(piece) for all pieces of a loop, in order.
@@ -48,7 +48,7 @@ Vec3 place_of(const CutPatches& cut, VertexId v) {
   return v.value < count ? cut.surface.positions[v] : cut.cuts.positions[v.value - count];
 }
 
-/// Collects what the vertices on boundaries of curved patches must keep.
+/// Collects the surfaces, planes and lines on which vertices on boundaries of curved patches must stay.
 class SiteFinder {
  public:
   SiteFinder(const CutPatches& cut, const CurvedPatches& curved, RunControl& control)
@@ -113,7 +113,7 @@ class SiteFinder {
       }
   }
 
-  /// Finds the edges that have planar patches alone beside them.
+  /// Finds the edges that have only planar patches beside them.
   void find_lines() {
     for_each_loop(false, [&](std::span<const std::uint32_t> loop) {
       for_each_piece(cut_, loop, [&](const LoopPiece& piece) {
@@ -167,7 +167,7 @@ class TrueCurve {
       }
       break;
     }
-    // Both patches beside a curve get the same one.
+    // Both patches beside a curve get the same trace.
     trace_ =
         is_other_first ? CurveTrace::choose(from_, to_, *other, shape) : CurveTrace::choose(from_, to_, shape, other);
   }
@@ -234,7 +234,7 @@ bool VolumeOffsets::move_outside(const CutPatches& cut, const OffsetChoices& cho
     const double offset = offsets_[patch.surface];
     if (offset == 0) continue;
     patch.map = offset_map(patch.map, offset, cut.surface.unit);
-    // Vertices that could not be moved are so far from the moved surface.
+    // Vertices that could not be moved are at this distance from the moved surface.
     patch.limits.max_height += std::fabs(offset) * levers[patch.surface];
   }
   return std::any_of(goals_.begin(), goals_.end(), [](const OffsetGoal& goal) { return goal.is_wanted; });

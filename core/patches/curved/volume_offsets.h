@@ -55,7 +55,7 @@ class VolumeOffsets {
   bool move_outside(const CutPatches& cut, const OffsetChoices& choices, CurvedPatches& curved, Surface& with_cuts,
                     RunControl& control);
 
-  /// Returns what each surface has to enclose. It is empty if no surface is moved.
+  /// Returns the goal of each surface: the volume to enclose, or the area. The result is empty if no surface is moved.
   const IdVector<SurfaceId, OffsetGoal>& goals() const { return goals_; }
   const IdVector<SurfaceId, double>& offsets() const { return offsets_; }
   /// Returns the moves of all vertices on boundaries of curved patches, from their places on the true surfaces.
@@ -64,8 +64,8 @@ class VolumeOffsets {
   /// Returns the offsets of regular polygons that turn as far as edges may: a scale for each surface.
   const IdVector<SurfaceId, double>& scales() const { return scales_; }
   /// Tells whether some vertices on the boundary of a surface cannot follow it, as where a plane touches it. If such a
-  /// surface were moved before it is refined, triangles at its boundary would have to climb, the steeper the smaller
-  /// they are. So its offset is 0 at first.
+  /// surface were moved before it is refined, the triangles at its boundary would be steep, and smaller triangles would
+  /// be steeper. So its offset is 0 at first.
   bool is_anchored(SurfaceId surface) const { return is_anchored_[surface] != 0; }
 
   /// Returns a surface if it is moved; otherwise those that are moved and share vertices with it.

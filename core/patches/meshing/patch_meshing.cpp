@@ -76,8 +76,8 @@ class Mesher {
     std::uint32_t index;
   };
 
-  /// Collects the essential corners of the patch's faces: those on its loops, and those where something else touches
-  /// its inside.
+  /// Collects the essential corners of the patch's faces: the corners on its loops, and the corners where another part
+  /// of the surface touches its inside.
   void collect_vertices(PatchId p) {
     corners_.clear();
     StopCheck check(control_);
@@ -108,7 +108,7 @@ class Mesher {
       }
   }
 
-  /// Collects the loops without the vertices that are not essential, and with those of new cuts.
+  /// Collects the loops without the vertices that are not essential, and with the vertices of new cuts.
   void collect_sides(PatchId p) {
     sides_.clear();
     StopCheck check(control_);
@@ -174,7 +174,7 @@ class Mesher {
   }
 
   /// Triangulates a curved patch whose rulings divide it into strips, in which no edge turns too far.
-  /// Output: whether they do.
+  /// Output: whether the rulings divide the patch.
   bool triangulate_strips(const CurvedChart& chart, const PatchMesh& patch, PatchTriangulation& triangulation) {
     StopCheck check(control_);
     positions_.clear();

@@ -19,7 +19,7 @@ BoundaryLoops boundary_loops(const Surface& surface, const Adjacency& adjacency,
         }
         return found;
       });
-  // In the end all boundary half-edges are walked. These are bits, because here the run uses most memory.
+  // In the end every boundary half-edge has been walked. The marks are bits, because memory use has its maximum here.
   std::vector<bool>& is_walked = loops.is_boundary;
   is_walked.resize(surface.corners.size());
   const auto close_patch = [&] {

@@ -23,13 +23,13 @@
 namespace remesh {
 namespace {
 
-/// After a face was found by this many growths that ended without it, only growths that already have their final plane
-/// may take it.
+/// After this many growths have found a face without taking it, only growths that already have their final plane may
+/// take it.
 constexpr std::uint8_t kMaxTrials = 8;
 
 constexpr std::size_t kBlock = 4096;
 
-/// The edges over which regions may grow at all.
+/// The joints: edges over which regions may grow.
 class Joints {
  public:
   /// Finds the joints between free faces.
@@ -85,7 +85,7 @@ class Growth {
 
  private:
   struct NewRegion {
-    bool is_thin;  ///< thin regions come after all others
+    bool is_thin;  ///< thin regions come after all thick ones
     Seed seed;
     Plane plane;
     Extent extent;
@@ -161,7 +161,7 @@ class Growth {
   }
 
   void number_regions(const std::vector<std::vector<NewRegion>>& found, std::span<const std::uint32_t> faces) {
-    // The values that comparisons need most often are copied to where they are quickly read.
+    // Copies of the values that comparisons read most often, close together in memory.
     struct Place {
       bool is_thin;
       double area;
@@ -201,7 +201,7 @@ class Growth {
 
   void grow_on(std::span<const std::uint32_t> island, Walk& walk) {
     std::size_t left = island.size();
-    // Thin faces become seeds only of what no other face has taken.
+    // Thin faces become seeds only where no other face has taken them.
     for (const bool thin : {false, true}) {
       const auto is_free = [&](FaceId f) { return stamp_[f.value] != kTaken && rule_.is_thin(f) == thin; };
       walk.seeds.begin(island);
@@ -300,7 +300,7 @@ class Growth {
     }
   }
 
-  /// Marks faces as taken. The seed's number stands for the region's until all regions are known.
+  /// Marks faces as taken. Until all regions are known, the seed's number stands for the region's number.
   void take(std::span<const std::uint32_t> faces, FaceId seed) {
     for_blocks(faces.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
@@ -328,7 +328,7 @@ class Growth {
   Joints joints_;
   // The following are about the new regions.
   std::vector<FaceId> seeds_;
-  std::vector<double> heights_;  ///< height of each one's highest face
+  std::vector<double> heights_;  ///< by region: the height of its highest face
 };
 
 }  // namespace

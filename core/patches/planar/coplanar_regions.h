@@ -15,9 +15,9 @@ namespace remesh {
 ///         the opposite orientation. If a face is too thin for its normal to be meaningful (height under two
 ///         tolerances), only its corners are tested. Two triangles are not joined over their common edge if they bend
 ///         there by more than the digits they are printed with explain, and by more than kUnquestionedBend, even if a
-///         plane is near enough: more is known about four corners than about many. Regions are edge-connected. They do
-///         not creep along a curved surface, because all faces are tested against the one final plane. Neither the
-///         order of faces and vertices nor scaling by powers of two changes the regions.
+///         plane is near enough: for four corners the bend can be tested exactly, for many it cannot. Regions are
+///         edge-connected. They do not creep along a curved surface, because all faces are tested against the one final
+///         plane. Neither the order of faces and vertices nor scaling by powers of two changes the regions.
 /// Cost:   O(n log n); on the caller's TBB arena. The parallel parts are islands, which are faces connected over edges
 ///         whose two faces may fit one plane.
 /// Source: J. Vermaak, The Surface Remeshing Module in ChiTech, 2018, section 2; rules.md, Coplanarity;

@@ -59,7 +59,7 @@ bool Coplanarity::are_apart(FaceId f, FaceId g) const {
   const double cosine = dot(geometry_[f].normal, geometry_[g].normal);
   if (cosine > kNearlyFlat || is_thin(f) || is_thin(g)) return false;
   const double a = squared_sine(f, tolerance(f)), b = squared_sine(g, tolerance(g));
-  // The right side is the cosine of the sum of the two angles. A little is added for rounding.
+  // The right side is the cosine of the sum of the two angles. The small constant covers rounding.
   return a < 1 && b < 1 && cosine + 1e-12 < std::sqrt((1 - a) * (1 - b)) - std::sqrt(a * b);
 }
 

@@ -20,7 +20,7 @@ namespace remesh {
 /// whole tolerance is allowed.
 inline constexpr double kBand = 0.5;
 
-/// The part of a fitted plane's root mean square distance that may be rounding, in local units.
+/// The part of the root mean square distance from a fitted plane that may be rounding, in local units.
 inline constexpr double kFitRounding = 1e-7;
 
 /// The plane tolerance on a rung of the ladder, in the units of `tolerance`. `floor` is kToleranceFloor in these units.
@@ -100,21 +100,21 @@ class Coplanarity {
   /// Neighbours are not apart if the cosine of the angle between their normals is above this, as it is in most cases.
   static constexpr double kNearlyFlat = 0.9999;
 
-  /// The square of the sine of the angle that a face may have to its plane. It is what the distance explains, and at
-  /// least what the normal tolerance per component allows.
+  /// The square of the sine of the max angle between a face and its plane. The angle is the one that the distance
+  /// explains, and at least the one that the normal tolerance per component allows.
   double squared_sine(FaceId f, double tol) const {
     const double sine = std::max(rule_.normal_tolerance, kThinFace * tol / geometry_[f].height);
     return 3 * sine * sine;
   }
 
-  /// Returns whether the normals of neighbours, given the cosine of their angle, differ so little that no bend is
-  /// looked for. The normal tolerance per component is allowed in any case.
+  /// Returns whether the normals of neighbours, given the cosine of their angle, differ so little that no test for a
+  /// bend is needed. The normal tolerance per component is allowed in any case.
   bool is_unquestioned(double cosine) const {
     return 1 - cosine <= std::max(kUnquestionedBend, 1.5 * rule_.normal_tolerance * rule_.normal_tolerance);
   }
 
-  /// Returns whether two neighbours have nearly the same normal, as most have. Then they are not apart, and there is no
-  /// bend.
+  /// Returns whether two neighbours have nearly the same normal, as most neighbours do. Then they are not apart, and
+  /// there is no bend.
   bool are_flat(FaceId f, FaceId g) const {
     const double cosine = dot(geometry_[f].normal, geometry_[g].normal);
     return cosine > kNearlyFlat && is_unquestioned(cosine);

@@ -13,7 +13,8 @@
 namespace remesh {
 namespace {
 
-/// Simplification looks at each vertex of a run at most this often on average. Vertices that are left then stay.
+/// The max number of times, on average, that simplification looks at a vertex of a run. All vertices that remain after
+/// that stay.
 constexpr std::size_t kMaxLooks = 64;
 
 /// The position of a point relative to a chord: its distance from the chord, and its place along it (0 at the start, 1
@@ -30,7 +31,7 @@ ChordPosition about_chord(const Vec3& a, const Vec3& b, const Vec3& p) {
   return {norm(cross(ab, ap)) / std::sqrt(length_squared), along};
 }
 
-/// The edges between patches, and those of them at each vertex.
+/// The edges between patches, and the edges of this kind at each vertex.
 class BoundaryEdges {
  public:
   BoundaryEdges(const Surface& surface, const Adjacency& adjacency, const BoundaryLoops& loops, RunControl& control)
@@ -45,7 +46,7 @@ class BoundaryEdges {
       ++degree_[high(e).value];
     }
     vertices_ = select_ids<VertexId>(vertices, kItemsPerBlock, control, [&](std::size_t v) { return degree_[v] > 0; });
-    // Most vertices have none, and nothing is written for them.
+    // Most vertices have no boundary edges, and for them nothing is written.
     first_.resize(vertices);
     std::uint32_t all = 0;
     for (const VertexId v : vertices_) {
@@ -163,8 +164,8 @@ class Selection {
     simplify(0, run_.size() - 1);
   }
 
-  /// Simplifies a closed boundary without a corner. It is anchored at its smallest vertex and at the one farthest from
-  /// that.
+  /// Simplifies a closed boundary without a corner. Its anchors are its smallest vertex and the vertex farthest from
+  /// there.
   void close_ring(VertexId start) {
     run_.assign(1, start);
     EdgeId e = boundary_.edges_at(start)[0];
@@ -193,9 +194,9 @@ class Selection {
       for (const VertexId v : run_) essential_[v] = 1;
   }
 
-  /// Makes as many vertices of a run essential, between two that are, as the tolerance requires. It takes the one
-  /// farthest from the chord, and then does the same on both sides (Douglas and Peucker, 1973). Among equally far
-  /// vertices, the one at the smallest place counts.
+  /// Makes vertices of a run essential, between two essential vertices, where the tolerance requires this. The vertex
+  /// farthest from the chord becomes essential, and then both sides of it are treated in the same way (Douglas and
+  /// Peucker, 1973). Among equally far vertices, the one at the smallest place counts.
   void simplify(std::size_t begin, std::size_t end) {
     std::size_t looks = 0;
     spans_.assign(1, {begin, end});

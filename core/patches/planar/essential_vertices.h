@@ -21,9 +21,8 @@ struct EssentialVertices {
 };
 
 /// Marks the essential vertices.
-/// Input:   vertices in `forced` stay in any case: those that the ladder has forced, or all with
-///          keep_boundary_vertices. `pinched` are those that pinched_vertices finds. The plane tolerance is in local
-///          units.
+/// Input:   vertices in `forced` stay in any case: the ladder forces some, and keep_boundary_vertices forces all of
+///          them. `pinched` are the vertices that pinched_vertices finds. The plane tolerance is in local units.
 /// Output:  the vertices that stay. A vertex inside a patch stays only if it is also a corner of a face that is not
 ///          connected there. Then the triangulation of the patch must have it as a point.
 /// Holds:   a vertex goes only if

@@ -51,7 +51,7 @@ FaceRungs one_rung_up(FaceRungs rungs, std::span<const FailedFaces> failed, std:
 /// them any more, so the surface itself has to become another one.
 std::optional<std::vector<FaceId>> exhausted_faces(const FaceRungs& rungs, std::span<const FailedFaces> failed);
 
-/// What the rungs of the input faces mean for the faces and vertices of a surface.
+/// The meaning of the input faces' rungs for the faces and vertices of a surface.
 struct SurfaceRungs {
   /// Faces share a region only if they are in the same zone: zones come from labels and from failures. Empty if all
   /// faces are in one zone.

@@ -54,8 +54,8 @@ std::vector<Diagonal> diagonals_of(const Surface& surface, const Triangulated& f
   return all;
 }
 
-/// Calls add(f, g) for each polygon f and other face g such that an edge of g is a diagonal of f. However the polygon
-/// is split, the two touch. Stops and returns false if add returns false.
+/// Calls add(f, g) for each polygon f and other face g such that an edge of g is a diagonal of f. Whatever the split of
+/// the polygon, the two touch. Stops and returns false if add returns false.
 template <class Add>
 bool for_each_edge_on_a_diagonal(const Surface& surface, const Triangulated& faces, RunControl& control,
                                  const Add& add) {
@@ -75,7 +75,7 @@ bool for_each_edge_on_a_diagonal(const Surface& surface, const Triangulated& fac
   return true;
 }
 
-/// Tells how much of the search for intersections was done.
+/// Reports which part of the search for intersections was done.
 Diagnostic incomplete_check(const SelfIntersections& found, std::size_t faces) {
   const double left = (1 - found.searched) * static_cast<double>(faces);
   const auto text = [](const char* format, double x) {

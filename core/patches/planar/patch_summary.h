@@ -32,7 +32,8 @@ struct PatchSummary {
 
 struct PatchSummaries {
   std::vector<PatchSummary> patches;
-  /// The number of triangles that the patches' loops and points require (Euler). If none fails, they get as many.
+  /// The number of triangles that the patches' loops and points require (Euler). If no patch fails, the result has this
+  /// number.
   std::uint64_t triangles = 0;
   /// The sum over all patches of their area times the distance between the two planes, one below and one above the
   /// patch's own, between which the patch lies. In cubed model units.

@@ -58,7 +58,7 @@ class FirstFaces {
 
   const Regions& regions_;
   std::vector<std::uint32_t> first_of_region_;
-  UnionFind pieces_;  ///< pieces of regions that may not be connected; empty if all regions are
+  UnionFind pieces_;  ///< pieces of the regions that may be disconnected; empty if there are none
 };
 
 /// Numbers the edge-connected pieces of regions by their first faces.

@@ -15,13 +15,13 @@
 namespace remesh {
 namespace {
 
-/// Until a region has doubled, all its faces are tested against new planes at most this often for the sake of much
-/// smaller regions.
+/// Until a region has doubled, all its faces are tested against new planes at most this often when much smaller regions
+/// are to be joined to it.
 constexpr std::uint8_t kMaxWalks = 8;
 /// A region this many times as large as another one is much larger.
 constexpr std::size_t kMuchLargerRegion = 4;
-/// The number of faces that are remembered for each region because they did not fit a plane. If another plane is no
-/// better, they show it soon.
+/// The number of faces that are stored for each region because they did not fit a plane. If another plane is no better,
+/// these faces soon show it.
 constexpr std::size_t kMaxWitnesses = 8;
 
 constexpr std::size_t kMergeBlock = 4096;
@@ -42,14 +42,14 @@ class Merging {
   void run() {
     if (first_region_ == regions_.planes.size()) return;
     pieces_.resize(regions_.planes.size() - first_region_);
-    // All faces of a region are on one rung of the ladder.
+    // All faces of a region are on the same rung of the ladder.
     for_blocks(pieces_.size(), kMergeBlock, control_, [&](std::size_t r, std::size_t end) {
       for (; r < end; ++r) pieces_[r] = {rule_.tolerance(seeds_[r]), heights_[r], kNone, !rule_.is_single(seeds_[r])};
     });
     Pairs pairs = bordering_pieces();
     if (pairs.empty()) return;  // on most surfaces
     joined_ = UnionFind(pieces_.size());
-    // Each pass may make neighbours of regions that were not. Few passes are needed.
+    // Each pass may make regions neighbours that were not neighbours before. Few passes are needed.
     constexpr int kMaxPasses = 8;
     for (int pass = 0; pass < kMaxPasses; ++pass) {
       gather(pairs);

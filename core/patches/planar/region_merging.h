@@ -1,4 +1,4 @@
-/// Joins regions that have one plane after all.
+/// Joins regions that lie in one plane.
 #pragma once
 
 #include <cstdint>
@@ -9,10 +9,11 @@
 
 namespace remesh {
 
-/// Joins neighbouring regions that have one plane after all. Growth begins with the plane of a single face. On a thin
-/// frame, that plane is wrong at the far end by many times the rounding, and all corners together give a better one.
-/// Two regions at a time are tested against two planes: the larger region's, and the one nearest to the corners of
-/// both. Each plane is shifted to the middle of the corners. Pairs of which one region has grown are tried again.
+/// Joins neighbouring regions that lie in one plane, although growth has separated them. Growth begins with the plane
+/// of a single face. On a thin frame, that plane is wrong at the far end by many times the rounding, and all corners
+/// together give a better one. Two regions at a time are tested against two planes: the larger region's, and the one
+/// nearest to the corners of both. Each plane is shifted to the middle of the corners. Pairs of which one region has
+/// grown are tested again.
 /// Input:  the regions from `first_region` on; for each of them a face, and the height of its highest face. Older
 ///         regions are not changed.
 /// Holds:  the promises of coplanar_regions about regions. A region that was joined to another one has no faces any

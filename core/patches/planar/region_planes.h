@@ -56,7 +56,7 @@ class RegionPlanes {
   RegionPlanes(const Surface& surface, const FaceGeometries& geometry, const Coplanarity& rule, RunControl& control)
       : surface_(surface), geometry_(geometry), rule_(rule), control_(control) {}
 
-  /// Finds the plane of an island that fits one, as most do. Growing would find the same region.
+  /// Finds the plane of an island that fits one, as most islands do. Growing would find the same region.
   /// Output: empty if the ladder made the seed a region of its own, or if no plane was found that fits all faces.
   std::optional<FittedPlane> of_all(FaceId seed, std::span<const std::uint32_t> island) const;
 

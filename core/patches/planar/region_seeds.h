@@ -27,14 +27,14 @@ struct Seed {
 };
 
 /// Gives some faces in the order of seeds. Most faces get their region from another face, so that only a few are ever
-/// needed as seeds. Therefore each block of faces knows its first one, and is searched again when that one has been
+/// needed as seeds. Therefore each block of faces stores its first seed, and is searched again when that seed has been
 /// taken.
 class Seeds {
  public:
   Seeds(const Surface& surface, const FaceGeometries& geometry, RunControl& control)
       : surface_(surface), geometry_(geometry), control_(control) {}
 
-  /// Starts with other faces. The span must exist as long as `next` is called.
+  /// Starts again with these faces. The span must exist as long as `next` is called.
   void begin(std::span<const std::uint32_t> faces) {
     faces_ = faces;
     looks_left_ = kLooks * faces.size();

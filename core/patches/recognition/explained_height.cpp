@@ -6,10 +6,11 @@
 namespace remesh {
 namespace {
 
-/// Of the turns before and behind a facet, one that is below this part of the other one is no turn in that direction.
+/// If a facet turns in one direction by less than this part of its turn in the opposite direction, the smaller one
+/// counts as no turn.
 constexpr double kNoTurn = 0.2;
 
-/// A corner that is nearer to the axis than this part of the others' distance is an apex.
+/// A corner is an apex if its distance from the axis is below this part of the other corners' distance.
 constexpr double kNearApex = 0.02;
 
 double angle_of(double sine) { return std::asin(std::clamp(sine, -1.0, 1.0)); }
@@ -49,7 +50,7 @@ double height_along(const FacetGraph& graph, const AnalyticSurface& shape, Patch
   graph.for_each_corner(p, [&](const Vec3& q) { farthest = std::max(farthest, shape.distance_from_axis(q)); });
   graph.for_each_corner(p, [&](const Vec3& q) {
     width.add(dot(q, direction));
-    // In an apex, rounding alone says where the normal points.
+    // In an apex, the direction of the normal is mere rounding.
     if (shape.distance_from_axis(q) > kNearApex * farthest) turn.add(angle_of(dot(shape.normal(q), direction)));
   });
   const double own = dot(graph.normal(p), direction);

@@ -8,7 +8,7 @@
 namespace remesh {
 namespace {
 
-/// A plane meets a curved surface in a facet of few corners. A facet with more is flat in itself.
+/// A facet of a curved surface has few corners. A facet with more than this is flat in itself.
 constexpr std::uint32_t kMaxCorners = 12;
 
 }  // namespace

@@ -20,12 +20,13 @@ namespace {
 constexpr double kDegreesOfRadian = 180 / std::numbers::pi;
 constexpr double kFullTurnOfFacets = 2 * std::numbers::pi;
 
-/// A neighbour lies beside a facet in a direction if its middle is that part of the facet's width away.
+/// A neighbour counts as beside a facet in a direction if their middles are at least this part of the facet's width
+/// apart.
 constexpr double kPartOfWidth = 0.25;
-/// A direction counts if facets of this part of the area have neighbours in it.
+/// A direction counts if at least this part of the area belongs to facets with neighbours in it.
 constexpr double kPartOfArea = 0.1;
 
-/// More than this part of a facet's turn is a turn from corner to corner.
+/// A turn from one corner to the next counts if it is more than this part of the facet's turn.
 constexpr double kPartOfSteps = 0.02;
 
 /// An interval of angles.
@@ -42,7 +43,7 @@ struct AngleRange {
 /// The directions in which facets have neighbours: around the axis, and across that.
 constexpr std::size_t kAroundAxis = 0, kAcrossAxis = 1, kTurnDirections = 2;
 
-/// By how much the surface turns from a facet to its neighbours in each direction. 0 stands for no neighbour.
+/// The turn of the surface from a facet to its neighbours, in each direction. 0 means that there is no neighbour.
 using FacetTurn = std::array<double, kTurnDirections>;
 
 /// The angles of places around the axis of a surface, and around the tube of a torus.
@@ -60,8 +61,8 @@ class Turning {
     return std::hypot(dot(q, x_), dot(q, y_));
   }
 
-  /// Returns whether a corner has an angle. Near the axis, as at the apex of a cone, rounding alone decides the angle
-  /// around it. `largest` is the largest radius of a corner of the facet.
+  /// Returns whether a corner has an angle. Near the axis, as at the apex of a cone, the angle around the axis is mere
+  /// rounding. `largest` is the largest radius of a corner of the facet.
   bool has_angle(std::size_t direction, const Vec3& place, double largest) const {
     constexpr double kNearAxis = 0.25;
     return direction == kAroundAxis ? radius_of(place) > kNearAxis * largest : shape_.kind == SurfaceKind::kTorus;
@@ -262,7 +263,7 @@ struct WeighedTurn {
   }
 };
 
-/// Returns the turn that those of half of the area are below.
+/// Returns the weighted median of turns: half of the area has smaller ones.
 double median_turn(std::vector<WeighedTurn>& turns, RunControl& control) {
   sort_stoppable(turns.begin(), turns.end(), control);
   double total = 0, sum = 0;
@@ -274,7 +275,7 @@ double median_turn(std::vector<WeighedTurn>& turns, RunControl& control) {
   return 0;
 }
 
-/// Returns whether a surface hardly turns as a whole, as a plane does whose facets rounding has tilted.
+/// Returns whether a surface as a whole hardly turns. Such a surface is a plane whose facets rounding has tilted.
 /// Input: `tolerance` - how far rounding may have moved corners, in model units.
 bool is_nearly_flat(const Facets& facets, const FacetGraph& graph, std::span<const PatchId> of_surface,
                     double tolerance, StopCheck& check) {

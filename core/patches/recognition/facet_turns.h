@@ -16,8 +16,8 @@ namespace remesh {
 ///    largest.
 ///  - Along the profile of a surface of revolution, it is the angle between neighbouring bands.
 /// The turns of a direction count by the areas of the facets, and their median is taken. A direction in which nearly no
-/// facet has a neighbour of the same surface does not count. The direction with the fewest facets is the one that
-/// counts, and bands have the number of their surface of revolution.
+///   facet has a neighbour of the same surface does not count. The result is the number of the direction with the
+///   fewest facets. Bands get the number of their surface of revolution.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:   O(n log n) in the facets.
 void measure_turns(const Facets& facets, const FacetGraph& graph, RecognisedSurfaces& recognised, RunControl& control);

@@ -12,13 +12,14 @@
 
 namespace remesh {
 
-/// The patches of a surface, with what recognition reads of them.
+/// The patches of a surface, with the data of them that recognition reads.
 struct Facets {
   const Surface& surface;
   const Adjacency& adjacency;
   const PatchSet& patches;
   const BoundaryLoops& loops;
-  /// None of them was forced (see Ladder). The others may lie on chords, which are inside of a curved surface.
+  /// No vertex was forced to be essential (see Ladder). Forced vertices may lie on chords, which are inside of a curved
+  /// surface.
   const EssentialVertices& essential;
   const std::vector<PatchSummary>& summaries;
 };
@@ -27,11 +28,11 @@ struct Facets {
 /// for the result.
 struct RecognitionRules {
   double feature_angle_deg = 30;
-  /// The largest distance of a facet's corner from its surface, in model units, that the rounding of the input's
-  /// coordinates explains where that is proven, with what programs compute less exactly than they print.
+  /// The largest distance of a facet's corner from its surface, in model units, that the proven rounding of the input's
+  /// coordinates explains. It includes the errors of programs that compute less exactly than they print.
   double tolerance = 0;
-  /// The distance that the digits of the coordinates explain alone, proven or not. Where facets are so far from their
-  /// surface that this is little beside their chord height, corners may be off by as much.
+  /// The distance that the printed digits explain alone, proven or not. Where the facets' chord height is much larger
+  /// than this distance, corners may be off by as much.
   double printed = 0;
 };
 

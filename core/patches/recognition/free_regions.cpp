@@ -7,7 +7,7 @@
 namespace remesh {
 namespace {
 
-/// Fewer facets that nobody claims are no region.
+/// A region has at least this many facets that no claim has.
 constexpr std::size_t kMinRegion = 40;
 
 }  // namespace

@@ -1,4 +1,4 @@
-/// Regions of facets that may be curved, but that nobody claims.
+/// Regions of facets that may be curved, but belong to no claim.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,8 @@ class FreeRegions {
   /// Cost:   O(n).
   FreeRegions(const FacetGraph& graph, const ClaimTable& table, RunControl& control);
 
-  /// Returns the area of the region of a facet. It is 0 if the facet belongs to no region, or to one of few facets,
-  /// which are planes rather than a surface of their own.
+  /// Returns the area of the region of a facet. It is 0 if the facet belongs to no region, or to a region of few
+  /// facets, which are planes rather than a surface of their own.
   double area_of(PatchId p) const { return region_of_[p] == kNone ? 0 : area_[region_of_[p]]; }
 
  private:

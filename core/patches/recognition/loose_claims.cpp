@@ -17,7 +17,7 @@ namespace {
 
 constexpr std::size_t kMinFacets = 8, kMinCornersPerParameter = 2;
 constexpr double kMinRise = 8, kMuchNearer = 0.5;
-/// The least cosine of the angle between a facet and the surface in its middle.
+/// The min cosine of the angle between a facet's normal and the surface's normal in its middle.
 constexpr double kMinCosine = 0.8;
 
 /// The places of a claim's facets and corners on its surface.
@@ -69,7 +69,7 @@ class LooseClaim {
     return std::atan2(z, norm(q - z * axis_) - shape_.radius);
   }
 
-  /// Returns the largest part of a full turn that has none of some angles, and where it ends.
+  /// Returns the largest gap between some angles, as a part of a full turn, and where the gap ends.
   std::pair<double, double> largest_gap(std::vector<double> angles) const {
     sort_stoppable(angles.begin(), angles.end(), control_);
     double gap = angles.front() + 2 * std::numbers::pi - angles.back(), end = angles.front();
@@ -88,7 +88,8 @@ class LooseClaim {
     return 2 * std::numbers::pi - largest_gap(std::move(angles)).first;
   }
 
-  /// Returns whether the claim rises far enough in each direction in which its surface bends.
+  /// Returns whether the claim rises far enough in each direction in which its surface bends, so that the bend is
+  /// certain.
   bool rises() const {
     const double min_rise = kMinRise * claim_.deviation;
     const auto rise = [](double radius, double sweep) {
@@ -111,7 +112,7 @@ class LooseClaim {
   }
 
   /// Returns whether all facets look as a surface does in their middles. A torus whose tube is highest at the corners
-  /// of a ring is near to all of them, however far they are off, but looks another way.
+  /// of a ring is near to all corners, however badly it fits, but its normals differ.
   bool faces_as(const AnalyticSurface& s) const {
     bool faces = true;
     for (const FacetPlace& place : places_) {

@@ -1,4 +1,5 @@
-/// Tells what the facets of a mesh were made from: the surfaces that were recognised, and which patch belongs to which.
+/// The surfaces that were recognised, from which the facets of a mesh were made, and which patch belongs to which
+/// surface.
 #pragma once
 
 #include <cstdint>
@@ -19,7 +20,7 @@ struct PatchSet;
 enum class FreeReason : std::uint8_t {
   kNone,
   kNoKindFits,  ///< no kind comes within the tolerance of all vertices
-  kFewFacets,   ///< a kind fits, but so few facets prove nothing
+  kFewFacets,   ///< a kind fits, but the facets are too few to prove it
   /// A kind fits all vertices, but the facets are cut so unevenly that they are probably meant to be flat.
   kUnevenFacets
 };
@@ -49,26 +50,26 @@ struct RecognisedSurface {
   double area = 0;          ///< area of the facets
   double input_chord_height =
       0;  ///< largest distance of the input's facets from the surface; 0 for planes and free ones
-  /// The part of `input_chord_height` that the turns between the facets explain: their own chord height, if they sample
+  /// The part of `input_chord_height` that the turns between the facets explain: the chord height of facets that sample
   /// the surface as a tessellation does.
   double explained_height = 0;
   double input_turn_deg = 0;  ///< largest angle by which the surface turns along an edge of a facet
-  /// How many facets a full turn of the surface has in the direction in which they are fewest; see measure_turns. 0 if
-  /// no facet has a neighbour to which the surface turns.
+  /// The number of facets in a full turn of the surface, in the direction with the fewest; see measure_turns. 0 if no
+  /// facet has a neighbour to which the surface turns.
   double facets_per_turn = 0;
   double sweep_deg = 0;      ///< how much of a full turn around the axis the facets cover; 360 if all of it
   double tolerance = 0;      ///< all essential vertices lie within this distance of the surface
   double deviation = 0;      ///< the largest distance of an essential vertex from the surface
-  double allowed = 0;        ///< the surface tolerance in force: how far input and output may be apart on this surface
+  double allowed = 0;        ///< the surface tolerance in force: max distance of input and output on this surface
   bool is_remeshed = false;  ///< facets of it were joined, and are remeshed as a whole
   /// The number of edges per full turn with which it is remeshed. Empty: facets stay, or a tolerance alone decides.
   std::optional<double> elements_per_circle;
   double bound = 0;  ///< the largest proven distance between input and output of one of its patches
-  /// How far vertices lie outside of the surface, so that its volume is kept. Empty if they lie on it.
+  /// The distance of vertices outside of the surface by which its volume is kept. Empty if vertices lie on the surface.
   std::optional<double> outside;
   SurfaceSide side = SurfaceSide::kConvex;  ///< it has no meaning for planes and free regions
   Box3 extent;                              ///< the bounding box of the facets
-  /// A band of a surface of revolution: that surface. It is invalid for all others.
+  /// For a band: the surface of revolution of which it is a part. It is invalid for all other surfaces.
   SurfaceId whole;
   // The following are for free regions only.
   FreeReason reason = FreeReason::kNone;
@@ -83,14 +84,14 @@ struct RecognisedSurfaces {
   IdVector<SurfaceId, RecognisedSurface> surfaces;
   IdVector<PatchId, SurfaceId> of_patch;  ///< every patch belongs to one; to a band rather than to its whole
 
-  /// Returns a copy. A mesh may have a surface for each of its faces, and a record is large, so this takes time.
+  /// Returns a copy. This takes time, because a mesh may have a surface for each of its faces, and a record is large.
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
   RecognisedSurfaces copy(RunControl& control) const;
 
-  /// Gives the same surfaces to other patches of the same faces. Each belongs to the surface of its first face.
+  /// Moves the surfaces to other patches of the same faces. Each new patch belongs to the surface of its first face.
   void follow(const PatchSet& before, const PatchSet& now);
 
-  /// Removes the bands. Their patches belong to the surfaces of revolution then, and so do their tolerances and bounds.
+  /// Removes the bands. Then their patches, tolerances and bounds belong to the surfaces of revolution.
   void join_bands();
 };
 

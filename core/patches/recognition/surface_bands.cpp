@@ -98,7 +98,7 @@ class BandJoiner {
 
   /// Makes one surface of revolution of some bands.
   void join(std::span<const std::uint32_t> group, std::span<const std::optional<Band>> bands) {
-    // The errors of the bands' axes are independent.
+    // The axes of the bands have independent errors, so a mean is taken.
     const Vec3 direction = canonical_direction(bands[group.front()]->shape.axis);
     Vec3 axes, centres;
     for (const std::uint32_t c : group) {

@@ -7,8 +7,8 @@
 
 namespace remesh {
 
-/// Joins claims for cones and cylinders about one axis, which meet smoothly, to surfaces of revolution. They have no
-/// sphere or torus in common, or that would have replaced them.
+/// Joins claims for cones and cylinders about one axis, which meet smoothly, to surfaces of revolution. They are no
+/// pieces of a common sphere or torus, because such a surface would have replaced them.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 void join_bands(const FacetGraph& graph, ClaimTable& table, RunControl& control);
 

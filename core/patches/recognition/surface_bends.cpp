@@ -16,29 +16,30 @@ namespace {
 /// A torus with corners at no more than this number of angles around its axis is a short piece of its tube.
 constexpr std::size_t kMaxAngles = 3;
 
-/// Two corners are at one angle if there is less than this part of the largest step between angles between them.
+/// Two corners have the same angle if their angles differ by less than this part of the largest step between angles.
 constexpr double kSameAngle = 0.1;
 
-/// A side crosses the tube if the cosine between the two is below this. Two tubes go on into each other only if the
-/// cosine between them is above the other.
+/// A side crosses the tube if the cosine between the two is below the first number. Two tubes continue each other only
+/// if the cosine between them is above the second.
 constexpr double kAcrossTube = 0.5, kAlongTube = 0.7;
 
-/// Two tubes have the same radius if it differs by no more than this many tolerances.
+/// Two tubes have the same radius if their radii differ by at most this many tolerances.
 constexpr double kSameRadius = 4;
 
 /// Two rows are alike if neither is longer than the other by this factor.
 constexpr double kAlikeRows = 2.5;
 
-/// A bend shows if the tube is off a row by more than this multiple of the distance of the row's corners, and this
-/// part of the tolerance, which is what rounding takes of it.
+/// A bend shows if the tube's distance from a row is more than this multiple of the distance of the row's corners, and
+/// this part of the tolerance, which covers rounding.
 constexpr double kDeviations = 2, kRoundingPart = 0.1;
 
-/// A tube bends at a claim if it does so at this part of the sides across it. For the first part, the next piece of the
-/// tube is a claim as well. For the second, it may also be free facets, or the next torus, which say less.
+/// A tube bends at a claim if it bends at this part of the sides across it. The first number is for sides where the
+/// next piece of the tube is a claim as well. The second one is for sides with free facets or another torus, which
+/// prove less.
 constexpr double kMinBend = 0.4, kMinFreeBend = 0.8;
 
-/// A claim at the end of a tube has one side only where the tube may go on. It is a piece of the free facets beyond if
-/// its area is below this part of theirs.
+/// A claim at the end of a tube has only one side where the tube may continue. It is a piece of the free facets beyond
+/// if its area is below this part of their area.
 constexpr double kMaxEnd = 0.2;
 
 /// A tube at one place.
@@ -90,8 +91,8 @@ class BendDropper {
   struct Bends {
     double across = 0;     ///< the length of all such sides
     double smooth = 0;     ///< the length of the sides with a facet beyond
-    double of_claims = 0;  ///< the tube goes on beyond these sides as another claim, in another direction
-    double any = 0;        ///< the tube goes on beyond these sides in another direction
+    double of_claims = 0;  ///< of sides beyond which another claim continues the tube in another direction
+    double any = 0;        ///< of sides beyond which the tube continues in another direction
   };
 
   void drop(std::uint32_t c) {
@@ -114,7 +115,7 @@ class BendDropper {
     return q.is_valid() && table_.owner[q] == table_.owner[claim.facets.front()];
   }
 
-  /// Returns whether a claim is so short a piece of a tube that something round fits always.
+  /// Returns whether a claim is so short a piece of a tube that some round surface always fits.
   bool is_short(const SurfaceClaim& claim) {
     if (claim.shape.kind == SurfaceKind::kTorus) return has_few_angles(claim);
     std::vector<VertexId> corners, border;
@@ -145,7 +146,7 @@ class BendDropper {
     std::vector<double> steps;
     for (std::size_t i = 1; i < angles.size(); ++i) steps.push_back(angles[i] - angles[i - 1]);
     steps.push_back(angles.front() + 2 * std::acos(-1.0) - angles.back());
-    // The largest step of all leads around the other side, where the torus has no facets.
+    // The largest of all steps leads around the other side, where the torus has no facets.
     sort_stoppable(steps.begin(), steps.end(), control_, std::greater<>());
     std::size_t count = 1;
     while (count < steps.size() && steps[count] > kSameAngle * steps[1]) ++count;
@@ -164,10 +165,11 @@ class BendDropper {
 
   enum class Beyond : std::uint8_t { kEnd, kTube, kFreeBend, kBend };
 
-  /// Returns what comes beyond a smooth side of a claim that crosses its tube. If the tube bends there by an angle over
-  /// a row, the row is off the tube by an eighth of their product, or else the bend is none.
+  /// Returns what follows beyond a smooth side of a claim that crosses its tube. If the tube bends there by an angle
+  /// over a row, the row's distance from the tube is an eighth of the product of angle and length; otherwise there is
+  /// no bend.
   Beyond beyond(const SurfaceClaim& claim, PatchId p, PatchId q, const Tube& tube, const Vec3& place) const {
-    // A ring has as many corners as its border has sides, and all of them would be looked at from each side.
+    // A ring has as many corners as its border has sides, and each side would need a test of all corners.
     if (!graph_.may_be_seed(p) || !graph_.may_be_seed(q)) return Beyond::kEnd;
     const double length = length_along(p, tube.direction), next = length_along(q, tube.direction);
     const bool are_alike = length <= kAlikeRows * next && next <= kAlikeRows * length;
@@ -187,7 +189,7 @@ class BendDropper {
     if (std::fabs(goes_on.radius - tube.radius) > kSameRadius * std::max(claim.tolerance, other.tolerance) ||
         !(std::fabs(dot(goes_on.direction, tube.direction)) > kAlongTube))
       return Beyond::kEnd;
-    // Three rings always lie on a torus, so pieces of a hose follow each other as tori about other middles.
+    // Three rings always lie on a torus, so pieces of a hose follow each other as tori with different centres.
     if (claim.shape.kind == SurfaceKind::kTorus && other.shape.kind == SurfaceKind::kTorus &&
         norm(other.shape.origin - claim.shape.origin) > kSameRadius * std::max(claim.tolerance, other.tolerance))
       return Beyond::kFreeBend;
@@ -195,7 +197,7 @@ class BendDropper {
     return is_bend(sine, std::max(noise_of(claim), noise_of(other))) ? Beyond::kBend : Beyond::kTube;
   }
 
-  /// Joins a claim with those into which its tube goes on. Returns how the tube goes on at the claim's ends.
+  /// Joins a claim with the claims that continue its tube. Returns how the tube continues at the claim's ends.
   Bends join_tubes(std::uint32_t c, UnionFind& tubes) {
     const SurfaceClaim& claim = table_.claims[c];
     Bends bends;

@@ -7,8 +7,8 @@
 
 namespace remesh {
 
-/// Drops cylinders, cones and tori of so few rows along a tube that something round fits always, if the tube goes on
-/// beyond them in another direction. Such rows are pieces of a tube that bends, like a hose.
+/// Drops cylinders, cones and tori of so few rows along a tube that some round surface always fits, if the tube
+/// continues beyond them in another direction. Such rows are pieces of a tube that bends, like a hose.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:   O(n log n).
 /// Source: rules.md, Ends of surfaces.

@@ -10,19 +10,19 @@
 namespace remesh {
 namespace {
 
-/// A few facets determine a surface badly. So corners that are far from them may be off by this many tolerances until
-/// more facets are found.
+/// A few facets determine a surface badly. So corners that are far from these facets may be off by this many tolerances
+/// until more facets are found.
 constexpr double kFirstSlack = 20;
 
-/// Where facets are so small that they are hardly off their surface, everything smooth would fit with much slack.
-/// So corners may be off by this part of the facets' distance from the surface, and at least by some tolerances.
+/// Where facets are so small that they are hardly off their surface, any smooth surface would fit with much slack. So
+/// corners may be off by this part of the facets' distance from the surface, and at least by some tolerances.
 constexpr double kSlackOfHeight = 0.15, kMinFirstSlack = 2;
 
 /// The surface is fitted to at most this many facets while it grows, evenly chosen.
 constexpr std::size_t kFitFacets = 64, kExactFitFacets = 256;
 
-/// The units of work that it takes to test one facet, and those of a fit for each point that is fitted. One unit is
-/// about the time in which one distance is computed.
+/// The work of testing one facet, and the work of a fit per point. The unit is about the time in which one distance is
+/// computed.
 constexpr std::uint64_t kWorkOfTest = 4, kWorkOfFit = 6;
 
 /// A fit to growing facets begins near its end.
@@ -34,7 +34,7 @@ constexpr std::size_t kFewFacets = 32;
 constexpr double kGoodEnough = 0.2;
 
 /// In each corner of a facet, the cosine of the angle between its normal and that of its surface is at least this.
-/// Facets that meet smoothly look away from their surface by about half the feature angle.
+/// The normals of facets that meet smoothly differ from the surface's normals by up to about half the feature angle.
 constexpr double kMinFacing = 0.8;
 
 /// A facet was cut on purpose, like the flat on a shaft, if the surface turns over it by more than 2.6 times the
@@ -42,42 +42,44 @@ constexpr double kMinFacing = 0.8;
 /// squared here for 1 - cos of small angles.
 constexpr double kMaxUneven = 2.6 * 2.6;
 
-/// All facets were cut on purpose if those that are dropped have more than this part of the area of the others.
+/// All facets count as cut on purpose if the dropped ones have more than this part of the area of the others.
 constexpr double kMaxDropped = 0.6;
 
 /// The smallest number of circles about its axis on which the corners of a torus lie. Through three circles about one
 /// axis there always is a torus, and through four that mirror each other as well.
 constexpr int kMinRings = 5;
 
-/// Rounding alone moves corners by this many tolerances. A surface is believed without doubt if so large a part of its
-/// corners is as close to it. The smaller part is enough for many facets.
+/// Rounding alone moves corners by this many tolerances. A surface is believed without doubt if this large a part of
+/// its corners is that close to it. With many facets, the smaller part is enough.
 constexpr double kCloseClaim = 0.1;
 constexpr double kCloseOfFew = 0.9, kCloseOfMany = 0.5;
 constexpr std::size_t kManyFacets = 40;
 
-/// The facets of any other surface must end where the surface ends. They go on as if nothing had happened if the next
-/// facet leaves the surface by no more than this many chord heights, or if it is no larger than this many facets of the
-/// surface. That may be so along this part of the border at most.
+/// All other claims must end where the facets visibly leave the surface. The border is soft where the next facet leaves
+/// the surface by at most this many chord heights, or is at most as large as this many facets of the surface. At most
+/// this part of the border may be soft.
 constexpr double kSoftBorder = 4, kAlikeArea = 4, kMaxSoft = 0.15;
 
-/// The facets of a claim may be this many times as far from its surface as the turns between them explain. Only about
-/// as far is honest, but facets at the ends of a surface have too few neighbours to explain themselves.
+/// The max distance of a claim's facets from its surface, as a multiple of the distance that the turns between them
+/// explain. A multiple of 1 would be honest, but facets at the ends of a surface have too few neighbours to explain
+/// themselves.
 constexpr double kMaxUnexplained = 1.5;
 
-/// A cone lies on the corners of a sphere as well as the sphere does if it is farther from them by no more than this
+/// A cone fits the corners of a sphere as well as the sphere does if its distance from them is larger by at most this
 /// factor and this many tolerances.
 constexpr double kAsNear = 2, kAsNearTolerances = 0.1;
 
-/// The smallest numbers of facets that are believed.
+/// The min number of facets of a claim that is believed.
 std::size_t min_facets(SurfaceKind kind) { return kind == SurfaceKind::kTorus ? 6 : 4; }
 
-/// The smallest number of corners that are believed. Each corner is a constraint.
+/// The min number of corners of a claim that is believed. Each corner is a constraint.
 std::size_t min_corners(SurfaceKind kind) {
   const auto parameters = static_cast<std::size_t>(parameter_count(kind));
   return kind == SurfaceKind::kTorus ? 2 * parameters : parameters + 4;
 }
 
-/// Returns whether the points lie on more circles around the axis of a torus than always fit one.
+/// Returns whether the points lie on more circles around the axis of a torus than the number through which a torus
+/// always passes.
 bool has_enough_rings(std::span<const Vec3> points, const AnalyticSurface& torus, double tolerance,
                       const RunControl& control) {
   const Vec3 x = normalized(cross(torus.axis, std::fabs(torus.axis.x) < 0.8 ? Vec3{1, 0, 0} : Vec3{0, 1, 0}));
@@ -99,12 +101,12 @@ bool has_enough_rings(std::span<const Vec3> points, const AnalyticSurface& torus
   return count(around_tube) >= kMinRings && count(along_tube) >= kMinRings - 2;
 }
 
-/// Returns whether the corners of a sphere's facets lie as near to a cylinder or a cone, as those of a single ring of
-/// facets do: there is a sphere through any two circles about one axis.
+/// Returns whether a cylinder or a cone is as near to the corners of a sphere's facets as the sphere, which is so for a
+/// single ring of facets: there is a sphere through any two circles about one axis.
 /// Input: the corners.
 bool is_ring(const FacetGraph& graph, const SurfaceClaim& sphere, std::span<const Vec3> points,
              const RunControl& control) {
-  // A disc that closes a ring has its corners on the ring's circle, but it is no piece of the cone.
+  // A disc that closes a ring has its corners on the ring's circle, but the disc is no piece of the cone.
   constexpr std::size_t kMaxCorners = 4;
   std::vector<FacetPlace> places;
   for (const PatchId p : sphere.facets)
@@ -212,7 +214,7 @@ bool ClaimGrower::fits(const Gauge& gauge, PatchId p, double tolerance, int side
   const Vec3 outside = side * graph_.normal(p);
   for (std::uint32_t s = graph_.sides_begin(p); s < graph_.sides_end(p); ++s) {
     if (!graph_.is_corner(s)) continue;
-    // Two circles lie on a cylinder, but also on a sphere, to which the facets between them are no tangents.
+    // Two circles lie on a cylinder, but also on a sphere. The facets between them are not tangential to the sphere.
     const auto [distance, facing] = gauge.measure(graph_.position(graph_.vertex(s)), outside, tolerance_);
     if (!(std::fabs(distance) <= tolerance) || !(facing >= kMinFacing)) return false;
   }
@@ -281,7 +283,7 @@ bool ClaimGrower::refit(AnalyticSurface& shape, std::span<const PatchId> members
   }
   const double good = precision == Precision::kExact ? 0 : kGoodEnough * tolerance_;
   if (sum <= static_cast<double>(points_.size()) * good * good) return true;
-  // Where few facets do not fit after all, more will not.
+  // If a few facets do not fit, more facets will not fit either.
   const double hopeless = members.size() < kFewFacets ? tolerance_ : kFirstSlack * tolerance_;
   work_ += kWorkOfFit * points_.size();
   const std::optional<AnalyticSurface> better =
@@ -330,7 +332,7 @@ double ClaimGrower::drop_uneven(const AnalyticSurface& shape, std::vector<PatchI
   values_.clear();
   for (const PatchId p : members) values_.push_back({turn(gauge, p), p});
   double median = median_by_area(values_);
-  // Strips over the whole length of a surface are of one size. They may be compared by number.
+  // Strips over the whole length of a surface have one size. They may be compared by number.
   const auto strips =
       std::count_if(members.begin(), members.end(), [&](PatchId p) { return graph_.corner_count(p) == 4; });
   if (10 * static_cast<std::size_t>(strips) >= 9 * members.size())
@@ -340,7 +342,7 @@ double ClaimGrower::drop_uneven(const AnalyticSurface& shape, std::vector<PatchI
     double area = 0, dropped = 0;
     for (const auto& [turn, p] : values_) (turn <= max ? area : dropped) += graph_.area(p);
     members.clear();
-    // If so much is cut unevenly, then all of it was meant to be flat.
+    // If such a large part is cut unevenly, all of it was meant to be flat.
     if (dropped > kMaxDropped * area) return 0;
     for (const auto& [turn, p] : values_)
       if (turn <= max) members.push_back(p);
@@ -397,13 +399,13 @@ bool ClaimGrower::grow_members(AnalyticSurface& shape, int side, Taken may_repla
       trim(shape, slack(members.size()) * tolerance_, side, members);
       if (members.size() <= before) break;
     } else {
-      // A better fit may reach further.
+      // A better fit may let the claim grow further.
       if (is_exact) break;
       if (before < min_facets(shape.kind) || !refit(shape, members, Precision::kExact)) return false;
       is_exact = true;
     }
   }
-  // The last rounds have no slack.
+  // The last rounds allow no slack.
   constexpr int kMaxLastRounds = 6;
   for (int round = 0; round < kMaxLastRounds; ++round) {
     const std::size_t before = members.size();
@@ -418,7 +420,7 @@ bool ClaimGrower::grow_members(AnalyticSurface& shape, int side, Taken may_repla
 }
 
 bool ClaimGrower::goes_on_beyond(const Gauge& gauge, const SurfaceClaim& claim) {
-  // The facets of the claim are marked, and only they are.
+  // Exactly the facets of the claim are marked.
   ++growth_;
   for (const PatchId p : claim.facets) mark_[p] = growth_;
   double border = 0, soft = 0;
@@ -432,7 +434,7 @@ bool ClaimGrower::goes_on_beyond(const Gauge& gauge, const SurfaceClaim& claim) 
       if (q.is_valid() && mark_[q] == growth_) continue;
       const double length = norm(graph_.position(graph_.end_vertex(s)) - graph_.position(graph_.vertex(s)));
       border += length;
-      // A ring has as many corners as the border has sides, and all of them would be looked at from each side.
+      // A ring has as many corners as the border has sides, and each side would need a test of all corners.
       if (!q.is_valid() || !graph_.may_be_seed(q)) continue;
       double distance = 0;
       graph_.for_each_corner(q, [&](const Vec3& c) { distance = std::max(distance, std::fabs(gauge.distance(c))); });
@@ -476,7 +478,7 @@ std::optional<SurfaceClaim> ClaimGrower::conclude(AnalyticSurface shape, int sid
     const auto best = near ? fit_from(*near, points_, {.is_canonical = true, .control = &control_}) : std::nullopt;
     if (!best) return std::nullopt;
     shape = *best;
-    // A torus whose tube has its middle on the axis is a sphere.
+    // A torus whose tube has its centre on the axis is a sphere.
     if (shape.kind == SurfaceKind::kTorus && !(std::fabs(shape.radius) > tolerance_)) return std::nullopt;
     const std::size_t before = members.size();
     trim(shape, tolerance_, side, members);

@@ -29,8 +29,8 @@ struct SurfaceClaim {
   double area = 0;            ///< sum of the facets' areas
   double deviation = 0;       ///< largest distance of a corner from the surface
   bool is_clear = false;      ///< nearly all corners are so near to the surface that rounding alone explains them
-  bool is_explained = true;   ///< the turns between the facets explain how far they are from the surface
-  double chord_height = 0;    ///< the facets' distance from the surface: the mean of their largest ones, by area
+  bool is_explained = true;   ///< the turns between the facets explain the facets' distance from the surface
+  double chord_height = 0;    ///< the mean, weighted by area, of each facet's largest distance from the surface
   std::vector<SurfaceClaim>
       bands;  ///< only a surface of revolution has them: the cones and cylinders that it was made of
 };
@@ -49,17 +49,17 @@ struct ClaimTable {
   std::vector<SurfaceClaim> claims;        ///< some may have lost all of their facets
 };
 
-/// The state of a facet while claims are made.
+/// The state of a facet while claims are made: whether it belongs to a claim, and how firmly.
 enum class Taken : std::uint8_t {
   kFree,
   kWeakly,  ///< it belongs to a claim that a larger one may replace
 };
 
-/// How a surface grows.
+/// The limits within which a surface grows.
 struct ClaimGrowth {
   double tolerance = 0;  ///< the largest distance of a corner from the surface, in local units
   Taken may_replace = Taken::kFree;
-  /// However near its corners are, the claim must end where its surface ends.
+  /// Even if its corners are near, the claim must end where its surface ends.
   bool is_doubtful = false;
 };
 
@@ -70,7 +70,7 @@ class ClaimGrower {
 
   void set_taken(PatchId p, Taken taken) { taken_[p] = taken; }
 
-  /// Grows a surface from facets that lie about on it, over facets that are not taken, or at most weakly.
+  /// Grows a surface from facets that lie roughly on it, over facets that are not taken, or at most weakly.
   /// Output: nothing if no surface of this kind has enough facets to be believed.
   std::optional<SurfaceClaim> grow(const AnalyticSurface& start, std::span<const PatchId> seed,
                                    const ClaimGrowth& growth);
@@ -92,7 +92,7 @@ class ClaimGrower {
 
   bool fits(const Gauge& gauge, PatchId p, double tolerance, int side);
   double chord_height(const Gauge& gauge, PatchId p) const;
-  /// Returns how many tolerances corners may be off while a growth has this many facets.
+  /// Returns how many tolerances corners may be off while a growth has this number of facets.
   double slack(std::size_t members) const;
   bool expand(const Gauge& gauge, double tolerance, int side, Taken may_replace, std::size_t max_size,
               std::vector<PatchId>& members);
@@ -103,10 +103,10 @@ class ClaimGrower {
   double drop_uneven(const AnalyticSurface& shape, std::vector<PatchId>& members);
   /// Returns 1 minus the cosine of the largest angle by which the surface turns between corners of a facet.
   double turn(const Gauge& gauge, PatchId p) const;
-  /// Sorts values of facets, and returns the value that half of the area is below.
+  /// Sorts values of facets, and returns their median by area: half of the area has smaller values.
   double median_by_area(std::vector<std::pair<double, PatchId>>& values) const;
-  /// Returns whether the facets around a claim leave its surface so gradually that the claim is a piece of something
-  /// larger, to which the surface is only near.
+  /// Returns whether the facets around a claim leave its surface so gradually that the claim is a piece of a larger
+  /// surface, which is only near the claimed one.
   bool goes_on_beyond(const Gauge& gauge, const SurfaceClaim& claim);
   bool is_explained(const SurfaceClaim& claim) const;
   bool grow_members(AnalyticSurface& shape, int side, Taken may_replace, std::vector<PatchId>& members);
@@ -115,7 +115,7 @@ class ClaimGrower {
   const FacetGraph& graph_;
   double tolerance_ = 0;      ///< of this growth
   bool is_doubtful_ = false;  ///< of this growth
-  double first_slack_ = 1;    ///< the growth began with so much, see slack()
+  double first_slack_ = 1;    ///< the slack with which the growth began, see slack()
   const RunControl& control_;
   StopCheck check_;
   IdVector<PatchId, Taken> taken_;

@@ -10,12 +10,12 @@ namespace remesh {
 namespace {
 
 /// A claim is an island if it has at most kMaxIsland facets, if more than kIslandShore of its border is with seas, and
-/// if it is smaller than kIslandArea of the largest of these. A sea is a free region.
+/// if its area is below kIslandArea of the largest sea's. A sea is a free region.
 constexpr std::size_t kMaxIsland = 40;
 constexpr double kIslandShore = 0.6, kIslandArea = 0.05;
 
-/// A claim is no piece of something else, wherever it is, if it has so many facets and if all of their corners are
-/// within this part of the tolerance.
+/// A claim is no island if it has at least this many facets and if all of their corners are within this part of the
+/// tolerance.
 constexpr std::size_t kMinClear = 9;
 constexpr double kClear = 0.1;
 

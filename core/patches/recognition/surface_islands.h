@@ -7,8 +7,8 @@
 
 namespace remesh {
 
-/// Drops small claims in the middle of many facets that nobody claims. They fit by chance, because a small piece of any
-/// smooth surface is nearly a piece of a cylinder or a torus.
+/// Drops small claims in the middle of many facets that belong to no claim. They fit by chance, because a small piece
+/// of any smooth surface is nearly a piece of a cylinder or a torus.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:   O(n).
 void drop_islands(const FacetGraph& graph, ClaimTable& table, RunControl& control);

@@ -59,7 +59,7 @@ class Sweep {
     sort_stoppable(covered_.begin(), covered_.end(), control);
     double gaps = 0, end = 0;
     const auto add_gap = [&](double to) {
-      // Neighbouring sides meet up to rounding.
+      // Neighbouring sides meet, up to rounding.
       if (to > end + 1e-9) gaps += angle_at(to) - angle_at(end);
     };
     for (const auto& [from, to] : covered_) {
@@ -86,7 +86,8 @@ class Sweep {
   std::vector<std::pair<double, double>> covered_;
 };
 
-/// Returns how far the middle of a side is inside of a surface of revolution. Only sides around the axis tell it.
+/// Returns how far the middle of a side is inside of a surface of revolution. Only sides that run around the axis have
+/// such a distance.
 double ring_height(const AnalyticSurface& shape, const Vec3& a, const Vec3& b, double tolerance) {
   const auto radius = [&](const Vec3& p) {
     const Vec3 q = p - shape.origin;
@@ -96,7 +97,8 @@ double ring_height(const AnalyticSurface& shape, const Vec3& a, const Vec3& b, d
   return std::fabs(0.5 * (radius(a) + radius(b)) - radius(0.5 * (a + b)));
 }
 
-/// Returns the normal of the surface at a corner. That of a surface of revolution stands for its turn around the axis.
+/// Returns the normal of the surface at a corner. For a surface of revolution, returns the direction away from the
+/// axis, which shows only the turn around the axis.
 Vec3 normal_at(const AnalyticSurface& shape, const Vec3& p) {
   if (shape.kind != SurfaceKind::kRevolution) return shape.normal(p);
   const Vec3 q = p - shape.origin;
@@ -139,7 +141,7 @@ FacetMeasures measure_facets(const FacetGraph& graph, const SurfaceClaim& claim,
       if (is_corner) corners.push_back(a);
       ++count;
     });
-    // The middle of a ring is not on it.
+    // The middle of a ring does not lie on the ring.
     if (!graph.may_be_seed(p) || is_revolution) continue;
     result.explained = std::max(result.explained, explained_height(graph, shape, p));
     // The sum comes in an order that depends on the corners alone.

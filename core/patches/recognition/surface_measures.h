@@ -1,4 +1,4 @@
-/// Measures the facets of a surface that was recognised.
+/// Measures the facets of a recognised surface.
 #pragma once
 
 #include "core/base/run_control.h"

@@ -28,36 +28,36 @@ namespace {
 /// for claims that are not close (see kCloseFit).
 constexpr double kMuchLarger = 1.3, kMuchLargerIfDoubtful = 6;
 
-/// A facet is no seed any more if this many surfaces were given up that had come to it.
+/// A facet is no longer a seed after this many growths that reached it were given up.
 constexpr std::uint8_t kMaxAttempts = 3;
 
 /// A claim is close if all of its corners are within this many tolerances of its surface, or if rounding alone explains
-/// nearly all of them: programs compute points where two surfaces meet less exactly than the others. Only close claims
-/// are tried together with their neighbours.
+/// nearly all of them: programs compute points where two surfaces meet less exactly than other points. Only close
+/// claims are tried together with their neighbours.
 constexpr double kCloseFit = 0.4;
 
 /// Corners may be off their surface by this part of the chord height that the turn between two facets implies.
 constexpr double kMaxOfHeight = 1.0 / 3;
 
-/// Fewer facets than this determine no surface whose corners are off.
+/// If corners are off their surface, fewer facets than this determine no surface.
 constexpr std::size_t kMinCluster = 4;
 
-/// Growths that come to nothing may cost so much work a facet. Scans and other smooth surfaces of no kind would take
-/// much longer, and large surfaces have been found by then.
+/// The max work per facet of growths without a result. Scans and other smooth surfaces of no kind would take much
+/// longer, and large surfaces have been found by then.
 constexpr std::uint64_t kMaxWaste = 100;
 
-/// However few facets a mesh has, growths that come to nothing may cost this many units of work, which take some tenths
-/// of a second.
+/// Whatever the number of facets, growths without a result may take this many units of work, which is some tenths of a
+/// second.
 constexpr std::uint64_t kFreeWaste = 25'000'000;
 
-/// This much of that work may go into clusters, in all and for each facet. On scans, clusters are mostly in vain.
+/// The part of that work that clusters may take, in all and per facet. On scans, most clusters give no result.
 constexpr std::uint64_t kFreeWasteOfClusters = 1'000'000, kMaxWasteOfClusters = 30;
 
-/// Areas are about as large unless one of them is larger by this factor.
+/// Two areas count as equal unless one is larger by this factor.
 constexpr double kLarger = 1.02;
 
-/// The facets of a band around an axis have their corners on a cone, on a sphere and on tori. They deviate less from
-/// the surface that they were made from: their chord height there is below this part of the others.
+/// The facets of a band around an axis have their corners on a cone, on a sphere and on tori. Their chord height is
+/// smallest on the surface from which they were made: there it is below this part of the chord heights on the others.
 constexpr double kNearer = 0.9;
 
 /// Makes the claims of all facets.
@@ -92,9 +92,9 @@ class Recogniser {
   }
 
  private:
-  /// Returns how far corners may be off a surface that grows from a seed: what proven rounding explains, or else what
-  /// printed digits do, but no more of that than a part of the chord height, since everything smooth would fit
-  /// otherwise.
+  /// Returns how far corners may be off a surface that grows from a seed: the distance that proven rounding explains,
+  /// or else the distance that printed digits explain. The latter counts only up to a part of the chord height, because
+  /// any smooth surface would fit otherwise.
   double tolerance_at(const SurfaceSeed& seed) const {
     return std::clamp(kMaxOfHeight * implied_chord_height(graph_, seed.facet, seed.side), min_tolerance_,
                       max_tolerance_);
@@ -112,7 +112,7 @@ class Recogniser {
       const std::array<PatchId, 2> pair{seed.facet, graph_.beyond(seed.side)};
       if (!is_free(pair[0]) || !is_free(pair[1])) continue;
       if (attempts_[pair[0]] >= kMaxAttempts || attempts_[pair[1]] >= kMaxAttempts) continue;
-      // The others have been tried before.
+      // The other pairs of facets have been tried before.
       if (must_be_explained_ && was_dropped_[pair[0]] == 0 && was_dropped_[pair[1]] == 0) continue;
       std::optional<SurfaceClaim> best;
       tolerance_ = tolerance_at(seed);
@@ -124,7 +124,7 @@ class Recogniser {
     }
   }
 
-  /// Tries the other kinds on facets that a sphere fits. If they are a single ring of facets around an axis, their
+  /// Tries the other kinds on facets that a sphere fits. If these facets are a single ring around an axis, their
   /// corners lie on two circles, and a sphere through two circles proves nothing: a cone or a torus fits as well.
   void ask_again(std::optional<SurfaceClaim>& best) {
     std::vector<PatchId> seed;
@@ -150,7 +150,7 @@ class Recogniser {
     }
   }
 
-  /// Grows those kinds of surfaces that normals help to guess from facets that were collected.
+  /// Grows, from the collected facets, surfaces of those kinds for which normals help to guess the start.
   void try_kinds(std::span<const PatchId> seed, Taken may_replace, std::optional<SurfaceClaim>& best) {
     constexpr std::uint64_t kWorkOfGuess = 40;
     wasted_ += kWorkOfGuess * points_.size();
@@ -164,7 +164,7 @@ class Recogniser {
     attempt(guess_torus(points_, places_));
   }
 
-  /// Grows a surface, and takes it if it is better. Facets over which it was given up are soon left alone.
+  /// Grows a surface, and takes it if it is better. Facets of growths that were given up are soon not tried again.
   void grow(const AnalyticSurface& guess, std::span<const PatchId> seed, Taken may_replace,
             std::optional<SurfaceClaim>& best) {
     if (is_exhausted()) return;
@@ -177,7 +177,7 @@ class Recogniser {
       if (attempts_[p] < kMaxAttempts) ++attempts_[p];
   }
 
-  /// Returns whether so much work was in vain that the rest of the facets is left free.
+  /// Returns whether growths without a result have taken so much work that the rest of the facets is left free.
   bool is_exhausted() const { return wasted_ > kFreeWaste + kMaxWaste * graph_.size(); }
 
   static void take_larger(std::optional<SurfaceClaim> claim, std::optional<SurfaceClaim>& best) {
@@ -189,8 +189,8 @@ class Recogniser {
     if (is_better(*claim, *best)) best = std::move(claim);
   }
 
-  /// The larger surface is better. Of two that are about as large, it is the one that the facets explain, or else the
-  /// one from which they deviate less, or else the one with fewer parameters.
+  /// The larger surface is better. Of two surfaces of about the same size, the one that the facets explain is better,
+  /// or else the one from which they deviate less, or else the one with fewer parameters.
   static bool is_better(const SurfaceClaim& a, const SurfaceClaim& b) {
     if (a.area > kLarger * b.area) return true;
     if (b.area > kLarger * a.area) return false;
@@ -205,12 +205,12 @@ class Recogniser {
     table_.add(std::move(claim));
   }
 
-  /// Each band of facets around a torus or sphere is also a piece of a cone. Claims the larger surface instead.
+  /// Each band of facets around a torus or sphere is also a piece of a cone. The larger surface is claimed instead.
   void replace_bands() {
     for (std::uint32_t c = 0; c < table_.claims.size(); ++c) replace_band(c);
   }
 
-  /// Returns whether a claim fits so well that it may be a piece of something larger that fits as well.
+  /// Returns whether a claim fits so well that it may be a piece of a larger surface that fits as well.
   bool is_close(const SurfaceClaim& claim) const {
     return claim.is_clear || claim.deviation <= kCloseFit * claim.tolerance;
   }
@@ -234,7 +234,7 @@ class Recogniser {
     }
   }
 
-  /// Claims a surface of a band and of facets beside it, if it is larger.
+  /// Claims a surface from a band and facets beside it, if this surface is larger.
   bool replace_with(std::uint32_t c, std::span<const PatchId> others) {
     const AnalyticSurface band = table_.claims[c].shape;
     tolerance_ = table_.claims[c].tolerance;
@@ -250,14 +250,14 @@ class Recogniser {
     return best && replace(std::move(*best));
   }
 
-  /// Takes some facets of a list, evenly chosen.
+  /// Takes an evenly chosen sample of a list of facets.
   static void sample(std::span<const PatchId> facets, std::vector<PatchId>& chosen) {
     constexpr std::size_t kMaxSample = 16;
     const std::size_t step = (facets.size() + kMaxSample - 1) / kMaxSample;
     for (std::size_t i = 0; i < facets.size(); i += step) chosen.push_back(facets[i]);
   }
 
-  /// Adds a claim in the place of those whose facets it has, if it is much larger than each of them.
+  /// Replaces the claims whose facets a new claim has, if the new claim is much larger than each of them.
   bool replace(SurfaceClaim claim) {
     std::vector<std::uint32_t> owners;
     double largest = 0;
@@ -287,7 +287,7 @@ class Recogniser {
     return true;
   }
 
-  /// Claims surfaces whose edges are no rulings, from a facet pair with its neighbours.
+  /// Claims surfaces whose edges are no rulings, from a pair of facets with its neighbours.
   void claim_scattered(std::span<const SurfaceSeed> seeds) {
     std::vector<PatchId> around;
     StopCheck check(control_);
@@ -314,8 +314,8 @@ class Recogniser {
     }
   }
 
-  /// Claims surfaces to whose corners rounding has done so much that two facets tell nothing of them, or whose corners
-  /// some program has put beside the surface. They begin from all free facets near a seed.
+  /// Claims surfaces whose corners rounding has moved so far that two facets determine nothing, or whose corners a
+  /// program has put beside the surface. Growths begin from all free facets near a seed.
   void claim_clusters(std::span<const SurfaceSeed> seeds) {
     constexpr std::uint8_t kInCluster = 2;
     const std::uint64_t max_wasted = wasted_ + kFreeWasteOfClusters + kMaxWasteOfClusters * graph_.size();
@@ -345,8 +345,8 @@ class Recogniser {
     }
   }
 
-  /// Drops claims from which their facets are farther than the turns between them explain. Until then, such claims tell
-  /// which facets belong together: a ring around a torus is a piece of a sphere, too.
+  /// Drops claims whose facets are farther away than the turns between them explain. Until now, such claims were
+  /// useful: they show which facets belong together, as a ring around a torus is a piece of a sphere, too.
   void drop_unexplained() {
     must_be_explained_ = true;
     was_dropped_.assign(graph_.size(), 0);
@@ -402,20 +402,20 @@ class Recogniser {
   }
 
   const FacetGraph& graph_;
-  double min_tolerance_, max_tolerance_;         ///< of growths
+  double min_tolerance_, max_tolerance_;         ///< the range of `tolerance_`
   double tolerance_ = 0;                         ///< of the growths of this seed
-  bool is_doubtful_ = false;                     ///< whether they are doubtful
+  bool is_doubtful_ = false;                     ///< whether the growths of this seed are doubtful
   IdVector<PatchId, std::uint8_t> was_dropped_;  ///< whether a facet was in a claim that was dropped
-  bool must_be_explained_ = false;               ///< no claim is made that the facets do not explain
+  bool must_be_explained_ = false;               ///< if true, no claim is made whose distance the facets do not explain
   ClaimGrower grower_;
   ClaimTable table_;
-  IdVector<PatchId, std::uint8_t> attempts_;  ///< how many surfaces were given up that had come to a facet
+  IdVector<PatchId, std::uint8_t> attempts_;  ///< by facet: how many growths that reached it were given up
   IdVector<PatchId, std::uint8_t> tried_;     ///< whether a facet was in the seed of a scattered surface
   std::vector<Vec3> points_;
   std::vector<FacetPlace> places_;
-  std::uint64_t wasted_ = 0;  ///< work of growths that came to nothing
+  std::uint64_t wasted_ = 0;  ///< work of growths without a result
   std::vector<PatchId> seed_, others_;
-  std::set<std::pair<std::uint32_t, std::uint32_t>> are_compared_;  ///< claims that have no larger surface in common
+  std::set<std::pair<std::uint32_t, std::uint32_t>> are_compared_;  ///< pairs of claims that were tried together
   StopCheck check_;
   RunControl& control_;
 };

@@ -15,13 +15,13 @@
 namespace remesh {
 namespace {
 
-/// A free region has at least so many facets. Fewer that meet smoothly are taken for planks.
+/// A free region has at least this many facets. Fewer facets that meet smoothly count as planes.
 constexpr std::size_t kMinFreeFacets = 12;
 
-/// A facet of a free region is a plane if it is so many times as large as the others.
+/// A facet of a free region is a plane if its area is this many times the median.
 constexpr double kFlatArea = 20;
 
-/// The best kind is looked for in so many free regions at most, and by so many corners.
+/// The best kind is determined for at most this many free regions, each by at most this many corners.
 constexpr std::size_t kMaxExplained = 64, kMaxSamples = 256;
 
 /// Makes the records.
@@ -88,7 +88,7 @@ class Records {
     std::erase_if(claims, [](const SurfaceClaim& c) { return c.facets.empty(); });
   }
 
-  /// Splits a list at gaps of the i-th number, and goes on with the next number.
+  /// Splits a list at gaps of the i-th number, and continues each part with the next number.
   template <class Keyed>
   void join_within(std::vector<SurfaceClaim>& claims, std::span<Keyed> keys, std::size_t i) {
     constexpr double kGap = 1e-4;
@@ -102,12 +102,12 @@ class Records {
     }
   }
 
-  /// Joins those of some claims that are equal.
+  /// Joins the equal claims among some claims.
   template <class Keyed>
   void join(std::vector<SurfaceClaim>& claims, std::span<Keyed> keys) {
-    // Each claim is compared with a few others, so that the work is in proportion.
+    // Each claim is compared with at most this many others, so that the work is in proportion.
     constexpr std::size_t kMaxCompared = 16;
-    // From large to small. Ties are broken by the place.
+    // The order is from large to small. Ties are broken by the place.
     std::sort(keys.begin(), keys.end(), [&](const Keyed& a, const Keyed& b) {
       const SurfaceClaim &c = claims[a.claim], &d = claims[b.claim];
       return c.area != d.area ? c.area > d.area : a.key < b.key;
@@ -117,13 +117,13 @@ class Records {
     for (std::size_t k = 0; k < kMaxCompared && left.size() > 1; ++k) join_to_first(claims, left);
   }
 
-  /// Joins those claims of a list that are equal to its first one with this. It does so all at once, so that no corner
-  /// is looked at more than a few times. Removes all of them from the list.
+  /// Joins the claims of a list that are equal to its first one with that one. They are joined all at once, so that no
+  /// corner is tested more than a few times. Removes the joined claims from the list.
   void join_to_first(std::vector<SurfaceClaim>& claims, std::vector<std::uint32_t>& left) {
     SurfaceClaim& first = claims[left.front()];
     left.erase(left.begin());
     if (first.shape.kind == SurfaceKind::kRevolution) return;
-    // The surface of few facets may be off by more outside of them.
+    // A surface of few facets may be less exact outside of them.
     constexpr double kNear = 20;
     const auto deviation_from = [&](const AnalyticSurface& s, std::span<const Vec3> points) {
       double deviation = 0;
@@ -139,7 +139,7 @@ class Records {
                            deviation_from(first.shape, corners_of(claims[c].facets)) <= kNear * tolerance;
       if (is_near) near.push_back(c);
     }
-    // Claims that do not fit the surface of all are left out, and the others tried again.
+    // Claims that do not fit the common surface are left out, and the others are tried again.
     constexpr int kMaxFits = 3;
     for (int fit = 0; fit < kMaxFits && !near.empty(); ++fit) {
       std::vector<PatchId> facets = first.facets;
@@ -197,7 +197,7 @@ class Records {
       std::erase_if(band.facets, [&](PatchId p) { return result_.of_patch[p] != id; });
       if (!band.facets.empty()) result_.surfaces[add_surface(band)].whole = id;
     }
-    // The patches are the bands'.
+    // The patches belong to the bands.
     if (!claim.bands.empty()) result_.surfaces[id].patches = 0;
   }
 
@@ -241,7 +241,7 @@ class Records {
     return id;
   }
 
-  /// Finds the free regions among the facets that nobody claims.
+  /// Finds the free regions among the facets that belong to no claim.
   void add_free_regions() {
     std::vector<PatchId> region;
     std::vector<std::pair<double, std::vector<PatchId>>> regions;
@@ -274,7 +274,7 @@ class Records {
     }
   }
 
-  /// Removes facets from a region that are much larger than the others.
+  /// Removes facets from a region that are much larger than its median facet.
   void drop_flat(std::vector<PatchId>& region) const {
     if (region.size() < kMinFreeFacets) return;
     std::vector<double> areas;
@@ -316,11 +316,11 @@ class Records {
     attempt(guess_cone(corners, places));
     attempt(guess_torus(corners, places));
     if (!(best <= tolerance())) return;
-    // A kind fits, and yet nobody claimed the facets.
+    // A kind fits, but no claim has the facets.
     record.reason = region.size() < 2 * kMinFreeFacets ? FreeReason::kFewFacets : FreeReason::kUnevenFacets;
   }
 
-  /// Adds a plane for each facet that is left.
+  /// Adds a plane for each remaining facet.
   void add_planes() {
     result_.surfaces.reserve(result_.surfaces.size() + graph_.size());
     for (std::size_t i = 0; i < graph_.size(); ++i) {

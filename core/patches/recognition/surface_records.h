@@ -11,8 +11,8 @@
 
 namespace remesh {
 
-/// Joins claims for equal surfaces, measures all surfaces, and divides the facets that nobody claims into planes and
-/// free regions.
+/// Joins claims for equal surfaces, measures all surfaces, and divides the facets of no claim into planes and free
+/// regions.
 /// Input:  no facet is in two claims.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 RecognisedSurfaces make_records(const Facets& facets, const FacetGraph& graph, std::vector<SurfaceClaim> claims,

@@ -46,7 +46,7 @@ std::optional<double> meeting_of(const Vec3& a, const Vec3& b, const Vec3& p, co
 SurfaceSeed make_seed(const FacetGraph& graph, PatchId facet, std::uint32_t side, std::uint32_t end_side) {
   const Vec3 &a = graph.position(graph.vertex(side)), &b = graph.position(graph.vertex(end_side));
   const Vec3 sum = a + b;
-  // Edges of a symmetric part have different sums by these factors, which have no simple ratio.
+  // These factors have no simple ratio, so that the edges of a symmetric part have different sums.
   const double tie = 0.7548776662466927 * sum.x + 0.5698402909980532 * sum.y + 0.3247179572447460 * sum.z;
   return {norm_squared(b - a), tie, side, end_side, facet};
 }
@@ -60,7 +60,8 @@ std::vector<SurfaceSeed> find_seeds(const FacetGraph& graph, RunControl& control
         for (std::size_t i = begin; i < end; ++i) {
           const PatchId p(i);
           if (!graph.may_be_seed(p)) continue;
-          // The sides that a facet shares with one neighbour are one edge. They may run over the end of the numbers.
+          // The sides that a facet shares with one neighbour are one edge. Their numbers may wrap around at the end of
+          // the loop.
           const std::uint32_t begin_side = graph.sides_begin(p), count = graph.sides_end(p) - begin_side;
           const auto side_at = [&](std::uint32_t k) { return begin_side + k % count; };
           std::uint32_t first = 0;
@@ -131,7 +132,7 @@ void SeedGuesses::guess_cones(const Vec3& a, const Vec3& b) {
     if (!(angle > 1e-9) || !(std::fabs(cosine) > 1e-9)) return;
     guesses_.push_back({SurfaceKind::kCone, apex, axis, 0, 0, angle});
   };
-  // The apex is where the edge meets the next ruling of a facet. A triangle may have it as a corner.
+  // The apex is where the edge meets the next ruling of a facet. It may be a corner of a triangle.
   const auto apex_of = [&](std::span<const Vec3> facet) -> std::optional<double> {
     if (facet.size() != 4) return std::nullopt;
     std::array<Vec3, 4> others;
@@ -143,7 +144,7 @@ void SeedGuesses::guess_cones(const Vec3& a, const Vec3& b) {
   const std::optional<double> s = apex_of(first_), t = apex_of(second_);
   if (s && t) {
     const double mean = 0.5 * (*s + *t);
-    // Both facets tell the same apex if the edge is a ruling. The relative error grows with the distance.
+    // If the edge is a ruling, both facets give the same apex. The relative error grows with the distance.
     if (std::fabs(*s - *t) < 0.2 * (1 + std::fabs(mean)) && std::fabs(mean) < kMaxApex) guess_with_apex(mean);
   } else if (s || t) {
     if (std::fabs(s ? *s : *t) < kMaxApex) guess_with_apex(s ? *s : *t);

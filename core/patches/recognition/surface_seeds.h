@@ -14,14 +14,14 @@ namespace remesh {
 /// A smooth edge between two facets, from which surfaces may grow.
 struct SurfaceSeed {
   double length_squared;
-  double tie;              ///< tells edges of the same length apart: how far their middle lies in a fixed direction
+  double tie;              ///< breaks ties between equally long edges: their middle's place along a fixed direction
   std::uint32_t side;      ///< the first side of the edge, see FacetGraph
   std::uint32_t end_side;  ///< the side that begins where the edge ends
   PatchId facet;
 };
 
-/// Finds the smooth edges between facets that may be curved, each once, with the longest first: the longer an edge, the
-/// less do its ends' roundings matter.
+/// Finds the smooth edges between facets that may be curved, each once, with the longest first, because the rounding of
+/// its ends matters less for a long edge.
 /// Holds:  the order depends on geometry alone.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 std::vector<SurfaceSeed> find_seeds(const FacetGraph& graph, RunControl& control);

@@ -50,7 +50,7 @@ class PatchLift {
     const PatchLocator locator(surface_, faces_, chart_, control);
     for_blocks(mesh_.vertices.size(), kLookUps, control, [&](std::size_t i, std::size_t end) {
       for (; i < end; ++i) {
-        control.check();  // if faces are needles, many of them are near
+        control.check();  // if faces are needles, many of them are near a place
         const std::size_t v = mesh_.vertices[i].value;
         if (v < old + first_inner || has_short_edge[i]) continue;
         Vec3& position = new_positions[v - old];

@@ -12,7 +12,7 @@
 namespace remesh {
 
 /// A patch may leave its plane by up to the plane tolerance, so a new vertex in the plane may lie beside the input
-/// surface. This moves new vertices inside such a patch along its normal, up or down to the input face under them. A
+/// surface. Lifting moves new vertices inside such a patch along its normal, up or down to the input face under them. A
 /// vertex with an edge shorter than a hundred tolerances is not moved, because there the input's noise would turn the
 /// faces.
 /// Input:  Refined patches, and the positions of the new vertices. Those from `first_inner` on are inside patches, and

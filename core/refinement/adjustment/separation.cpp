@@ -10,7 +10,7 @@
 namespace remesh {
 namespace {
 
-/// Counts for every vertex the vertices before it that are in the same place.
+/// Counts, for every vertex, the earlier vertices at the same place.
 std::vector<std::uint32_t> count_before(const Surface& surface, const PatchMeshes& meshes,
                                         const std::vector<Vec3>& new_positions, TwinsOf of, RunControl& control) {
   struct Place {
@@ -84,7 +84,7 @@ class Mover {
   RunControl& control_;
 };
 
-/// Moves each vertex once that has a place of vertices before it, by a way that grows with the number of these.
+/// Moves each vertex once that has the place of earlier vertices. The length of the move grows with their number.
 /// Output: whether any was moved; `is_moved` has one entry per vertex then.
 bool separate_once(const Surface& surface, TriangulatedPatches& triangulated, Refinement& refinement, TwinsOf of,
                    std::vector<std::uint8_t>& is_moved, RunControl& control) {
@@ -128,7 +128,7 @@ bool separate_once(const Surface& surface, TriangulatedPatches& triangulated, Re
 
 std::vector<std::uint8_t> separate_new_vertices(const Surface& surface, TriangulatedPatches& triangulated,
                                                 Refinement& refinement, TwinsOf of, RunControl& control) {
-  // A moved vertex may get the place of yet another one.
+  // A moved vertex may get the place of a third vertex.
   constexpr int kMaxPasses = 16;
   std::vector<std::uint8_t> is_moved;
   if (refinement.first_inner == refinement.new_positions.size()) return is_moved;

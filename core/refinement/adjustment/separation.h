@@ -11,18 +11,18 @@
 
 namespace remesh {
 
-/// Tells which vertices count.
+/// The vertices whose places new vertices must not have.
 enum class TwinsOf {
-  kPatches,  ///< those that patches have
-  /// Those of the surface as well that no patch has any more. A new vertex in the place of such a vertex is right in
-  /// most cases. It is wrong if it is in another patch than that vertex was.
+  kPatches,  ///< vertices that patches have
+  /// Also vertices of the surface that no patch has any more. In most cases, a new vertex in the place of such a vertex
+  /// is right. It is wrong if it is in another patch than the old vertex.
   kSurface,
 };
 
 /// Two sheets of the surface may lie in the same place. They are then refined in the same way, so a new vertex of one
 /// sheet may get exactly the coordinates of a vertex of the other. Of the vertices with equal coordinates, the first
-/// stays. The others are moved within the plane of their patch, by a few of the shortest ways that coordinates there
-/// can tell apart. The edges around a moved vertex are made Delaunay again.
+/// stays. The others are moved within the plane of their patch, by a few rounding steps of the coordinates there. The
+/// edges around a moved vertex are made Delaunay again.
 /// Input:  Refined patches. Only new vertices inside patches may be moved.
 /// Output: One entry per vertex of the surface and of the refinement, not 0 if the vertex was moved. It is empty if
 ///         none was. A triangle that flips have changed has the reason `effort`.

@@ -15,23 +15,24 @@
 namespace remesh {
 namespace {
 
-/// Newton's method ends when a surface misses its goal by no more than this part of what its triangles add up.
+/// Newton's method ends when the volume of a surface misses its goal by at most this part of the sum over its
+/// triangles.
 constexpr double kExact = 0x1p-46;
-/// Nor may more than this part be missing after the last step.
+/// After the last step, the volume may miss its goal by at most this part.
 constexpr double kMet = 0x1p-36;
-/// Neighbours share vertices, so that some more steps are needed than for one surface. If they share so many that these
-/// steps are too few, they are joined.
+/// Neighbours share vertices, so that they need some more steps than a single surface. Neighbours that share so many
+/// vertices that these steps are too few are joined.
 constexpr int kMaxSteps = 30;
 
-/// A surface is not fitted if its vertices that may move change the volume by less than this part of what all of them
-/// would change: they would have to go too far.
+/// A surface is not fitted if its movable vertices change the volume by less than this part of the change by all its
+/// vertices: they would have to move too far.
 constexpr double kMinFreedom = 0.1;
 
 /// Triangles keep their shapes if offsets change by no more than this part. If only vertices inside of a surface move,
 /// they move along normals, which changes angles less.
 constexpr double kNear = 0.03, kNearInside = 0.1;
 
-/// Boundaries stay if the vertices inside make up at least this part of what all of them change.
+/// Boundaries stay if the vertices inside cause at least this part of the change by all vertices.
 constexpr double kInnerShare = 0.4;
 
 /// The moves of all vertices that curved patches use.
@@ -105,7 +106,7 @@ struct FitSurface {
 /// The sums over the triangles of a group of surfaces. The offsets of a group change by their scales times one factor.
 struct FitSum {
   double missing = 0, magnitude = 0;
-  double slope = 0;          ///< change of what is enclosed per change of the factor
+  double slope = 0;          ///< change of the enclosed volume or area per change of the factor
   double largest_slope = 0;  ///< the same if all vertices moved along normals
 
   void add(const FitSum& other) {
@@ -173,7 +174,7 @@ class Fitter {
   Vec3 local(const Vec3& p) const { return (1 / input_.surface.unit) * (p - input_.surface.centre); }
   const AnalyticSurface& shape(SurfaceId s) const { return input_.curved.surfaces.surfaces[s].shape; }
 
-  /// Returns how far an offset moves the vertices of each surface, at most.
+  /// Returns the max distance by which an offset of 1 moves the vertices of each surface.
   IdVector<SurfaceId, double> largest_levers() const {
     IdVector<SurfaceId, double> levers(input_.fit.goals().size(), 0);
     for (std::size_t i = 0; i < moves_.size(); ++i)
@@ -218,7 +219,7 @@ class Fitter {
         for (const OffsetMove& other : moves_.moves(v)) {
           check_();
           const std::uint32_t i = at[one.surface], j = at[other.surface];
-          // Volumes and areas cannot be added.
+          // Volumes cannot be added to areas.
           if (i < j && j != kNone && goal(surfaces_[i]).is_area == goal(surfaces_[j]).is_area)
             neighbours_.push_back({i, j});
         }
@@ -226,7 +227,7 @@ class Fitter {
     neighbours_.erase(std::unique(neighbours_.begin(), neighbours_.end()), neighbours_.end());
   }
 
-  /// Adds the scales of each group, times one factor, so that the group as a whole meets its goals.
+  /// Adds to the offsets of each group their scales times one factor, so that the group as a whole meets its goals.
   void solve(UnionFind& groups, IdVector<SurfaceId, double>& offsets) {
     offsets = input_.fit.offsets();
     for (int step = 0; step < kMaxSteps; ++step) {
@@ -245,7 +246,7 @@ class Fitter {
     add_up(groups, offsets);
   }
 
-  /// Adds up what the triangles of each group enclose.
+  /// Adds up the volume or area that the triangles of each group enclose.
   void add_up(UnionFind& groups, const IdVector<SurfaceId, double>& offsets) {
     place_points(offsets);
     group_of_.assign(input_.fit.goals().size(), kNone);
@@ -270,7 +271,7 @@ class Fitter {
     return is_met;
   }
 
-  /// Joins groups that have missed their goals with their neighbours. Returns whether there were any.
+  /// Joins groups that have missed their goals with their neighbours. Returns whether there were any such groups.
   bool join_with_neighbours(const std::vector<std::uint8_t>& is_met, UnionFind& groups) const {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
     for (const auto& [i, j] : neighbours_)
@@ -407,13 +408,13 @@ class Fitter {
   const FitInput& input_;
   const TriangulatedPatches& triangulated_;
   FitMoves found_;
-  OffsetMoves moves_;  ///< those of `found_` that count
+  OffsetMoves moves_;  ///< the moves of `found_` that are used
   StopCheck check_;
   RunControl& control_;
   std::vector<FitSurface> surfaces_;
   IdVector<SurfaceId, std::uint8_t> keeps_boundary_;                 ///< empty if all boundaries may move
   std::vector<std::pair<std::uint32_t, std::uint32_t>> neighbours_;  ///< indices of `surfaces_`, the smaller one first
-  IdVector<SurfaceId, double> largest_moves_;                        ///< how far vertices move, per offset, at most
+  IdVector<SurfaceId, double> largest_moves_;                        ///< max distance that vertices move, per offset
   IdVector<SurfaceId, double> allowed_;                              ///< the tolerances of the surfaces
   IdVector<SurfaceId, std::uint32_t> group_of_;
   std::vector<FitSum> sums_;  ///< one per group, under its representative

@@ -1,4 +1,4 @@
-/// Finds the offsets of curved surfaces at which the triangles keep the volume, and moves vertices there.
+/// Finds the offsets of curved surfaces at which the triangles keep the volume, and moves vertices by these offsets.
 #pragma once
 
 #include <cstdint>
@@ -19,26 +19,28 @@ namespace remesh {
 
 /// The triangles of a surface whose curved patches were moved outwards by estimated offsets.
 struct FitInput {
-  const Surface& surface;  ///< with the vertices of cuts, where they were moved to
+  const Surface& surface;  ///< with the vertices of cuts, at the places to which they were moved
   const PatchSet& patches;
   const CurvedPatches& curved;
   const VolumeOffsets& fit;
-  /// Triangles meet goals. So boundaries stay where they are, if there are enough vertices inside of a curved surface.
+  /// The triangles meet goals of refinement. So boundaries stay where they are, if there are enough vertices inside of
+  /// a curved surface.
   bool is_refined = false;
 };
 
 struct FittedVolumes {
-  IdVector<SurfaceId, double> offsets;  ///< those at which the goals are met
+  IdVector<SurfaceId, double> offsets;  ///< the offsets at which the goals are met
   IdVector<SurfaceId, double> better;   ///< the estimates that another attempt should begin with
   IdVector<SurfaceId, double> outside;  ///< the largest distances by which vertices are moved out of surfaces
   std::vector<SurfaceId> impossible;    ///< surfaces that have too few vertices which may move
   /// The offsets differ from the estimates by no more than some per cent, so that triangles keep their shapes.
   bool is_near = true;
-  OffsetMoves moves;  ///< those of all vertices of curved patches, from where they are
+  OffsetMoves moves;  ///< the moves of all vertices of curved patches, from their present places
 };
 
 /// Solves for the offsets by Newton's method, for all surfaces at once: between the triangles of each surface and the
-/// true surface there must be as much volume inside as outside. Each triangle's volume is a polynomial in the offsets.
+/// true surface, the volume inside must equal the volume outside. Each triangle's volume is a polynomial in the
+/// offsets.
 /// Output:  nothing is moved yet.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:    O(triangles of curved patches) for each of a few steps; O(n log n) once.

@@ -1,4 +1,4 @@
-/// What was decided about the refinement of a surface, and what attempts have shown and taken. There is no geometry
+/// The decisions about the refinement of a surface, and the work that attempts have taken. There is no geometry
 /// here.
 #pragma once
 
@@ -43,7 +43,7 @@ struct RefinementChoices {
   explicit RefinementChoices(const FloorSearch& floors) : floors(floors) {}
 };
 
-/// What an attempt knows about its surface and its goals.
+/// The facts that an attempt knows about its surface and its goals.
 struct RefinementFacts {
   bool are_goals_set = false;       ///< by the options, or since some patches are curved
   bool is_any_refined = false;      ///< not all patches are frozen
@@ -70,7 +70,7 @@ std::uint64_t budget_of(const RefinementChoices& choices, std::uint64_t max_face
 /// Returns whether retries with smaller budgets have not helped, or not soon enough. Then nothing is refined.
 bool is_budget_too_small(const RefinementChoices& choices);
 
-/// What is chosen after a result with so many faces.
+/// The choices after a result with a number of faces.
 struct AfterFaces {
   RefinementChoices choices;
   bool is_repeated =
@@ -89,7 +89,7 @@ AfterFaces after_faces(const RefinementChoices& now, std::uint64_t faces, bool a
 /// Raises the floor, which an attempt has shown to be too low, or gives the next attempt a budget if no floor is left.
 RefinementChoices after_too_many_made(const RefinementChoices& now, const RefinementFacts& facts);
 
-/// What attempts have taken. A step is a triangle of a complete attempt. If half of the steps are spent on results that
+/// The work of all attempts so far. A step is a triangle of a complete attempt. If half of the steps are spent on results that
 /// failed the check, the next attempts refine nothing, until one of them passes. Then all is refined that has never
 /// failed. The steps of searches for intersections in the checks have a bound of their own. Searches of the usual
 /// length do not come near it.

@@ -34,7 +34,7 @@ struct PatchedSurface {
   std::span<const std::pair<PatchId, PatchId>> crossing = {};
 };
 
-/// What refinement has to know about the curved patches of a surface.
+/// The facts about the curved patches of a surface that refinement has to know.
 struct CurvedFacts {
   bool are_any = false;  ///< these have to be refined even if there is no other goal
   /// Most of them are to be finer than the input's facets. So their faces are asked for, and no floor is looked for.
@@ -43,7 +43,7 @@ struct CurvedFacts {
   double angle_margin = 0;
 };
 
-/// What an attempt to refine has led to.
+/// The result of an attempt to refine.
 struct RefinementAttempt {
   enum class End : std::uint8_t {
     kRefined,      ///< there is a refinement

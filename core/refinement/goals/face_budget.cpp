@@ -6,7 +6,7 @@
 
 namespace remesh {
 
-// While all of the patches are still to begin, the budget is shared out by what is predicted, so that lattices fit.
+// Before any patch has begun, the budget is shared out in proportion to the predicted faces, so that lattices fit.
 // Later, half of it is shared out by the work that waits and half evenly: one bad triangle may lead to a thousand
 // others, and a patch that is stopped only by its share continues in another round.
 void FaceBudget::share_out(std::uint64_t faces, std::span<const double> work, bool are_all_new, RunControl& control) {
@@ -18,7 +18,7 @@ void FaceBudget::share_out(std::uint64_t faces, std::span<const double> work, bo
   constexpr std::uint64_t kLastStep = 1;
   faces += kLastStep * work.size();
   left_ = max_faces_ - std::min(max_faces_, faces);
-  // If little is left for each patch, only the first of them get a share. It is large enough to be worth a round.
+  // If little is left for each patch, only the first patches get a share, which is large enough to be worth a round.
   if (left_ / work.size() < kWorthwhile) {
     std::fill(shares_.begin(), shares_.end(), 0);
     std::fill_n(shares_.begin(), left_ / kWorthwhile, kWorthwhile);

@@ -34,8 +34,8 @@ Goals goals_of(const Options& options, double diagonal) {
 }
 
 void keep_in_proportion(Goals& goals, const Options& options, double diagonal, std::uint64_t triangles) {
-  // Small angles of the input need some faces each, and a part of a few faces may need hundreds. Without details, there
-  // are fewer such angles. Gaps need more.
+  // Each small angle of the input needs some faces, and in an input of few faces they may need hundreds. Without
+  // details, there are fewer such angles. Gaps need more faces.
   constexpr std::uint64_t kPerTriangle = 20, kPerTriangleWithGaps = 40, kDetails = 4;
   constexpr std::uint64_t kAlways = 1000, kAlwaysWithGaps = 20000, kAlwaysWithGapsAndCircles = 5000;
   // See experiments.md, Floor of a default answer.
@@ -55,7 +55,7 @@ void keep_in_proportion(Goals& goals, const Options& options, double diagonal, s
 
 void keep_apart_in_storage(Goals& goals, const Options& options, double step) {
   // Rounding moves a vertex against the opposite side by up to sqrt(3) steps. A triangle with edges of kSteps steps and
-  // an angle of 20 degrees is higher than that by half, so rounding does not turn the triangle over.
+  // an angle of 20 degrees is half as high again, so rounding does not turn the triangle over.
   constexpr double kSteps = 8;
   const double floor = kSteps * step;
   if (options.min_edge_length || !options.refine || !(floor > goals.min_edge_length)) return;

@@ -1,4 +1,4 @@
-/// Defines the goals of refinement. They are the options as numbers that always have a value.
+/// The goals of refinement: the options, as numbers that always have a value.
 #pragma once
 
 #include <algorithm>
@@ -24,18 +24,18 @@ struct Goals {
   double gradation = 0;           ///< largest ratio of the lengths of neighbouring edges, > 1; 0: no limit
   std::uint64_t max_faces;        ///< limit on the faces of the whole result
   /// If there would be more faces than this, refinement looks for a value of min_edge_length with which there are no
-  /// more. The largest number: it does not look for one.
+  /// more. kNoLimit: it does not look for one.
   std::uint64_t faces_without_floor = kNoLimit;
   double lowest_floor = 0;      ///< the first value that is tried
-  double floor_of_storage = 0;  ///< min_edge_length is at least this, so that the result's storage tells points apart
+  double floor_of_storage = 0;  ///< min_edge_length is at least this, so that points stay apart in the result's storage
   bool split_boundaries = true;
 
-  /// Sizes that gaps and short edges ask for are known at some places and interpolated between them. An edge that is
-  /// longer than the size by no more than this factor meets it. A longer one is listed in the report.
+  /// The sizes for gaps and short edges are known at some places and interpolated between them. An edge that is longer
+  /// than the size by no more than this factor meets it. A longer one is listed in the report.
   static constexpr double kSizeSlack = 1.1;
   /// Returns the rate at which the size grows with the distance from the place that asks for it. Without a gradation it
-  /// is 1: a gap grows by no more than the distance that one moves. It is kSteepest at most: with that, a size is the
-  /// largest one as soon as two places can be told apart, and sums stay finite.
+  /// is 1, because a gap grows by at most the distance between two places. The max is kSteepest: with it, the size
+  /// reaches its max as soon as two places differ, and sums stay finite.
   double size_slope() const { return gradation > 0 ? std::min(gradation - 1, kSteepest) : 1; }
   static constexpr double kSteepest = 0x1p40;
 
@@ -51,18 +51,18 @@ Goals goals_of(const Options& options, double diagonal);
 /// Keeps the answer in proportion to the input, if min_edge_length is automatic and no size is given: it may have 20
 /// faces for each triangle of the input, plus 1,000. With proximity it may have 40 for each, plus 5,000 if curved
 /// surfaces are remeshed, too, and plus 20,000 if they are not. Where details of a given size are removed, it may have
-/// a quarter of the faces for each triangle, and no edge is made shorter than a third of that size, whatever asks for
-/// faces.
+/// a quarter of the faces for each triangle, and no edge is made shorter than a third of that size, for whatever
+/// reason.
 /// Input: `triangles` is the number of the input's triangles, where a polygon counts as the triangles that fill it.
 void keep_in_proportion(Goals& goals, const Options& options, double diagonal, std::uint64_t triangles);
 
-/// Makes no edge so short that the numbers in which the result is stored cannot tell its triangles apart, if
+/// Makes no edge so short that its triangles become equal or flat in the numbers of the result's storage, if
 /// min_edge_length is automatic.
 /// Input: `step` is the distance between such numbers at the part's largest coordinate, in model units.
 void keep_apart_in_storage(Goals& goals, const Options& options, double step);
 
 /// Returns the length below which no edge is made because smaller details are removed, in model units; 0 if there is no
-/// such length, or if it could not be kept. It is a third of defeature_size.
+/// such length, or if refinement could not keep it. It is a third of defeature_size.
 double floor_of_details(const Options& options, const Goals& goals);
 
 /// Return the area of an equilateral triangle with this edge, and the edge of one with this area. No triangle with

@@ -7,13 +7,13 @@
 
 namespace remesh {
 
-/// A triangle is judged by these numbers.
+/// The numbers by which a triangle is judged.
 struct TriangleMeasures {
   double squares, shortest_squared, longest_squared;  ///< sum, minimum and maximum of the squares of its edges
   double twice_area;
 
-  /// Returns twice the area over the sum of the squared edges. The larger it is, the better shaped is the triangle. It
-  /// is negative if the triangle is turned over.
+  /// Returns twice the area over the sum of the squared edges. A larger value means a better shape. It is negative if
+  /// the triangle is turned over.
   double shape() const { return twice_area / squares; }
 };
 

@@ -11,7 +11,7 @@
 namespace remesh {
 namespace {
 
-/// This is the relative error that rounding may add to an edge or an area.
+/// The relative error that rounding may add to an edge or an area.
 constexpr double kRounding = 1e-9;
 
 /// The sides of a triangle, scaled so that no square under- or overflows.
@@ -117,7 +117,7 @@ std::vector<Unrefined> summarise_unrefined(const UnrefinedFaces& unrefined, std:
                                            std::span<const Triangle> faces, const Goals& goals, RunControl& control) {
   StopCheck check(control);
   std::array<Unrefined, kUnrefinedReasonCount> by_reason;
-  // A floor that was found was not asked for.
+  // The user did not ask for a floor that the program has found.
   const bool is_found = goals.faces_without_floor != Goals::kNoLimit || goals.floor_of_storage > 0;
   const auto told = [&](UnrefinedReason reason) {
     return reason == UnrefinedReason::kMinEdgeLength && is_found ? UnrefinedReason::kSizeFloor : reason;

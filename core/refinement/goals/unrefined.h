@@ -13,8 +13,8 @@
 
 namespace remesh {
 
-/// These values tell of a face that it is larger than gaps or short edges ask for, or that nobody knows whether it is.
-/// 0 stands for a face that is small enough.
+/// These values mean that a face is larger than gaps or short edges allow, or that it is not known whether it is. 0
+/// stands for a face that is small enough.
 inline constexpr std::uint8_t kMissesSizes = 1, kMayMissSizes = 2;
 
 struct UnrefinedFaces {
@@ -24,11 +24,11 @@ struct UnrefinedFaces {
 };
 
 /// Finds the triangles that miss a goal. They are measured in space, with the output's doubles.
-/// Input:  `reason` is what refinement says of each face. `misses_sizes` has one entry per face. It is empty if all are
-///         0.
+/// Input:  `reason` is the reason that refinement gives for each face. `misses_sizes` has one entry per face. It is
+///         empty if all are 0.
 /// Output: The triangles with an angle below the goal, or with an edge or an area above it by more than rounding, and
-///         those that are larger than gaps or short edges ask for, or may be. Each has its reason. If a triangle is
-///         listed only because it may be too large, the reason is kEffort.
+///         triangles that are larger, or may be larger, than gaps or short edges allow. Each has its reason. If a
+///         triangle is listed only because it may be too large, the reason is kEffort.
 /// Holds:  The result is the same for any number of threads.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:   O(faces).
@@ -36,7 +36,7 @@ UnrefinedFaces find_unrefined(std::span<const Vec3> positions, std::span<const T
                               std::span<const UnrefinedReason> reason, std::span<const std::uint8_t> misses_sizes,
                               const Goals& goals, RunControl& control);
 
-/// How many triangles have an angle below a bound, and the least of their angles, in degrees.
+/// The number of triangles that have an angle below a bound, and the smallest of their angles, in degrees.
 struct SmallAngles {
   std::uint64_t count = 0;
   double least_deg = 180;
@@ -60,7 +60,7 @@ SmallAngles small_angles(std::span<const Vec3> positions, std::span<const Vertex
                          RunControl& control);
 
 /// Groups by reason the triangles that find_unrefined found. For each reason, counts the triangles and lists the
-/// centroids of the first ones. What a floor leaves that `goals` found for themselves counts as kSizeFloor.
+/// centroids of the first ones. A floor that the program found itself counts as kSizeFloor.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 std::vector<Unrefined> summarise_unrefined(const UnrefinedFaces& unrefined, std::span<const Vec3> positions,
                                            std::span<const Triangle> faces, const Goals& goals, RunControl& control);

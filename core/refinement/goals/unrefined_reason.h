@@ -1,4 +1,4 @@
-/// Describes triangles that miss the bounds of refinement, and the reasons why.
+/// The reasons why triangles miss the bounds of refinement.
 #pragma once
 
 #include <cstddef>
@@ -10,31 +10,30 @@
 
 namespace remesh {
 
-/// Tells why a triangle does not meet the bounds that refinement aims at.
+/// The reason why a triangle does not meet the bounds at which refinement aims.
 enum class UnrefinedReason : std::uint8_t {
-  /// It fills a corner of the input: both its edges there are on the patch's boundary.
+  /// The triangle fills a corner of the input: both its edges there are on the patch's boundary.
   kInputAngle,
   /// Its shortest edge joins two segments that meet under 60 degrees, at the same distance from their corner.
   kAcrossInputAngle,
-  /// A new point would be nearer to another one than features or rounding allow (the floor of its spacing). Or it
-  /// misses a size that is below the floor of all sizes. In the report, the floor may also be the one that keeps the
-  /// number of faces in proportion to the input.
+  /// A new point would be nearer to another point than features or rounding allow (the floor of its spacing). Or the
+  /// triangle misses a size that is below the floor of all sizes. In the report, the floor may also be the one that
+  /// keeps the number of faces in proportion to the input.
   kSizeFloor,
   /// As kSizeFloor, but the floor comes from the option min_edge_length.
   kMinEdgeLength,
   /// The result would have more faces than allowed.
   kBudget,
-  /// A boundary would have to be split that must stay, because it was asked for or because a patch stays as it is.
+  /// A boundary would have to be split that must stay, because of an option or because a patch stays as it is.
   kBoundaryLocked,
   /// A limit on the work was reached before the bounds were met, or before it was known whether they are met.
   kEffort,
-  /// It met the bounds until its vertices were rounded to what the output format can hold.
+  /// The triangle met the bounds until its vertices were rounded to coordinates that the output format can hold.
   kOutputRounding,
 };
 inline constexpr int kUnrefinedReasonCount = 8;
 
-/// These are the triangles that miss the bounds of refinement for one reason. `places` holds the centroids of the first
-/// 100.
+/// The triangles that miss the bounds of refinement for one reason. `places` holds the centroids of the first 100.
 struct Unrefined {
   static constexpr std::size_t kMaxPlaces = 100;
 

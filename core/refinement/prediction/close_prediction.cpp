@@ -41,7 +41,7 @@ class PatchWithCuts {
   }
 
  private:
-  /// Returns the faces that fill a curved patch if edges turn as far as they may.
+  /// Returns the number of faces that fill a curved patch if edges turn as far as they may.
   double faces_by_turn(RunControl& control) const {
     const CurvedChart& curved = *chart_.curved();
     const AnalyticSurface& shape = curved.map().shape();
@@ -76,8 +76,8 @@ class PatchWithCuts {
         }
   }
 
-  /// Finds the sides that are longer than they may be and stay, because there is no room for a cut. Triangles beside
-  /// them stay large.
+  /// Finds the sides that are longer than allowed and stay, because there is no room for a cut. Triangles beside them
+  /// stay large.
   void find_fixed_sides(RunControl& control) {
     if (sizes_.is_uniform() && !std::isfinite(sizes_.largest()) && !std::isfinite(goals_.max_area)) return;
     std::vector<FixedSide> fixed;
@@ -91,15 +91,15 @@ class PatchWithCuts {
     if (!fixed.empty()) fixed_ = std::make_unique<const FixedSideSizes>(fixed, goals_.min_angle_deg, control);
   }
 
-  /// Returns the length that is asked for at a place, or what sides that stay make of it.
+  /// Returns the edge length that is asked for at a place, or the larger one that fixed sides make necessary there.
   double asked_at(Vec2 place) const {
     const double asked = EdgeSizes::asked_for(goals_, sizes_, chart_, place);
     return fixed_ != nullptr ? std::max(asked, fixed_->at(place) * chart_.scale(place)) : asked;
   }
 
-  /// Returns the faces in the triangle of half-edge h. Each piece of its sides has one. If there is room inside, there
-  /// are as many as the expected lengths allow over its area. If about as many are there for both reasons, points
-  /// inside and cuts disturb each other, the more so the larger the bound is.
+  /// Returns the faces in the triangle of half-edge h. Each piece of its sides has one face. If there is room inside,
+  /// the expected lengths give a number of faces for the area. If both numbers are about equal, points inside and cuts
+  /// disturb each other, and a larger min angle makes this worse.
   double faces_of(std::uint32_t h) const {
     const std::uint32_t edge[3] = {edges_.edge_at({id_, h}), edges_.edge_at({id_, h + 1}),
                                    edges_.edge_at({id_, h + 2})};
@@ -122,7 +122,7 @@ class PatchWithCuts {
     return std::max(at_sides, inside) + (kDisturbed - lengths_.slack()) * std::min(at_sides - 1, inside);
   }
 
-  /// Returns the faces between a side of a triangle and the middle of its inscribed circle.
+  /// Returns the number of faces between a side of a triangle and the middle of its inscribed circle.
   double faces_along(std::uint32_t edge, double depth, double asked) const {
     const SampledEdge& e = edges_[edge];
     double sum = 0;
@@ -147,8 +147,9 @@ class PatchWithCuts {
     return sum;
   }
 
-  /// Returns the faces that a triangle needs for sizes alone. The size is read in the middles of small triangles into
-  /// which it is divided, as many as the size in its middle, `asked`, says that there may be different ones.
+  /// Returns the number of faces that a triangle needs for sizes alone. The size is read in the middles of the small
+  /// triangles into which it is divided. Their number follows from the size in its middle, `asked`: more of them could
+  /// not have different sizes.
   double faces_for_size(const Vec2 (&p)[3], const std::uint32_t (&edge)[3], double area, double asked) const {
     const double longest = std::max({edges_[edge[0]].length, edges_[edge[1]].length, edges_[edge[2]].length});
     const int parts = static_cast<int>(std::clamp(std::ceil(longest / asked), 1.0, max_rows_));
@@ -161,7 +162,7 @@ class PatchWithCuts {
     return faces;
   }
 
-  /// Returns whether a triangle has no angle below the bound but one that the input has.
+  /// Returns whether all angles of a triangle below the bound are angles of the input.
   bool may_stay(std::uint32_t h) const {
     if (lengths_.is_excused(edges_.triangle_of({id_, h}))) return true;
     const Triangulation2d& mesh = patch_.mesh;
@@ -173,7 +174,7 @@ class PatchWithCuts {
     return true;
   }
 
-  /// A triangle that may stay is expected to stay if no more faces than this fit into it. See experiments.md,
+  /// A triangle that may stay is expected to stay if at most this number of faces fits into it. See experiments.md,
   /// Prediction, for these two numbers.
   static constexpr double kFewInside = 1.6;
   static constexpr double kDisturbed = 1.1;
@@ -185,8 +186,8 @@ class PatchWithCuts {
   const SampledEdges& edges_;
   const Goals& goals_;
   const SizeField& sizes_;
-  std::unique_ptr<const FixedSideSizes> fixed_;  ///< null if no side that is too long stays
-  const double max_rows_;  ///< a triangle is divided into this number of rows at most, to read sizes in it
+  std::unique_ptr<const FixedSideSizes> fixed_;  ///< null if no fixed side is too long
+  const double max_rows_;  ///< the max number of rows into which a triangle is divided to read sizes in it
 };
 
 }  // namespace

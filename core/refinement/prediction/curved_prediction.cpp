@@ -21,14 +21,14 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 constexpr std::array kElements = {8, 12, 16, 24, 36};
 
-// See experiments.md, Prediction of curved patches, for these numbers.
+// See experiments.md, Prediction of curved patches, for the following numbers.
 
-/// A bound on angles makes this many times as many faces of a planar patch beside curved ones.
+/// With a bound on angles, a planar patch beside curved ones has this many times as many faces.
 constexpr double kFacesForAngleBeside = 3;
-/// A piece of a boundary that is shorter than edges inside of a curved patch leads to this number of faces, over which
-/// edges grow with the distance.
+/// A boundary piece that is shorter than the edges inside of a curved patch adds this number of faces, over which edges
+/// grow with the distance from the piece.
 constexpr double kFacesBesidePiece = 7;
-/// This is how much edges grow per distance from there.
+/// The growth of edges per distance from such a piece.
 constexpr double kGrowthBeside = 0.33;
 /// A boundary that is cut anew moves by at most this share of the width of a narrow planar patch beside it (ChainGaps).
 constexpr double kMoveInWidth = 0.25;
@@ -93,7 +93,7 @@ class CirclePrediction {
     if (!joined_.has_any()) return result;
     measure_patches();
     find_chains();
-    // Where boundaries are cut finely whatever the number is, more elements hardly change the faces.
+    // If boundaries are cut finely for other reasons, more elements per circle hardly change the number of faces.
     double most = 0;
     for (const int elements : kElements) {
       most = std::max(most, std::min(std::ceil(faces_with(elements)), most_faces(elements)));
@@ -103,11 +103,11 @@ class CirclePrediction {
   }
 
  private:
-  /// Returns how many faces there are at most: facets that are as fine as is asked for stay if they lead to fewer.
+  /// Returns the max number of faces: facets that are already fine enough stay if they lead to fewer faces.
   double most_faces(int elements) const {
     constexpr double kMany = 0x1p62;
     if (!may_coarser_facets_stay_ || present_.patches.count() != in_.facets.count()) return kMany;
-    // Other options may need no floor, and then facets have more faces than these.
+    // Other options may need no floor, and then facets have more faces than predicted here.
     if (present_.min_edge_length > goals_.min_edge_length) return kMany;
     for (const CurvedPatch& patch : joined_.curved)
       if (in_.surfaces.surfaces[patch.surface].facets_per_turn < elements) return kMany;
@@ -143,7 +143,7 @@ class CirclePrediction {
   }
   PatchId patch_of(std::uint32_t h) const { return joined_.patches.of_face[in_.adjacency.face_of(h)]; }
 
-  /// Finds the chains beside curved patches. A chain ends where another number of boundary edges than two meet.
+  /// Finds the chains beside curved patches. A chain ends where the number of boundary edges at a vertex is not two.
   void find_chains() {
     std::vector<EdgeId> edges;
     IdVector<VertexId, std::array<std::uint32_t, 2>> at(in_.surface.vertex_count(), {kNone, kNone});
@@ -197,7 +197,7 @@ class CirclePrediction {
       if (const CurvedPatch* curved = joined_.of(patch_of(h)))
         turn = std::max(turn, turn_along(curved->map.shape(), a, b));
     chain.turn += turn;
-    // All half-edges in one direction along a chain tell the same number.
+    // All half-edges in one direction along a chain give the same number of pieces.
     double pieces = 0;
     for (const std::uint32_t h : half_edges)
       if (present_.essential[in_.adjacency.from(h)])
@@ -207,15 +207,17 @@ class CirclePrediction {
 
   double longest_edge() const { return std::min(goals_.max_edge_length, equilateral_edge(goals_.max_area)); }
 
-  /// Returns about how wide a patch is. If only a part of its boundary is beside curved patches, it is more than that.
+  /// Returns the approximate width of a patch. If only a part of its boundary is beside curved patches, the result is
+  /// too large.
   double width(PatchId p) const { return 2 * measures_[p].area / measures_[p].perimeter; }
 
-  /// Returns into how many pieces a chain is divided by its turn.
+  /// Returns the number of pieces into which a chain is divided because of its turn.
   double pieces_by_turn(const Chain& chain, double max_turn) const {
     return std::max(std::ceil(chain.turn / max_turn * (1 - 1e-6)), chain.is_closed ? 3.0 : 1.0);
   }
 
-  /// Returns into how many pieces a chain is cut so that it does not cross the other boundaries of planar patches.
+  /// Returns the number of pieces into which a chain is cut so that it does not cross the other boundaries of planar
+  /// patches.
   double pieces_by_room(const Chain& chain) const {
     double pieces = 1;
     for (const PatchId p : chain.beside) {
@@ -247,7 +249,7 @@ class CirclePrediction {
     for (const Chain& chain : chains_) {
       check_();
       const double now = pieces_of(chain, max_turn);
-      // The more pieces there are for each edge inside, the more faces lie between the two, as far as there is room.
+      // With more pieces for each edge inside, more faces lie between the pieces and the edge, if there is room.
       const double finer = goals_.min_angle_deg > 0 ? std::max(0.0, now - pieces_by_turn(chain, max_turn)) : 0;
       const double piece = chain.length / now;
       for (const PatchId p : chain.beside) {

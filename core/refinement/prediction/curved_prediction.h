@@ -1,4 +1,4 @@
-/// Estimates how many faces a remeshing makes with other numbers of elements per circle.
+/// Estimates the number of faces of a remeshing with other numbers of elements per circle.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@
 
 namespace remesh {
 
-/// The facets of a surface and what they were recognised as.
+/// The facets of a surface and their recognised surfaces.
 struct RecognisedFacets {
   const Surface& surface;
   const Adjacency& adjacency;
@@ -31,16 +31,16 @@ struct PresentPatches {
   const PatchSet& patches;  ///< the facets, or the patches after facets were joined
   const EssentialVertices& essential;
   const CurveCuts& cuts;          ///< empty if no facets were joined
-  std::vector<double> triangles;  ///< one per patch: how many triangles it has before it is refined
-  std::vector<double> faces;      ///< one per patch: how many faces are predicted for it
+  std::vector<double> triangles;  ///< one per patch: its number of triangles before refinement
+  std::vector<double> faces;      ///< one per patch: the number of faces that is predicted for it
   double min_edge_length = 0;     ///< the floor with which these faces are predicted, in model units
 };
 
-/// Predicts the faces for some values of elements_per_circle. All other options stay. Nothing is refined for that, and
-/// no boundary is cut.
+/// Predicts the faces for some values of elements_per_circle. All other options stay. The prediction refines nothing
+/// and cuts no boundary.
 /// Output:  the predicted faces of the whole result for 8, 12, 16, 24 and 36 elements. It is empty if no surface can be
-///          remeshed as a whole. The numbers are mostly right within a factor of 2. Sizes that vary (proximity) count
-///          in the planes only.
+///          remeshed as a whole. Most numbers are right within a factor of 2. Sizes that vary (proximity) count in the
+///          planes only.
 /// Holds:   the numbers grow with the number of elements.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:    O(n log n).

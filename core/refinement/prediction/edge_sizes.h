@@ -1,4 +1,4 @@
-/// Estimates how short pieces of the edges become under a bound on angles, before any edge is cut.
+/// Estimates how short the pieces of edges become under a bound on angles, before any edge is cut.
 #pragma once
 
 #include <cstdint>
@@ -16,15 +16,14 @@ namespace remesh {
 
 /// The lengths of edges that refinement is expected to make around each sample. They are the smallest of these:
 /// - the length of the edge itself;
-/// - what fits beside a vertex or another edge that is near, at the bound on angles;
+/// - the length that fits beside a near vertex or another edge, at the bound on angles;
 /// - the size that is asked for;
-/// - the length at any other sample of the same triangle, and more the farther that sample is away.
-/// Edges belong to all patches that have them, so lengths spread from patch to patch as cuts do. None is shorter than
-/// the floors under the lengths of edges allow, and where there is no room for a cut the edge stays as it is. From its
-/// short side, nothing spreads into a triangle with an angle of the input below the bound, because such a triangle may
-/// stay.
+/// - the length at any other sample of the same triangle, plus its growth over the distance from there.
+/// Edges belong to all patches that have them, so lengths spread from patch to patch as cuts do. No length is below the
+/// floor of its edge, and an edge without room for a cut stays as it is. From its short side, nothing spreads into a
+/// triangle with an angle of the input below the bound, because such a triangle may stay.
 /// Holds:  the lengths do not depend on the number of threads. With another order of patches, they may differ by about
-///         a tenth: a length that would fall by less stays.
+///         a tenth: a length that would fall by less than that stays.
 /// Cost:   O(n log n) for n edges; some 100 bytes an edge and 20 a sample. Each length is changed a bounded number of
 ///         times.
 /// Source: experiments.md, Prediction.
@@ -38,17 +37,18 @@ class EdgeSizes {
   const SampledEdges& edges() const { return edges_; }
   /// Returns the length at a sample, in model units.
   double at(std::uint32_t sample) const { return length_[sample]; }
-  /// Returns how many pieces an edge is expected to be cut into. This need not be a whole number.
+  /// Returns the number of pieces into which an edge is expected to be cut. This need not be a whole number.
   double pieces(std::uint32_t edge) const { return limits_[edge].pieces; }
   /// Returns the tangent of the bound on angles.
   double tangent() const { return tangent_; }
-  /// Returns by how much lengths grow per distance.
+  /// Returns the growth of lengths per distance.
   double growth() const { return growth_; }
-  /// Returns how far the bound is from those with which refinement does not end: 0 is there, 1 is no bound.
+  /// Returns the distance of the bound from bounds for which refinement does not end: 0 at such a bound, 1 without a
+  /// bound.
   double slack() const { return slack_; }
-  /// Returns whether a triangle may stay because its only small angle is one between two edges of the input.
+  /// Returns whether a triangle may stay because its only small angle lies between two edges of the input.
   bool is_excused(std::uint32_t triangle) const { return excused_side_[triangle] != kNoSide; }
-  /// Returns whether an edge stays because there is no room for a cut. It is then narrower than `floor` there.
+  /// Returns whether an edge stays because there is no room for a cut: its surroundings are narrower than `floor`.
   bool has_no_room(std::uint32_t edge) const { return limits_[edge].has_no_room; }
   double floor(std::uint32_t edge) const { return limits_[edge].floor; }
   /// Returns the length of edges where refined triangles have the size that is asked for at a place of a patch.
@@ -62,12 +62,12 @@ class EdgeSizes {
   struct Limits {
     double floor = 0;  ///< no piece becomes shorter than this
     double pieces =
-        1;  ///< into how many it is cut; before lengths have spread, so many as the size in the middle needs
+        1;  ///< the number of pieces; before lengths have spread, the number that the size in the middle needs
     double longest = 0;  ///< the largest of the lengths at its samples
     bool has_no_room = false;
   };
   struct Surroundings {
-    double feature = std::numeric_limits<double>::infinity();  ///< the distance to what is near in any patch
+    double feature = std::numeric_limits<double>::infinity();  ///< the distance to the nearest feature in any patch
     double noise = 0;  ///< no cut is nearer to a vertex than this, because of rounding
   };
   class LookAround;

@@ -18,13 +18,13 @@ namespace {
 /// A piece of a boundary edge that another patch needs costs this number of faces. They fill the area from the edge to
 /// where faces may be large again.
 constexpr double kFacesPerPiece = 2.5;
-/// No patch's share is larger than this. So the share is always a number that can be computed with, however sharp the
-/// patch's angles or small its sizes are.
+/// No patch is predicted to have more faces than this, so that sums stay finite, however sharp the patch's angles or
+/// small its sizes are.
 constexpr double kMaxOfPatch = 0x1p62;
 /// If a patch needs fewer pieces of an edge than this, the patches beside the edge do not take them into account.
 constexpr double kFewPieces = 3;
 
-/// Tells how many pieces a patch needs of an edge between two vertices.
+/// The number of pieces that a patch needs of an edge between two vertices.
 struct EdgePieces {
   VertexId from, to;  ///< the smaller id first
   double pieces;
@@ -34,8 +34,8 @@ struct EdgePieces {
   }
 };
 
-/// Returns how many pieces, each at most `most` long, a boundary edge needs. An edge of ten lengths needs ten, whatever
-/// its last digits are.
+/// Returns the number of pieces, each at most `most` long, that a boundary edge needs. An edge of ten lengths needs
+/// ten, whatever its last digits are.
 double count_pieces(double length, double most) { return std::max(1.0, std::ceil(length / most * (1 - 1e-12))); }
 
 /// Returns the area of the largest triangle that sizes allow.
@@ -45,7 +45,7 @@ double largest_area(const Goals& goals, const SizeField& sizes) {
 
 double tangent_of_degrees(double degrees) { return std::tan(degrees * std::numbers::pi / 180); }
 
-/// Holds the goals and what follows from them for all patches.
+/// The goals, and the values that follow from them for all patches.
 struct Asked {
   Asked(const Goals& its_goals, const SizeField& its_sizes)
       : goals(its_goals),
@@ -68,8 +68,8 @@ class PatchPrediction {
   PatchPrediction(const PatchMesh& patch, const PatchChart& chart, const Asked& asked)
       : patch_(patch), chart_(chart), asked_(asked), goals_(asked.goals), sizes_(asked.sizes) {}
 
-  /// Returns the number of faces for the pieces of boundary edges, where each edge has as many pieces as the patch that
-  /// needs most of them.
+  /// Returns the number of faces for the pieces of boundary edges. Each edge has as many pieces as the patch that needs
+  /// the largest number.
   double faces_for_pieces(const std::vector<EdgePieces>& needed) const {
     double faces = 0;
     for (std::uint32_t h = 0; h < patch_.mesh.half_edge_count(); ++h) {
@@ -123,10 +123,10 @@ class PatchPrediction {
     return std::minmax({patch_.vertices[patch_.mesh.from(h)], patch_.vertices[patch_.mesh.to(h)]});
   }
 
-  /// Returns how many pieces of a boundary edge the bound on angles needs where the patch is narrow beside the edge.
-  /// Each piece is as long as twice the width over the tangent of the angle. The width is that of the triangle at the
-  /// edge and, beyond the triangle's other sides, that of the triangles there. Towards an edge that meets this one, no
-  /// pieces are needed, because there the angle of the input counts.
+  /// Returns the number of pieces of a boundary edge that the bound on angles needs where the patch is narrow beside
+  /// the edge. Each piece is as long as twice the width over the tangent of the angle. The width is that of the
+  /// triangle at the edge and, beyond the triangle's other sides, that of the triangles there. Towards an edge that
+  /// meets this one, no pieces are needed, because there the angle of the input counts.
   double pieces_for_angle(std::uint32_t h) const {
     const Triangulation2d& mesh = patch_.mesh;
     const Vec2 a = patch_.uv[mesh.from(h)], b = patch_.uv[mesh.to(h)], c = patch_.uv[mesh.apex(h)];
@@ -147,8 +147,8 @@ class PatchPrediction {
     return std::max(1.0, std::min(pieces * asked_.strip_tangent / 2, most));
   }
 
-  /// Returns the faces that fill a triangle with a small angle. They grow from its short edge. The faces that grow from
-  /// pieces of its long edge are counted with the pieces.
+  /// Returns the number of faces that fill a triangle with a small angle. They grow from its short edge. The faces that
+  /// grow from pieces of its long edge are counted with the pieces.
   double faces_for_angle(const double (&length)[3], double area) const {
     if (!(area > 0) || goals_.min_angle_deg == 0) return 1;
     const double longest = std::max({length[0], length[1], length[2]});
@@ -162,7 +162,7 @@ class PatchPrediction {
     return sizes_.is_uniform() ? longest_edge() : std::min(longest_edge(), sizes_.at(chart_.to_space(p)));
   }
 
-  /// Returns null if all sides may be cut, or if none needs to be.
+  /// Returns null if no side is fixed, or if every fixed side is short enough.
   std::unique_ptr<const FixedSideSizes> fixed_side_sizes(RunControl& control) const {
     if (goals_.split_boundaries || (sizes_.is_uniform() && !std::isfinite(longest_edge()))) return nullptr;
     const Triangulation2d& mesh = patch_.mesh;
@@ -207,7 +207,7 @@ class PatchPrediction {
   }
 
   /// The triangle has no room for two edges across its longest side. So it is cut into strips across this side, and the
-  /// size is read in their middles.
+  /// size is read in the middles of the strips.
   template <class FacesAt>
   static double faces_in_strips(const Vec2 (&p)[3], double area, int strips, const FacesAt& faces_at) {
     int k = 0;  // the longest side begins at this corner
@@ -239,7 +239,7 @@ class PatchPrediction {
   const SizeField& sizes_;
 };
 
-/// A floor that is asked for does not matter if the size is at least this many times as long. A floor because of
+/// A floor that the user asks for does not matter if the size is at least this many times as long. A floor because of
 /// rounding does not matter for the area inside, beside pieces that are at least kSizesOverRounding times as long. For
 /// the pieces themselves it never matters.
 constexpr double kSizesOverFloor = 64;
@@ -250,11 +250,11 @@ constexpr double kSizesOverRounding = 8;
 /// from pieces of segments that cannot be cut.
 constexpr double kLeftBesideFloor = 16;
 /// A patch where a floor matters, or with segments that stay, counts as filled only if it would have more faces than
-/// this. Fewer faces are made as well as it goes, and do no harm.
+/// this. Up to this number, refinement makes the faces as well as possible, and they do no harm.
 constexpr double kManyFaces = 0x1p20;
-/// A patch is refused if it would have this many times the faces that are allowed, if only rounding left room for them.
+/// A patch is refused if it would need this many times the allowed faces, but rounding leaves no room for them.
 constexpr double kFarFromAsked = 0x1p20;
-/// Sizes are read at a few places. So the sum of what they ask for is taken to be right within this factor.
+/// Sizes are read at a few places only. The sum that follows from them is taken to be right within this factor.
 constexpr double kDoubtOfSamples = 16;
 
 /// Computes a lower bound on the faces of one patch.
@@ -270,7 +270,7 @@ class LeastFaces {
         edge_(equilateral_edge(largest_area_)) {}
 
   double of(const PatchMesh& patch, const PatchChart& chart, PatchId p) const {
-    // Edges up to this length may stay, whatever sizes ask for.
+    // Edges up to this length may stay, even if sizes ask for shorter ones.
     double may_stay = is_floor_a_matter(goals_.min_edge_length, kSizesOverFloor) ? goals_.min_edge_length : 0;
     double pieces = 0;
     bool is_any_locked = false, is_any_fixed = false, is_floor_asked = may_stay > 0;
@@ -293,7 +293,7 @@ class LeastFaces {
         filled = 0;
       else if (is_any_fixed)
         filled = away_from_fixed(patch, chart, p, largest);
-      // The result that rounding leaves room for is so far from what is asked for that it would serve nobody.
+      // Rounding leaves room only for a result that is so far from the goals that it would be useless.
       if (!is_any_fixed && !is_floor_asked)
         filled = std::max(filled, area_of(patch, chart) / largest_area_ / kFarFromAsked);
     }
@@ -305,16 +305,18 @@ class LeastFaces {
     if (s.is_locked()) return 1;
     const double pieces = count_pieces(s.length, longest_);
     if (s.is_floor_asked) return s.floor * kSizesOverFloor <= longest_ ? pieces : 1;
-    // If rounding leaves no room for a cut, this shows only when all cuts are made, if so many can be made.
+    // Refinement finds out by itself where rounding leaves no room for a cut. But it cannot make more than kMaxFaces
+    // cuts to find this out, so then all pieces count.
     return s.floor <= longest_ || pieces > static_cast<double>(kMaxFaces) ? pieces : 1;
   }
 
   /// Points must not come nearer to each other than `floor`. Returns whether triangles may therefore stay larger than
-  /// the sizes ask for: the edge that was asked for is shorter than `sizes_over_floor` times the floor.
+  /// the sizes: the wanted edge is shorter than `sizes_over_floor` times the floor.
   bool is_floor_a_matter(double floor, double sizes_over_floor) const { return !(floor * sizes_over_floor <= edge_); }
 
-  /// Returns whether a segment stays because somebody wants it to. If only rounding leaves no room to cut it, sizes
-  /// that ask for so many faces are refused as well: a result would miss them everywhere.
+  /// Returns whether a segment stays because an option or a frozen patch requires it. A segment that only rounding
+  /// leaves no room to cut does not count as fixed, so sizes that ask for too many faces are refused there, too: a
+  /// result would miss them everywhere.
   static bool is_fixed(const BoundarySegment& s) { return s.lock == Lock::kFixed || s.lock == Lock::kAsked; }
 
   /// Returns the number of faces that the area away from fixed sides needs. Beside these sides, triangles are as large
@@ -336,7 +338,7 @@ class LeastFaces {
     for (std::uint32_t h = 0; h < mesh.half_edge_count(); h += 3) {
       const Vec2 a = patch.uv[mesh.from(h)], b = patch.uv[mesh.from(h + 1)], c = patch.uv[mesh.from(h + 2)];
       const double part = cross(b - a, c - a) / 2 / (kSamples * kSamples);
-      // These are the middles of all small triangles that lie the same way round as the large one.
+      // The middles of all small triangles that have the same orientation as the large one.
       for (int i = 0; i < kSamples; ++i)
         for (int j = 0; i + j < kSamples; ++j) {
           control_.check();
@@ -368,8 +370,8 @@ class LeastFaces {
   double longest_, largest_area_, edge_;
 };
 
-/// Returns the number of all cuts that are made in segments for their sizes before it shows whether rounding leaves
-/// room for them.
+/// Returns the number of all cuts for sizes that are made in segments before it shows whether rounding leaves room for
+/// them.
 double pieces_to_be_made(const SegmentTable& segments, const SizeField& sizes, RunControl& control) {
   double pieces = 0;
   StopCheck check(control);
@@ -392,7 +394,7 @@ int rows_to_read(const SizeField& sizes) {
 double least_faces(const TriangulatedPatches& triangulated, const IdVector<PatchId, std::uint8_t>& is_frozen,
                    const SegmentTable& segments, const Goals& goals, const SizeField& sizes, RunControl& control) {
   const PatchMeshes& meshes = triangulated.meshes;
-  // More pieces than that could not even be listed.
+  // A list of more pieces than this would not fit into memory.
   const double pieces = pieces_to_be_made(segments, sizes, control);
   if (pieces > static_cast<double>(kMaxFaces)) return pieces;
   const LeastFaces least(segments, goals, sizes, control);

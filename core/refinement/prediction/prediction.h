@@ -1,10 +1,10 @@
-/// Estimates how many faces a refinement will make before it is done.
+/// Estimates, before a refinement, how many faces it will make.
 ///
 /// There are two predictions, because there are two purposes:
-/// - predict_roughly steers refinement: it shares out the faces allowed among patches, and tells which attempts are not
-///   worth while. Each attempt makes one, so it has to take no time. Results depend on it, so it may only change where
-///   results may change.
-/// - predict_closely is what users are told. It is nearer to the result, but takes several times as long. It is made
+/// - predict_roughly steers refinement: it divides the allowed faces among patches, and rules out attempts that are not
+///   worth their time. Each attempt calls it, so it has to be fast. Results depend on it, so a change of the prediction
+///   changes results.
+/// - predict_closely makes the number that users see. It is more accurate, but takes several times as long. It is made
 ///   once for each answer, and no result depends on it.
 #pragma once
 
@@ -20,9 +20,9 @@
 namespace remesh {
 
 struct Prediction {
-  /// This is the number of faces to expect.
+  /// The number of faces to expect.
   double expected = 0;
-  /// This is each patch's share in that, which is at least 1.
+  /// Each patch's share in that number, at least 1.
   std::vector<float> of_patch;
 };
 
@@ -30,25 +30,26 @@ struct Prediction {
 /// Prediction.
 inline constexpr double kFacesPerIdeal = 1.45;
 
-/// Returns the number of rows into which predictions divide a triangle to read sizes in it. There are fewer where a
-/// look-up of a size takes long.
+/// Returns the number of rows into which predictions divide a triangle to read sizes in it. If a look-up of a size is
+/// slow, there are fewer rows.
 int rows_to_read(const SizeField& sizes);
 
 /// A result with more faces cannot be made, because half-edges are numbered in 31 bits.
 inline constexpr std::uint64_t kMaxFaces = std::uint64_t{1} << 29;
 
 /// Predicts the faces of each patch from its own narrow places, and adds some for cuts that its neighbours need. The
-/// shares of the patches leave these out. It does not know needles that may stay, nor that cuts lead to further cuts.
+/// shares of the patches leave these out. The prediction ignores that needles may stay and that cuts lead to further
+/// cuts.
 /// Input: Triangulated patches over the vertices that stay.
 /// Cost:  O(n), or O(n log n) if sizes vary.
 Prediction predict_roughly(const TriangulatedPatches& triangulated, const Goals& goals, const SizeField& sizes,
                            RunControl& control);
 
-/// Predicts the faces of all patches together. With a bound on angles and boundaries that may be cut, the lengths of
-/// edges that the bound leads to are estimated first (EdgeSizes), and then the triangles that fit between them are
-/// counted. Without, it is predict_roughly. It is mostly right within a factor of 1.5, and nearly always within 3; see
-/// experiments.md, Prediction, for the shares. It is too high where patches stay as they are because their refinement
-/// fails the check, which nobody can know before.
+/// Predicts the faces of all patches together. If angles have a bound and boundaries may be cut, the edge lengths that
+/// follow from the bound are estimated first (EdgeSizes), and then the triangles that fit between these edges are
+/// counted. Otherwise the result is that of predict_roughly. Most predictions are right within a factor of 1.5, and
+/// nearly all within 3; see experiments.md, Prediction, for the shares. It is too high where patches stay as they are
+/// because their refinement fails the check, which cannot be predicted.
 /// Input: Triangulated patches over the vertices that stay.
 /// Holds: The numbers do not depend on the number of threads.
 /// Cost:  O(n log n), some microseconds and 300 to 800 bytes for each triangle.
@@ -57,10 +58,10 @@ Prediction predict_closely(const TriangulatedPatches& triangulated, const Goals&
 
 /// Computes a lower bound on the number of faces in any result. For each patch it is the largest of three numbers: its
 /// triangles as they are, the triangles that the pieces of its boundary need, and its area over the area of the largest
-/// triangle that is allowed. Near floors, triangles may stay larger than sizes ask for, and the bound allows for that.
-/// Beside segments that are to stay as they are, only the area that is far enough from them counts, and only where very
-/// many faces are asked for. The bound does not foresee that a refined patch may fail the check and stay as it was.
-/// This may happen where the input intersects or touches itself.
+/// triangle that is allowed. Near floors, triangles may stay larger than sizes ask for, and the bound accounts for
+/// that. Beside segments that are to stay as they are, only the area that is far enough from them counts, and only
+/// where very many faces are asked for. The bound does not foresee that a refined patch may fail the check and stay as
+/// it was. This may happen where the input intersects or touches itself.
 /// Input: The limits of the patches' segments are set; cuts need not be planned yet. `is_frozen` marks the patches that
 ///        are not refined.
 /// Cost:  O(n).

@@ -13,18 +13,18 @@ namespace {
 
 using Mesh = Triangulation2d;
 
-/// The distances of samples from what they are beside grow by this factor. Samples on constrained edges, where pieces
-/// are counted, are denser.
+/// The distance of a sample from the feature beside it grows by this factor from sample to sample. Samples on
+/// constrained edges, where pieces are counted, are denser.
 constexpr double kStep = 12, kStepInside = 16;
-/// Samples are no nearer to each other than this fraction of their edge.
+/// The min distance of two samples, as a fraction of their edge.
 constexpr double kNearest = 0x1p-9;
-/// The first sample beside something is no nearer to it than this fraction of the edge.
+/// The min distance of the first sample from the feature beside it, as a fraction of the edge.
 constexpr double kFirst = 0x1p-8;
 /// An end of an edge gets samples if another edge there is shorter than this share of the edge.
 constexpr double kShorter = 0.7;
 /// The foot of a vertex gets samples if its height is less than this share of the edge.
 constexpr double kLow = 0.5;
-/// The vertices beside so many sides of an edge are looked at.
+/// The max number of sides of an edge whose opposite vertices are tested.
 constexpr std::uint32_t kSides = 4;
 
 struct Use {
@@ -39,8 +39,8 @@ struct Use {
 
 double length_of_way(Vec2 way) { return std::sqrt(dot(way, way)); }
 
-/// Adds places around one of them, from 0 to 1. The first ones are about one step away from it. The distances are the
-/// same for all steps, so that places coincide where several things ask for them.
+/// Adds places around `place`, from 0 to 1. The first ones are about one step away from it. The distances are the same
+/// for all steps, so that places coincide where several features ask for them.
 void add_around(double place, double step, double factor, std::vector<double>& places) {
   if (place > 0 && place < 1) places.push_back(place);
   double away = kFirst;
@@ -118,7 +118,8 @@ void SampledEdges::add_versines(std::uint32_t first, const Vec2 (&p)[3]) {
     direction[k] = length > 0 ? (1 / length) * side : Vec2{};
   }
   for (std::uint32_t k = 0; k < 3; ++k) {
-    // The sum of one side's direction and the reversed one of the side before: exact also where the angle is tiny.
+    // The sum of one side's direction and the reversed direction of the side before it. It is exact even if the angle
+    // is tiny.
     const Vec2 apart = direction[k] + direction[(k + 2) % 3];
     versine_[first + k] = static_cast<float>(dot(apart, apart) / 2);
   }
@@ -141,7 +142,7 @@ void SampledEdges::add_side(EdgeSide side, bool is_forward) {
 
 void SampledEdges::number_constrained(RunControl& control) {
   StopCheck check(control);
-  // The sides are put in order by their lower vertices, and then those of each lower vertex by the higher ones.
+  // The sides are sorted by their lower vertices, and then those of each lower vertex by their higher ones.
   std::vector<std::uint32_t> begin;
   std::size_t count = 0;
   const auto for_all_sides = [&](const auto& body) {
@@ -174,7 +175,7 @@ void SampledEdges::number_constrained(RunControl& control) {
   };
   std::size_t edges = 0;
   for (std::size_t i = 0; i < uses.size(); ++i) edges += is_other_edge(i) ? 1 : 0;
-  // The other sides are those of edges between two triangles of a patch, or few more.
+  // The remaining sides are those of edges between two triangles of a patch, or few more.
   reserve_asking(edges_, edges + (edge_of_.size() - uses.size() + 1) / 2, control);
   for (std::size_t i = 0; i < uses.size(); ++i) {
     check();

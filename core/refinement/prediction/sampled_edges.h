@@ -14,7 +14,7 @@
 
 namespace remesh {
 
-/// An edge of a triangulated patch. A constrained edge is one edge for all patches that have it.
+/// An edge of a triangulated patch. A constrained edge is a single edge, shared by all patches that have it.
 struct SampledEdge {
   std::uint32_t first_side, side_count;      ///< of its sides
   std::uint32_t first_sample, sample_count;  ///< of its samples, which are in order along the edge
@@ -28,14 +28,14 @@ struct EdgeSide {
   std::uint32_t half_edge;
 };
 
-/// The edges of all patches, and samples on them. The samples are dense where sizes may change quickly: beside ends at
-/// which something short begins, and beside the foot of a vertex that is near. From there their distances grow by a
-/// factor. So an edge of a good mesh has a sample at each end, and no edge has more than some 60.
+/// The edges of all patches, and samples on them. The samples are dense where sizes may change quickly: beside ends
+/// where a short edge begins, and beside the foot of a near vertex. From there on, the distances between samples grow
+/// by a factor. So an edge of a good mesh has a sample at each end, and no edge has more than some 60.
 /// Cost: O(n log n) for n edges, mostly to sort them; some 100 bytes an edge and 8 a sample.
 class SampledEdges {
  public:
   /// Input:  the patches, which must outlive this object. `has_middles` asks for a sample in the middle of each edge,
-  ///         and not only where something is near.
+  ///         and not only near features.
   /// Errors: kOutOfMemory - see MemoryBound; kCancelled, kTimeout - asked to stop through `control`.
   SampledEdges(const TriangulatedPatches& triangulated, bool has_middles, RunControl& control);
 
@@ -46,15 +46,15 @@ class SampledEdges {
     return std::span(sides_).subspan(e.first_side, e.side_count);
   }
 
-  // Half-edges are also numbered through all patches, three for each triangle, so that what spreads over triangles does
-  // not have to look at patches.
+  // Half-edges are also numbered through all patches, three for each triangle, so that spreading over triangles needs
+  // no access to patches.
 
   /// Returns the half-edges of an edge's sides.
   std::span<const std::uint32_t> half_edges(const SampledEdge& e) const {
     return std::span(half_edges_).subspan(e.first_side, e.side_count);
   }
   std::uint32_t edge_of(std::uint32_t half_edge) const { return edge_of_[half_edge] / 2; }
-  /// Returns whether the samples of its edge are in the order of a half-edge.
+  /// Returns whether a half-edge runs in the direction in which the samples of its edge are ordered.
   bool is_forward(std::uint32_t half_edge) const { return edge_of_[half_edge] % 2 != 0; }
   /// Returns 1 minus the cosine of the triangle's angle at the start of a half-edge.
   double versine(std::uint32_t half_edge) const { return versine_[half_edge]; }

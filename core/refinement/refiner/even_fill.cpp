@@ -16,13 +16,13 @@
 namespace remesh {
 namespace {
 
-/// No point of a lattice is nearer to the boundary's points than this multiple of the size. If it is smaller, there are
-/// flat triangles along the boundary that refinement must mend; if it is larger, there are holes that refinement must
+/// No point of a lattice is nearer to the boundary's points than this multiple of the size. A smaller clearance leaves
+/// flat triangles along the boundary that refinement must mend, and a larger one leaves holes that refinement must
 /// fill. See experiments.md, Lattices.
 constexpr double kClearance = 0.8;
-/// Sizes that differ by no more than this factor are treated as one size, the smallest of them.
+/// Sizes that differ by no more than this factor are treated as one size, their minimum.
 constexpr double kAlike = 1.05;
-/// This is the clearance of a lattice of one size that is stretched to fit. Every second row of it ends half a column
+/// The clearance of a lattice of one size that is stretched to fit. Every second row of the lattice ends half a column
 /// from the side, which is allowed. The clearance is a multiple of the column, or of the size where columns are
 /// narrower than kWideColumn sizes. In that case there are only one to three columns, and no points are needed between
 /// them and the sides.
@@ -41,7 +41,7 @@ constexpr std::size_t kMaxCells = std::size_t{1} << 30;
 /// Sorts points into square cells, to find out whether there is a point near a place.
 class PointGrid {
  public:
-  /// Input: The cells are so large that their numbers fit into 32 bits.
+  /// Input: The cells must be so large that their numbers fit into 32 bits.
   PointGrid(std::span<const Vec2> points, Vec2 origin, double cell, RunControl& control)
       : points_(points.begin(), points.end()), origin_(origin), cell_(cell) {
     sort_stoppable(points_.begin(), points_.end(), control, [&](Vec2 a, Vec2 b) { return key(a) < key(b); });
@@ -53,7 +53,7 @@ class PointGrid {
     }
   }
 
-  /// Where sizes grow fast, the distance may be millions of cells, so only rows with points are looked at.
+  /// Where sizes grow fast, the distance may be millions of cells, so the search visits only rows with points.
   bool has_point_within(Vec2 p, double distance) const {
     const Key low = key({p.x - distance, p.y - distance}), high = key({p.x + distance, p.y + distance});
     auto at = std::lower_bound(keys_.begin(), keys_.end(), low);
@@ -89,8 +89,9 @@ struct Spacing {
   double best, smallest, largest;
 };
 
-/// A lattice and its halvings give each place the largest of their edges that is allowed there. This returns the edge
-/// with which they have the fewest points. It tries sizes that differ by a 32nd of an octave.
+/// A lattice and its halvings give each place the largest of their edges that is allowed there. This function returns
+/// the coarsest lattice's edge with which all these lattices have the fewest points. It tries sizes that differ by a
+/// 32nd of an octave.
 Spacing best_spacing(std::span<const std::array<Vec2, 3>> triangles, const PlaneSizes& sizes, RunControl& control) {
   constexpr int kSteps = 32;
   std::array<double, kSteps> points{}, smallest{};
@@ -130,7 +131,7 @@ struct Cell {
   int level;
   double share;  ///< the cell's edge over the coarsest lattice's edge: 2^-level
   std::int64_t i, j;
-  std::size_t first = 0, last = 0;  ///< the triangles that may reach into it: a range of `Cells::triangles`
+  std::size_t first = 0, last = 0;  ///< the triangles that may reach into the cell: a range of `Cells::triangles`
 };
 
 /// Holds cells, and the triangles that may reach into each of them. The triangles of one cell follow those of the cell
@@ -142,7 +143,7 @@ struct Cells {
   explicit Cells(std::pmr::memory_resource* memory) : cells(memory), triangles(memory) {}
 };
 
-/// This is a relative slack for rounding, so that a width of ten sizes makes ten columns whatever its last digits are.
+/// A relative slack for rounding, so that a width of ten sizes makes ten columns whatever its last digits are.
 constexpr double kRelativeSlack = 1 - 1e-11;
 
 /// Holds the vertices along the lower or the upper side of a region's box.
@@ -168,8 +169,8 @@ class SideRow {
   /// Returns the number of vertices without the corners.
   double inner_count() const { return static_cast<double>(inner_.size()); }
 
-  /// Tells how the vertices lie to the columns: 1 if columns end at the vertices, -1 if they end half a column beside
-  /// the vertices, and something between if neither is so. A single vertex may lie anywhere.
+  /// Returns how the vertices lie relative to the columns: 1 if columns end at the vertices, -1 if they end half a
+  /// column beside the vertices, and a value in between otherwise. A single vertex may lie anywhere.
   double phase(double columns) const {
     if (inner_.size() < 2) return 1;
     double sum = 0;
@@ -186,7 +187,7 @@ class SideRow {
 /// These are limits for SideRow::phase(). Beyond kInStep, the row is in step with the columns. Below kBetween, its
 /// vertices are nearer to the middles of columns than to their ends.
 constexpr double kInStep = 0.9, kBetween = -0.5;
-/// Columns are added if that makes no more additional points than this number of rows has.
+/// Columns are added if the number of additional points is at most this number of rows' points.
 constexpr double kRowsOutOfStep = 1.2;
 
 /// Walks through the cells of the lattices. Each cell has four children with half its edge.
@@ -202,7 +203,7 @@ class Lattice {
       }
     const Spacing spacing = best_spacing(triangles, sizes, control);
     is_even_ = sizes.is_uniform || spacing.largest <= kAlike * spacing.smallest;
-    // The edge of the coarsest lattice is allowed at least somewhere.
+    // The edge of the coarsest lattice is allowed at one place at least.
     edge_ = is_even_ ? spacing.smallest
                      : std::ldexp(spacing.best, std::ilogb(spacing.largest / spacing.best * (1 + 1e-12)));
     if (is_even_) edge_ *= 1 - sizes.noise;
@@ -272,21 +273,22 @@ class Lattice {
   static constexpr double kAlmost = 1 - 1e-9;
 
   /// Sets the number of columns. The narrower the columns are, the higher the rows may be. A region that is narrower
-  /// than one column is not fitted: along a needle, cells as thin as the needle would be far too many.
+  /// than one column is not fitted: along a needle, there would be far too many cells as thin as the needle.
   void fit_columns(double columns) {
     if (width_ > edge_) along_ = {width_ / columns, 0};
     const double highest = std::sqrt(edge_ * edge_ - along_.x * along_.x / 4);
     up_ = {along_.x / 2, height_ > highest ? height_ / std::ceil(height_ / highest * kRelativeSlack) : highest};
   }
 
-  /// Makes as many columns as the lower side has pieces, if these are only a few more. Returns the number of columns.
+  /// Makes as many columns as the lower side has pieces, if these are only a few more than the columns so far. Returns
+  /// the number of columns.
   double match_columns(const SideRow& lower) {
     const double columns = std::round(width_ / along_.x), rows = std::max(1.0, std::round(height_ / up_.y));
     double best = columns;
     if (!lower.is_whole()) return best;
     // A row that is out of step with its side costs about one point too many for each column.
     const double max_pieces = columns * (1 + kRowsOutOfStep / rows);
-    // If the columns are shifted, the pieces at both ends are half as long, so there is one piece more.
+    // If the columns are shifted, the pieces at both ends are half as long, so the side has one piece more.
     for (const double pieces : {lower.inner_count(), lower.inner_count() + 1})
       if (pieces > columns && pieces <= max_pieces && std::fabs(lower.phase(pieces)) > std::fabs(lower.phase(best)))
         best = pieces;
@@ -363,18 +365,19 @@ std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 3>> triangles, std:
       kMaxCells, kFewCells + kMaxCellsEach * (std::min(max_points, kMaxCells) + boundary.size() + triangles.size()));
   const auto max_cells = static_cast<std::size_t>(static_cast<double>(cells_each) / sizes.look_up_cost);
   Lattice lattice(triangles, sizes, control);
-  // This is asked before any number becomes an integer, because the number of cells may be far too large for one.
+  // The test comes before any number becomes an integer, because the number of cells may be far too large for an
+  // integer.
   if (!(lattice.least_cells() <= static_cast<double>(max_cells))) return {};
   lattice.match(boundary.first(vertex_count));
   const PointGrid grid(boundary, lattice.origin(), std::max(lattice.edge(), shortest), control);
   const auto is_near = [&](Vec2 p) {
     return grid.has_point_within(p, std::max(shortest, lattice.clearance(sizes.at(p))));
   };
-  // These count the points found and the cells looked at by all work that is finished.
+  // The points found and the cells visited by all finished work.
   std::atomic<std::size_t> count = 0, cells = 0;
   // Adds the points that come from one cell.
   const auto collect = [&](const Cell& cell, const Cells& of, Cells& parts, std::vector<Vec2>& points) {
-    // A cell may have thousands of triangles and sizes, so every cell asks.
+    // A cell may have thousands of triangles and sizes, so every cell checks for cancellation.
     control.check();
     lattice.visit(cell, of, parts, [&](Vec2 p) {
       if (!is_near(p)) points.push_back(p);

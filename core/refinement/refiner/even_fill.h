@@ -14,12 +14,12 @@ namespace remesh {
 /// Gives the longest edge that is allowed at each place of the plane.
 struct PlaneSizes {
   std::function<double(Vec2)> at;
-  /// Returns whether the length is at most the size at all places within the radius around `place`. It may also return
-  /// false where that is so.
+  /// Returns whether the length is at most the size at all places within the radius around `place`. The answer may also
+  /// be false although this is so.
   std::function<bool(double length, Vec2 place, double radius)> allows;
-  bool is_uniform = true;   ///< the same everywhere
+  bool is_uniform = true;   ///< the size is the same everywhere
   double noise = 0;         ///< sizes that are meant to be equal differ by less than this fraction
-  double look_up_cost = 1;  ///< how long a look-up takes, compared with a usual one
+  double look_up_cost = 1;  ///< the time of a look-up, relative to a usual one
 };
 
 /// Returns points of lattices of equilateral triangles, inside a region and away from its boundary. The lattices' edges
@@ -34,9 +34,9 @@ struct PlaneSizes {
 /// Input:  The triangles cover the region. `boundary` holds points of its boundary; where the boundary can be cut, they
 ///         are no more than half the size there apart. The first `vertex_count` of them are the region's vertices. No
 ///         point of the result is nearer than `shortest` to a point of `boundary`.
-/// Output: The points in lexicographic order. There are none if they would be more than `max_points`. There are none
-///         either if too many cells of the lattices would have to be looked at, compared with the number of points,
-///         boundary points and triangles.
+/// Output: The points in lexicographic order. There are none if there would be more than `max_points`, or if too many
+///         cells of the lattices would have to be visited, compared with the number of points, boundary points and
+///         triangles.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:   O((t + n) log n) for t triangles and n points, if the triangles are a Delaunay triangulation of the
 ///         boundary.

@@ -48,7 +48,7 @@ PatchBoundary::PatchBoundary(const PatchToRefine& patch, std::pmr::memory_resour
 }
 
 std::size_t PatchBoundary::usual_bytes(std::size_t corners, std::size_t sides) {
-  // Sides may become twice as many, and everything else stays as it is.
+  // The number of sides may double. Everything else keeps its size.
   return 2 * sides * sizeof(Side) + corners * sizeof(std::uint32_t) +
          sides * (2 * sizeof(CornerSegment) + sizeof(Chain));
 }
@@ -63,7 +63,7 @@ void PatchBoundary::collect_corner_segments(const PatchToRefine& patch) {
       visit(b, a, side.segment);
     }
   };
-  // The segments are counted for each corner first. Only few meet at one.
+  // First, the segments at each corner are counted. Few segments meet at one corner.
   const std::size_t n = mesh.vertices.size();
   corner_begin_.assign(n + 1, 0);
   for_each_end([&](std::uint32_t corner, std::uint32_t, SegmentId) { ++corner_begin_[corner + 1]; });
@@ -130,7 +130,7 @@ std::uint32_t PatchBoundary::divide(std::uint32_t s, std::span<const double> cut
   const auto n = static_cast<std::uint32_t>(cuts.size());
   const bool is_second = whole.partner != kNone && whole.partner < s;
   for (std::uint32_t k = 0; k <= n; ++k) {
-    // This is the piece between the k-th vertex along the segment and the next one.
+    // The piece between the k-th vertex along the segment and the next one.
     const std::uint32_t index = k == 0 ? s : first_new + k - 1;
     if (k > 0) {
       sides_.push_back(whole);

@@ -29,8 +29,8 @@ UnrefinedReason why_near(MinSpacing spacing);
 /// min_edge_length allows it.
 UnrefinedReason stronger(UnrefinedReason a, UnrefinedReason b);
 
-/// This object has the pieces of a patch's boundary, and the segments that meet at its corners. A piece is a side of
-/// the patch's mesh and has the side's number. The two sides of a slit have the same pieces.
+/// The pieces of a patch's boundary, and the segments that meet at its corners. A piece is a side of the patch's mesh
+/// and has the side's number. The two sides of a slit have the same pieces.
 class PatchBoundary {
  public:
   struct Side {
@@ -45,7 +45,7 @@ class PatchBoundary {
   /// the two sides of a slit follow each other. The table must outlive this object.
   PatchBoundary(const PatchToRefine& patch, std::pmr::memory_resource* memory);
 
-  /// Returns a number of bytes that most often is enough for what is stored for that many corners and sides.
+  /// Returns a number of bytes that suffices for most boundaries with that many corners and sides.
   static std::size_t usual_bytes(std::size_t corners, std::size_t sides);
 
   std::uint32_t side_count() const { return static_cast<std::uint32_t>(sides_.size()); }
@@ -70,15 +70,16 @@ class PatchBoundary {
   /// Divides a side at t. The side keeps the piece at the start of its half-edge. The other piece becomes a new side,
   /// which has to be entered into its chain or made the partner of another one.
   void split(std::uint32_t s, double t);
-  /// Returns whether a side is in the chain of its segment. Of the two sides of a slit, all pieces of one are.
+  /// Returns whether a side is in the chain of its segment. Of a slit, only the pieces of one side are in the chain.
   bool is_in_chain(std::uint32_t s) const {
     const Side& side = sides_[s];
     return side.is_forward == sides_[chains_[side.chain].first].is_forward;
   }
-  /// Enters a side into its chain. Its place there does not matter.
+  /// Enters a side into its chain, at any place.
   void add_to_chain(std::uint32_t s) { sides_[s].next = std::exchange(chains_[sides_[s].chain].first, s); }
-  /// Makes two pairs of the four pieces of a slit whose two sides were split: `second` was the partner of `first`, and
-  /// the new pieces have the last two numbers. Each side has kept the piece at its own start, so the pairs cross over.
+  /// Makes two pairs of the four pieces of a slit whose two sides were split. Before, `second` was the partner of
+  /// `first`, and the new pieces have the last two numbers. Each side has kept the piece at its own start, so the pairs
+  /// cross over.
   void pair_pieces(std::uint32_t first, std::uint32_t second);
   /// Divides a whole side at all cuts of its segment. The side keeps the first piece along the segment. The other
   /// pieces become new sides, in their order along the segment.
@@ -92,7 +93,7 @@ class PatchBoundary {
   /// Returns the reason why none of these sides is cut. If none of them is locked, this is `otherwise`.
   UnrefinedReason why_uncut(std::span<const std::uint32_t> sides, UnrefinedReason otherwise) const;
 
-  /// This is a vertex whose place is not free.
+  /// A vertex whose place is not free.
   struct Vertex {
     std::uint32_t number;
     VertexPlace place;
@@ -103,12 +104,12 @@ class PatchBoundary {
   bool is_across_input_angle(const Vertex& a, const Vertex& b, double distance) const;
 
  private:
-  /// A chain has the pieces of one segment, in no order.
+  /// The pieces of one segment, in no order.
   struct Chain {
     SegmentId segment;
     std::uint32_t first;  ///< a side; the others follow by Side::next
   };
-  /// This is a segment at a corner. It also names the corner at the segment's other end.
+  /// A segment at a corner, with the corner at the segment's other end.
   struct CornerSegment {
     VertexId other;
     SegmentId segment;

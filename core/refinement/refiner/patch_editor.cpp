@@ -40,7 +40,7 @@ void PatchEditor::judge_triangle(std::uint32_t t) {
 
 void PatchEditor::judge_changed() {
   patch_.states.resize(patch_.mesh.triangle_slots(), TriangleState::waiting());
-  // No new triangle counts as good before it was looked at, because the triangles beside it rely on that.
+  // No new triangle counts as good before it has been judged, because the judgement of its neighbours relies on that.
   for (const std::uint32_t t : patch_.mesh.changed()) patch_.states[t] = TriangleState::waiting();
   for (const std::uint32_t t : patch_.mesh.changed()) judge_triangle(t);
 }
@@ -62,7 +62,7 @@ Attempt PatchEditor::insert(const PointPlace& place, MinSpacing spacing, Encroac
       encroached.push_back(DelaunayMesh::side(e));
   }
   if (encroachment != Encroachment::kIgnore) {
-    // Over a piece that stays as long as it is, triangles would only get flatter.
+    // Over a piece that stays as long as it is, further points would only make flatter triangles.
     if (!encroached.empty() && (encroachment == Encroachment::kForbid || patch_.boundary.is_any_locked(encroached)))
       return {Attempt::Result::kEncroached, encroached};
     if (is_near) return {Attempt::Result::kTooNear, encroached};
@@ -74,7 +74,7 @@ Attempt PatchEditor::insert(const PointPlace& place, MinSpacing spacing, Encroac
   return {Attempt::Result::kDone, encroached};
 }
 
-/// Removes the free vertices inside the circle that has the piece as its diameter, one after the other as they see it.
+/// Removes the free vertices inside the circle that has the piece as its diameter, one after the other.
 void PatchEditor::clear_circle(std::uint32_t side) {
   DelaunayMesh& mesh = patch_.mesh;
   while (true) {
@@ -112,8 +112,8 @@ bool PatchEditor::cut_side_at(std::uint32_t side, double t) {
   return true;
 }
 
-/// Cuts one side, or the other side of a slit if `vertex` is the cut of the first one. Returns the vertex, or kNone if
-/// rounding leaves no room for it.
+/// Cuts one side, or the other side of a slit if `vertex` is the cut of the first one. Returns the vertex of the cut,
+/// or kNone if rounding leaves no room for it.
 std::uint32_t PatchEditor::cut_one(std::uint32_t side, double t, Vec2 p, std::uint32_t vertex) {
   const SegmentId segment = patch_.boundary.segment_of(side);
   clear_circle(side);
@@ -131,8 +131,8 @@ std::uint32_t PatchEditor::cut_one(std::uint32_t side, double t, Vec2 p, std::ui
 void PatchEditor::apply_cuts(SegmentId segment, std::span<const double> cuts, const RunControl& control) {
   const PatchBoundary& boundary = patch_.boundary;
   boundary.list_pieces(segment, scratch_.pieces);
-  // For each piece, the cuts inside it are made by halves. The middle one is the first, so that no vertex gets all of
-  // them as neighbours.
+  // The cuts inside each piece are made by halves. The middle cut comes first, so that no vertex gets all of them as
+  // neighbours.
   std::vector<RefinerScratch::Range>& ranges = scratch_.ranges;
   ranges.clear();
   for (const std::uint32_t piece : scratch_.pieces) {

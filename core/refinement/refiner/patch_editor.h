@@ -1,4 +1,4 @@
-/// Changes a patch that is refined: puts points in and cuts its sides.
+/// Changes a patch that is being refined: inserts points and cuts sides.
 #pragma once
 
 #include <cstdint>
@@ -14,29 +14,30 @@
 
 namespace remesh {
 
-/// Says what a new point may do to pieces of the boundary, and how near it may come to other points.
+/// The permissions of a new point: which pieces of the boundary it may encroach on, and how near it may come to other
+/// points.
 enum class Encroachment : std::uint8_t {
   kForbid,  ///< it must not encroach on any piece
   kAllow,   ///< it may encroach on pieces that can be cut
-  /// It may encroach on any piece and be nearer to other points than its spacing; then the spacing only says how near
-  /// others may come to it.
+  /// It may encroach on any piece and be nearer to other points than its spacing. The spacing then only limits how near
+  /// later points may come to it.
   kIgnore,
 };
 
-/// This is the result of the attempt to put a point in.
+/// The result of an attempt to insert a point.
 struct Attempt {
   enum class Result : std::uint8_t { kDone, kEncroached, kTooNear };
 
   Result result = Result::kTooNear;
-  /// These sides would be encroached on. They are valid until the next attempt.
+  /// The sides on which the point would encroach. They are valid until the next attempt.
   std::span<const std::uint32_t> encroached;
 
   bool is_done() const { return result == Result::kDone; }
 };
 
-/// Makes changes after which everything in the patch fits together again: the mesh is Delaunay, every vertex has its
-/// place, and new triangles are judged. A triangle that misses a goal is put into the queue, unless it has an excuse: a
-/// reason why it may have a small angle (TriangleJudge::excuse).
+/// Makes changes after which the whole patch is consistent again: the mesh is Delaunay, every vertex has its place, and
+/// new triangles are judged. A triangle that misses a goal is put into the queue, unless it has an excuse: a reason why
+/// it may have a small angle (TriangleJudge::excuse).
 /// Source: L. P. Chew, Guaranteed-quality mesh generation for curved surfaces, 1993 (deletion around a cut).
 class PatchEditor {
  public:
@@ -46,10 +47,10 @@ class PatchEditor {
 
   const TriangleJudge& judge() const { return judge_; }
 
-  /// Judges all triangles. No triangle may wait already.
+  /// Judges all triangles. No triangle may be in the queue yet.
   void judge_all(RunControl& control);
 
-  /// Puts a point in if it keeps the spacing, if it encroaches on nothing that it must not encroach on, and if it has
+  /// Inserts a point if it keeps the spacing, if it encroaches on no piece that it must not encroach on, and if it has
   /// room.
   Attempt insert(const PointPlace& place, MinSpacing spacing, Encroachment encroachment);
   /// The search for the point begins at a triangle.
@@ -57,16 +58,16 @@ class PatchEditor {
     return insert(patch_.look_at(p, triangle), spacing, encroachment);
   }
 
-  /// Cuts a piece where the table says, and notes the cut as the patch's own. Returns whether the piece was cut. It may
-  /// turn out that rounding leaves no room for the cut (WorkingPatch::impossible).
+  /// Cuts a piece at the place that the segment table gives, and lists the cut among the patch's own cuts. Returns
+  /// whether the piece was cut. It may turn out that rounding leaves no room for the cut (WorkingPatch::impossible).
   bool cut_side(std::uint32_t side);
   /// Cuts the patch's sides along a segment wherever they are not cut yet.
   /// Input:  `cuts` has all cuts of that segment, ascending.
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
   void apply_cuts(SegmentId segment, std::span<const double> cuts, const RunControl& control);
 
-  /// Returns how many triangles this object has made. This includes the triangles that its cuts make in other patches,
-  /// and leaves out those that `apply_cuts` makes.
+  /// Returns the number of triangles that this object has made. It includes the triangles that its cuts make in other
+  /// patches, and leaves out those that `apply_cuts` makes.
   std::uint64_t made() const { return made_; }
 
  private:

@@ -32,7 +32,7 @@ PatchRefiner::PatchRefiner(const PatchToRefine& patch, const Criteria& criteria,
   first_refined_ = patch_.mesh.vertex_slots();
 }
 
-/// Inserts the columns of a curved patch, as far as they keep away from its boundary.
+/// Inserts the points of a curved patch's columns that are far enough from its boundary.
 void PatchRefiner::fill_columns(PatchEditor& editor, std::uint64_t quota, RunControl& control) {
   if (patch_.mesh.triangle_count() == 0 || patch_.impossible.is_valid()) return;
   const ColumnPlaces filling =
@@ -65,16 +65,16 @@ bool PatchRefiner::is_near_boundary(const PointPlace& place, double spacing) con
   });
 }
 
-/// Returns a number of bytes that most often is enough for everything that is stored for a small patch.
+/// Returns a number of bytes that suffices for all data of most small patches.
 std::size_t PatchRefiner::first_block(const PatchMesh& patch, std::size_t sides) {
   const std::size_t vertices = patch.vertices.size(), triangles = patch.mesh.triangle_count();
   constexpr std::size_t kVertex = sizeof(Vec2) + sizeof(std::uint32_t) + sizeof(VertexPlace),
                         kTriangle = 6 * sizeof(std::uint32_t) + sizeof(TriangleState),
                         kSide = sizeof(std::uint32_t) + sizeof(Cut);
-  // Everything here grows, so it counts twice.
+  // All these arrays grow, so their sizes count twice.
   const std::size_t bytes =
       2 * (vertices * kVertex + triangles * kTriangle + sides * kSide) + PatchBoundary::usual_bytes(vertices, sides);
-  // A patch that needs more has large arrays, and most of these get blocks of their own.
+  // A patch that needs more memory has large arrays, and most of these get blocks of their own.
   constexpr std::size_t kMin = 256, kMax = 4096;
   return std::clamp(bytes, kMin, kMax);
 }
@@ -163,12 +163,12 @@ void PatchRefiner::run(std::uint64_t quota, RefinementProgress& progress) {
   };
   while (!is_turn_spent_ && editor.made() < quota && !patch_.impossible.is_valid() &&
          patch_.waiting.pop(task, announce)) {
-    // Among many points on one circle, one step may go through as many triangles as there are points. So may a walk
-    // along a needle.
+    // Among many points on one circle, one step may visit as many triangles as there are points. So may a walk along a
+    // needle.
     constexpr std::uint64_t kOften = 1024, kTrianglesOfStep = 8;
     const std::uint64_t visited = patch_.mesh.visited();
     treatment.treat(task);
-    // A step may ask for the sizes at a hundred places.
+    // A step may read the sizes at a hundred places.
     progress.check();
     work += 1 + (patch_.mesh.visited() - visited) / kTrianglesOfStep;
     if (work < kOften) continue;
@@ -179,7 +179,7 @@ void PatchRefiner::run(std::uint64_t quota, RefinementProgress& progress) {
   tell();
 }
 
-/// Takes steps of the work, and ends the turn or gives up where there are too many.
+/// Counts steps of the work. If there are too many, ends the turn or gives up.
 void PatchRefiner::take(std::uint64_t steps) {
   work_.take(steps);
   const std::uint64_t bound = kWorkOfPatch.steps(0, triangle_count());
@@ -191,7 +191,7 @@ void PatchRefiner::take(std::uint64_t steps) {
     is_turn_spent_ = true;
 }
 
-/// Leaves all triangles that wait as they are.
+/// Leaves all triangles in the queue as they are.
 void PatchRefiner::give_up() {
   TriangleTask task;
   while (patch_.waiting.pop(task, [](const TriangleTask&) {})) {
@@ -230,7 +230,7 @@ PatchRefiner::Refined PatchRefiner::finish() const {
 UnrefinedReason PatchRefiner::reason_of(std::uint32_t t) const {
   const TriangleState state = patch_.states[t];
   if (state.is_waiting()) return UnrefinedReason::kBudget;
-  // A triangle that counts as good may be larger than asked for, because of a side that stays.
+  // A triangle that counts as good may be larger than the size that is asked for, because of a fixed side.
   if (state.is_good()) return sizes_.has_fixed_sides() ? sizes_.why_fixed() : UnrefinedReason::kSizeFloor;
   // A triangle at a sharp corner of the input may have a small angle, but must not be too large.
   const UnrefinedReason why = state.reason();

@@ -1,4 +1,4 @@
-/// Refines one patch in its plane for angles and sizes, until nothing is left to do there.
+/// Refines one patch in its plane for angles and sizes, until there is no more work.
 #pragma once
 
 #include <cstddef>
@@ -26,15 +26,15 @@ namespace remesh {
 
 class PatchEditor;
 
-/// A patch while it is refined. It cuts its own segments at once, as the table says, and remembers these cuts. Between
-/// rounds it applies the cuts that other patches made. Between its turns it stores the patch, and no scratch memory.
-/// The work is done by classes that live as long as one call: PatchStart begins it, TriangleTreatment mends triangles,
-/// PatchEditor makes the changes, and PatchThinner removes points in the end.
+/// A patch while it is refined. It cuts its own segments at once, at the places that the segment table gives, and
+/// stores these cuts. Between rounds it applies the cuts that other patches made. Between its turns it stores the
+/// patch, and no scratch memory. The work is done by classes that live as long as one call: PatchStart begins it,
+/// TriangleTreatment mends triangles, PatchEditor makes the changes, and PatchThinner removes points in the end.
 class PatchRefiner {
  public:
-  /// `cuts` has the cuts of every segment, ascending. Those of the patch's segments are made at once. Where there are
-  /// sizes, wide areas are filled evenly with at most about `quota` triangles. The constructor also begins the first
-  /// turn, with `scratch`.
+  /// `cuts` has the cuts of every segment, ascending. The cuts of the patch's segments are made at once. Where there
+  /// are sizes, wide areas are filled evenly with at most about `quota` triangles. The constructor also begins the
+  /// first turn, with `scratch`.
   PatchRefiner(const PatchToRefine& patch, const Criteria& criteria, const SegmentCuts::OfSegments& cuts,
                std::uint64_t quota, RefinerScratch& scratch, RunControl& control);
 
@@ -43,7 +43,7 @@ class PatchRefiner {
   void begin_turn(RefinerScratch& scratch);
   void end_turn();
 
-  /// Returns whether refinement would change the patch at all. This is cheap and needs no refiner.
+  /// Returns whether refinement would change the patch at all. The test is cheap and needs no refiner.
   static bool has_work(const PatchMesh& patch, const PatchChart& chart, const Criteria& criteria);
 
   /// Cuts the patch's sides along `segment` wherever they are not cut yet. `cuts` are all cuts of that segment,
@@ -51,29 +51,29 @@ class PatchRefiner {
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
   void apply_cuts(SegmentId segment, std::span<const double> cuts, const RunControl& control);
 
-  /// Puts a point into the middle of each of these edges inside the patch. An edge is left out if it is gone when its
-  /// turn comes, or if there is no room for a point.
+  /// Puts a point into the middle of each of these edges inside the patch. An edge is left out if it no longer exists
+  /// when its turn comes, or if it has no room for a point.
   /// Input:  Half-edges of the mesh that `finish` would return now.
   /// Output: True if a point was put into any of them.
   bool split_edges(std::span<const std::uint32_t> half_edges, RunControl& control);
 
-  /// Lets the patch take so many steps above the bound on its work (kWorkOfPatch) in this turn. After these, the turn
-  /// ends. With none, or if this is not called, the patch gives up above its bound: the triangles that wait stay as
-  /// they are, with the reason kEffort.
+  /// Lets the patch take this number of steps above the bound on its work (kWorkOfPatch) in this turn. After these, the
+  /// turn ends. With 0, or without a call, the patch gives up above its bound: the triangles in the queue stay as they
+  /// are, with the reason kEffort.
   void allow_above_bound(std::uint64_t steps);
   /// Returns how many steps above the bound were taken since the last call.
   std::uint64_t take_above_bound() { return above_bound_ - std::exchange(above_bound_told_, above_bound_); }
 
-  /// Works until nothing is left to do, until `quota` more triangles (in all patches) would be made, or until the
+  /// Works until there is no more work, until `quota` more triangles (in all patches) would be made, or until the
   /// turn's steps are spent.
   void run(std::uint64_t quota, RefinementProgress& progress);
 
-  /// Where there are sizes, removes points from a patch that is done, as PatchThinner says. It looks at the points that
-  /// refinement put in or, where sizes vary, at all points inside.
+  /// Where there are sizes, removes points from a patch that is done, as PatchThinner says. Candidates are the points
+  /// that refinement has inserted or, where sizes vary, all points inside.
   void thin_out(Thinning thinning, RunControl& control, RefinementProgress& progress);
 
   /// Returns a segment that had to be cut where rounding left no room for the cut. Then the patch can no longer be
-  /// used, and the segment must stay as it is for all patches. The result is invalid if all is well.
+  /// used, and the segment must stay as it is for all patches. If there was no such segment, the result is invalid.
   SegmentId impossible() const { return patch_.impossible; }
   bool is_done() const { return patch_.waiting.size() == 0; }
   /// Returns whether the turn has ended because its steps are spent.
@@ -88,10 +88,9 @@ class PatchRefiner {
 
   struct Refined {
     PatchMesh patch;  ///< new vertices have no id yet
-    /// There is one entry per vertex of the patch. Its segment is invalid for a corner and for a vertex inside the
-    /// patch.
+    /// One entry per vertex of the patch. Its segment is invalid for a corner and for a vertex inside the patch.
     std::vector<Cut> cuts;
-    /// There is one entry per triangle: the reason why it is as it is, in case it misses a bound.
+    /// One entry per triangle: the reason why the triangle misses a bound, in case it does.
     std::vector<UnrefinedReason> reason;
   };
   Refined finish() const;
@@ -110,8 +109,7 @@ class PatchRefiner {
   RefinerScratch* scratch_;  ///< only during a turn
   WorkingPatch patch_;
   WorkBound work_;  ///< the steps of all turns
-  /// The steps above the bound: those that were taken, those of which take_above_bound has told, and those after which
-  /// the turn ends.
+  /// The steps above the bound: those taken, those reported by take_above_bound, and those after which the turn ends.
   std::uint64_t above_bound_ = 0, above_bound_told_ = 0, allowed_above_bound_ = 0;
   bool is_turn_spent_ = false;
   std::uint32_t first_refined_;  ///< the number of vertices when refinement began

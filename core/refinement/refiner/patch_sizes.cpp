@@ -92,7 +92,7 @@ PatchSizes::LimitWhenThinned::Around PatchSizes::LimitWhenThinned::around(double
 PatchSizes::LimitWhenThinned PatchSizes::limit_when_thinned(Vec2 p) const { return {*this, p}; }
 
 PlaneSizes PatchSizes::of_lattices() const {
-  // Lattices do not take the shortest edge that is allowed into account. Their edges may be half as long as the size.
+  // Lattices ignore the shortest edge that is allowed. Their edges may be half as long as the size.
   switch (kind_) {
     case Kind::kBesideFixedSides:
       return {[this](Vec2 p) { return at(p); },

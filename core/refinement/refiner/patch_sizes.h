@@ -1,4 +1,4 @@
-/// Tells how large the triangles of one patch may be at each place.
+/// The max sizes of the triangles of one patch at each place.
 #pragma once
 
 #include <cmath>
@@ -17,9 +17,8 @@
 
 namespace remesh {
 
-/// This object knows the sizes that triangles of one patch may have. All lengths and places are in the patch's plane.
-/// If sides that are longer than allowed stay as they are, triangles beside them are allowed to be larger than
-/// elsewhere.
+/// The sizes that triangles of one patch may have. All lengths and places are in the patch's plane. If sides that are
+/// longer than allowed stay as they are, triangles beside them are allowed to be larger than elsewhere.
 class PatchSizes {
  public:
   /// Edges may be longer than their size by this factor, because of rounding.
@@ -33,14 +32,14 @@ class PatchSizes {
 
   /// Returns whether the size may differ from place to place.
   bool do_vary() const { return kind_ == Kind::kVarying || kind_ == Kind::kBesideFixedSides; }
-  /// Returns whether no triangle may be larger than the bound on areas, wherever it is.
+  /// Returns whether the bound on areas holds for triangles at every place.
   bool is_area_bounded() const { return fixed_ == nullptr && std::isfinite(criteria_.max_area); }
-  /// Returns whether sides stay that are longer than allowed.
+  /// Returns whether there are fixed sides: sides that stay although they are longer than allowed.
   bool has_fixed_sides() const { return fixed_ != nullptr; }
-  /// Returns the strongest of the reasons why these sides stay. There must be such sides.
+  /// Returns the strongest of the reasons why the fixed sides stay. There must be such sides.
   UnrefinedReason why_fixed() const { return why_fixed_; }
 
-  /// Returns whether an edge of that length is short enough wherever it lies within that radius of the place.
+  /// Returns whether an edge of that length is short enough at every place within that radius of the place.
   bool allows(double length, Vec2 p, double radius = 0) const {
     const double scale = chart_.scale(p);
     const bool is_small = fixed_ == nullptr || length * scale <= criteria_.area_edge;
@@ -50,7 +49,7 @@ class PatchSizes {
   /// Returns whether an edge is longer than allowed. It is compared with the size in its middle, as the pieces of
   /// segments are.
   bool is_too_long(Vec2 a, Vec2 b) const { return !allows(norm(b - a) / kRoundingFactor, 0.5 * (a + b)); }
-  /// Returns whether a triangle is larger than any may be.
+  /// Returns whether a triangle is larger than the max size at any place.
   /// Input: `corner` is one of its corners.
   bool is_too_large_anywhere(Vec2 corner, const TriangleMeasures& m) const {
     if (kind_ != Kind::kUniform && kind_ != Kind::kVarying) return false;
@@ -64,16 +63,16 @@ class PatchSizes {
     if (!do_vary()) return false;
     return is_too_long(a, b) || is_too_long(b, c) || is_too_long(c, a);
   }
-  /// Returns whether a triangle is larger than is asked for anywhere, even if the reason is a side that stays.
+  /// Returns whether a triangle is larger than the size that is asked for at every place, even if a fixed side is the
+  /// reason.
   bool is_larger_than_asked(Vec2 corner, const TriangleMeasures& m) const;
 
-  /// Returns the size that a new triangle should have which has a corner there and its new point at `place`. It is
-  /// infinity if any triangle is small enough.
+  /// Returns the size of a new triangle that has a corner at `corner` and its new point at `place`. It is infinity if
+  /// any triangle is small enough.
   double for_new_triangle(Vec2 corner, Vec2 place) const;
-  /// Returns whether an edge may have that length at a place when points are removed.
+  /// Returns whether thinning out may leave an edge of that length at a place.
   bool allows_when_thinned(double length, Vec2 p) const;
-  /// This answers `allows_when_thinned` for one place and many lengths. It may be asked as long as this object is
-  /// there.
+  /// Answers `allows_when_thinned` for one place and many lengths. The answers are valid as long as this object exists.
   class LimitWhenThinned;
   LimitWhenThinned limit_when_thinned(Vec2 p) const;
   /// Returns the sizes of the lattices that fill wide areas. There must be sizes, and this object must outlive the
@@ -81,7 +80,7 @@ class PatchSizes {
   PlaneSizes of_lattices() const;
 
  private:
-  /// Tells how sizes are asked for in this patch. It is decided once, in the constructor.
+  /// How sizes are given in this patch. The kind is decided once, in the constructor.
   enum class Kind : std::uint8_t { kNone, kUniform, kVarying, kBesideFixedSides };
 
   static Kind kind_of(SizeGoal goal);
@@ -92,7 +91,7 @@ class PatchSizes {
   const Criteria& criteria_;
   Kind kind_;
   UnrefinedReason why_fixed_ = UnrefinedReason::kBoundaryLocked;
-  std::unique_ptr<const FixedSideSizes> fixed_;  ///< null: no side that is too long stays
+  std::unique_ptr<const FixedSideSizes> fixed_;  ///< null if no side is fixed
 };
 
 class PatchSizes::LimitWhenThinned {
@@ -105,8 +104,8 @@ class PatchSizes::LimitWhenThinned {
     const double in_space = length * scale_;
     return in_space <= sizes_.criteria_.even_size && (!does_vary_ || there_.allows(in_space));
   }
-  /// Tells which lengths are allowed within some distance of the place: those up to `everywhere`, and none that is
-  /// longer than `nowhere`. If nothing is known, these are negative and infinity.
+  /// The lengths that are allowed within some distance of the place: all up to `everywhere`, and none longer than
+  /// `nowhere`. If nothing is known, these are negative and infinity.
   struct Around {
     double everywhere, nowhere;
   };

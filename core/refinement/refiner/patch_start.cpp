@@ -29,7 +29,7 @@ struct Triangulated {
   std::vector<std::uint32_t> half_edge;  ///< one per side
 };
 
-/// Triangulates points between pieces. Returns nothing if rounding forbids it.
+/// Triangulates points between pieces. Returns nothing if rounding prevents it.
 std::optional<Triangulated> triangulate(const std::vector<Vec2>& points, std::vector<Piece> pieces,
                                         std::size_t side_count, RunControl& control) {
   const auto n = static_cast<std::uint32_t>(points.size());
@@ -79,7 +79,7 @@ std::vector<std::array<Vec2, 3>> triangles_of(const Triangulation2d& mesh, const
   return triangles;
 }
 
-/// Makes the start of one patch. It keeps no results.
+/// Makes the start of one patch. The object keeps no results.
 class Starter {
  public:
   Starter(const PatchToRefine& patch, const PatchSizes& sizes, DelaunayMesh::Scratch& scratch,
@@ -92,10 +92,10 @@ class Starter {
         memory_(memory),
         control_(control) {}
 
-  /// Begins with the patch as it was triangulated.
+  /// Begins with the patch as it was triangulated before refinement.
   PatchStart as_triangulated() const { return with_first_mesh(original_places(), PatchBoundary(patch_, memory_)); }
 
-  /// Begins with all cuts made and with lattices of points inside, if rounding allows it.
+  /// Begins with all cuts made and with lattices of points inside, if rounding allows both.
   PatchStart evenly(const SegmentCuts::OfSegments& cuts, std::uint64_t quota) const {
     Outline outline{patch_.mesh.uv, {}, original_places(), PatchBoundary(patch_, memory_)};
     cut(outline, cuts);
@@ -124,20 +124,20 @@ class Starter {
  private:
   using Places = std::pmr::vector<VertexPlace>;
 
-  /// The vertices are those of the patch and then the cuts. The pieces run from one vertex to the next, side by side.
+  /// The vertices are those of the patch, then the cuts. The pieces run from one vertex to the next, side by side.
   struct Outline {
     std::vector<Vec2> points;
     std::vector<Piece> pieces;
     Places places;  ///< one per point
     PatchBoundary boundary;
   };
-  /// These are points inside, with their places.
+  /// Points inside, with their places.
   struct Fill {
     std::vector<Vec2> points;
     std::vector<VertexPlace> places;
   };
 
-  /// Returns the start with the mesh as the patch was triangulated.
+  /// Returns the start with the mesh of the patch's first triangulation.
   PatchStart with_first_mesh(Places places, PatchBoundary boundary) const {
     StackMemory memory;
     std::pmr::vector<std::uint32_t> half_edges(&memory);
@@ -209,7 +209,7 @@ class Starter {
   }
 
   /// Returns the points of lattices inside the patch.
-  /// Input: `made` is the triangulation of the outline. If there is none, the outline has no cuts.
+  /// Input: `made` is the triangulation of the outline. It is empty if the outline has no cuts.
   Fill fill_of(const Outline& outline, const std::optional<Triangulated>& made, std::uint64_t quota) const {
     const std::vector<Vec2>& points = outline.points;
     const PlaneSizes sizes = sizes_.of_lattices();
@@ -221,7 +221,7 @@ class Starter {
         made ? triangles_of(made->mesh, points, made->number) : triangles_of(patch_.mesh.mesh, patch_.mesh.uv, {});
     std::vector<Vec2> boundary = points;
     for (const Piece& piece : outline.pieces) boundary.push_back(0.5 * (points[piece.from] + points[piece.to]));
-    // Points are rounded to the grid, and again in space.
+    // Points are rounded to the grid, and once more in space.
     const double shortest = min_edge_length_ / chart_.scale(patch_.mesh.uv.front()) * (1 + 1e-9) + 2 * chart_.grid();
     Fill fill;
     for (const Vec2 p : even_fill(triangles, boundary, points.size(), sizes, shortest, max_points, control_)) {
@@ -233,7 +233,7 @@ class Starter {
     return fill;
   }
 
-  /// With fewer points than this, a lattice is not worth the look at the sizes of all triangles.
+  /// For fewer points than this, a lattice is not worth reading the sizes of all triangles.
   static constexpr std::size_t kMinPoints = 16;
 
   const PatchToRefine& patch_;

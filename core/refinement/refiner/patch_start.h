@@ -15,7 +15,7 @@
 
 namespace remesh {
 
-/// A patch at the moment when its refinement begins: it may have points already that divide its boundary and fill its
+/// A patch at the moment when its refinement begins. It may already have points that divide its boundary and fill its
 /// inside evenly.
 struct PatchStart {
   DelaunayMesh mesh;
@@ -23,8 +23,8 @@ struct PatchStart {
   PatchBoundary boundary;
 };
 
-/// Triangulates a patch anew from its cut boundary and from lattices of points inside, if there are sizes. If there are
-/// none, if that would change nothing, or if rounding forbids it, the patch begins as it was triangulated.
+/// Triangulates a patch anew from its cut boundary and from lattices of points inside, if there are sizes. Without
+/// sizes, or if that would change nothing, or if rounding prevents it, the patch begins as it was triangulated before.
 /// Input:  `cuts` has the cuts of every segment, ascending. There are at most about `quota` triangles.
 /// Output: The vertices are those of the patch, then those on its boundary, then those inside. Either all cuts of the
 ///         patch's segments are made or none of them.

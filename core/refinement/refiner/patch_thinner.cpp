@@ -13,21 +13,22 @@
 namespace remesh {
 namespace {
 
-// Values near the following ones give nearly the same number of faces. See experiments.md, Thinning.
+// The following values were chosen by experiment; values near them give nearly the same number of faces. See
+// experiments.md, Thinning.
 
-/// A point stays if all its edges are longer than this share of what is allowed, because then there is no room for
-/// fewer points.
+/// A point stays if all its edges are longer than this share of the allowed length, because then fewer points would
+/// make edges too long.
 constexpr double kLongEnough = 0.86;
-/// A triangle with two angles of 28 degrees has this shape. If points are removed, no triangle gets flatter than this,
-/// or than the flattest that was there before.
+/// A triangle with two angles of 28 degrees has this shape. Removing points makes no triangle flatter than this, or
+/// than the flattest one before.
 constexpr double kFlattest = 0.165;
-/// A point with more edges stays. It lies between small things that are far from it. With angles of 15 degrees, no
-/// point has more edges.
+/// A point with more edges stays. It lies between small features that are far from it. With angles of at least 15
+/// degrees, no point has more edges.
 constexpr std::size_t kMaxEdges = 24;
 /// Leaving out a point is tried if this share of the average edge afterwards is allowed. Sizes change across a few
 /// triangles, so the average may seem a little too large.
 constexpr double kAlmost = 0.8;
-/// This is the number of places that are tried for one point in the place of two.
+/// The number of places that are tried for one point that replaces two.
 constexpr int kPlaces = 7;
 
 double squared_length(Vec2 a) { return dot(a, a); }
@@ -57,7 +58,7 @@ bool PatchThinner::find_hole(std::uint32_t v, std::size_t k) {
   const auto add = [&](const std::vector<std::uint32_t>& around, std::size_t from) {
     for (std::size_t i = 1; i + 1 < around.size(); ++i) scratch_.hole.push_back(around[(from + i) % around.size()]);
   };
-  // The ring runs around v from behind w to before w, and then on around w.
+  // The ring runs around v from the vertex after w to the vertex before w, and then on around w.
   add(ring, k);
   add(other, static_cast<std::size_t>(std::find(other.begin(), other.end(), v) - other.begin()));
   return true;
@@ -75,7 +76,7 @@ PatchThinner::Fan PatchThinner::fan_of(Vec2 p, std::span<const std::uint32_t> ri
   return fan;
 }
 
-/// Returns whether no triangle between a point and a ring is sharp or has a worse shape.
+/// Returns whether no triangle between a point and a ring is sharp or has a shape below `worst_shape`.
 bool PatchThinner::is_fan_good(Vec2 p, std::span<const std::uint32_t> ring, double worst_shape) const {
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const TriangleMeasures m =
@@ -99,8 +100,8 @@ void PatchThinner::take(std::uint32_t v) {
   note_remade();
 }
 
-/// Puts back everything that was taken, the last point first. So points get their old numbers again. The triangulation
-/// of these points is unique, so it is the same as before.
+/// Puts back all removed points, the last one first. So points get their old numbers again. The triangulation of these
+/// points is unique, so it is the same as before.
 void PatchThinner::put_back() {
   for (; !scratch_.taken.empty(); scratch_.taken.pop_back()) {
     const RefinerScratch::Taken& taken = scratch_.taken.back();
@@ -122,8 +123,8 @@ bool PatchThinner::is_inside(std::uint32_t t, Vec2 p) const {
   return true;
 }
 
-/// Returns whether all triangles that were remade since the first point was taken are within the bounds, and none has a
-/// worse shape.
+/// Returns whether all triangles that were remade since the first point was removed are within the bounds, and none has
+/// a worse shape.
 bool PatchThinner::are_remade_well(double worst_shape) const {
   return std::all_of(scratch_.remade.begin(), scratch_.remade.end(), [&](std::uint32_t t) {
     if (!mesh_.is_live(t)) return true;
@@ -163,7 +164,7 @@ bool PatchThinner::leave_out(std::uint32_t v, double worst_shape) {
 }
 
 /// Returns a place from which all of a ring is within reach, and with which no triangle has a worse shape.
-/// Input: `limit` is that of a point within the ring.
+/// Input: `limit` is the limit at a point within the ring.
 std::optional<Vec2> PatchThinner::place_within(std::span<const std::uint32_t> ring, MinSpacing spacing,
                                                double worst_shape, const Limit& limit) const {
   Vec2 p{};
@@ -179,7 +180,7 @@ std::optional<Vec2> PatchThinner::place_within(std::span<const std::uint32_t> ri
       nearest_squared = std::min(nearest_squared, squared_length(q - p));
       if (squared_length(q - p) > squared_length(farthest - p)) farthest = q;
     }
-    // The size at one place answers most questions about places near it. The others are searches.
+    // The size at one place answers most questions about places near it. The others need searches.
     const auto is_within_reach = [&](Vec2 q) {
       const double length = norm(q - p);
       const Vec2 middle = 0.5 * (p + q);
@@ -189,7 +190,7 @@ std::optional<Vec2> PatchThinner::place_within(std::span<const std::uint32_t> ri
     const bool is_clearly_too_far =
         norm(farthest - p) > limit.around(norm(0.5 * (p + farthest) - limit.place())).nowhere;
     if (nearest_squared >= shortest * shortest && !is_clearly_too_far) {
-      // The farthest vertex is tested first, because most places fail by it.
+      // The farthest vertex is tested first, because it rules out most places.
       if (is_fan_good(p, ring, worst_shape) && is_within_reach(farthest) &&
           std::all_of(ring.begin(), ring.end(), [&](std::uint32_t u) { return is_within_reach(mesh_.point(u)); }))
         return sizes_.chart().on_grid(p);
@@ -199,8 +200,8 @@ std::optional<Vec2> PatchThinner::place_within(std::span<const std::uint32_t> ri
   return std::nullopt;
 }
 
-/// Returns whether no place within the hole is near enough to all of its vertices, as far as the size at a point inside
-/// it tells. This is cheap, and true of nearly all holes.
+/// Returns whether no place within the hole is near enough to all of its vertices, judged by the size at one point
+/// inside. The test is cheap, and true of nearly all holes.
 bool PatchThinner::is_out_of_reach(const Limit& limit) const {
   Vec2 low{HUGE_VAL, HUGE_VAL}, high{-HUGE_VAL, -HUGE_VAL};
   double farthest_squared = 0;
@@ -210,13 +211,13 @@ bool PatchThinner::is_out_of_reach(const Limit& limit) const {
     high = {std::max(high.x, q.x), std::max(high.y, q.y)};
     farthest_squared = std::max(farthest_squared, squared_length(q - limit.place()));
   }
-  // Some vertex is at least half the box's side away from any place, and the middle of that edge is inside the hole's
-  // hull.
+  // From any place, some vertex is at least half the box's side away, and the middle of the edge to it is inside the
+  // hole's hull.
   return std::max(high.x - low.x, high.y - low.y) / 2 > limit.around(std::sqrt(farthest_squared)).nowhere;
 }
 
-/// Puts one point in the place of v and its neighbour w, if there is a place that serves both. The scratch memory has
-/// the ring around them (find_hole). Returns the new vertex, or kNone.
+/// Replaces v and its neighbour w by one point, if there is a suitable place. The scratch memory has the ring around
+/// them (find_hole). Returns the new vertex, or kNone.
 std::uint32_t PatchThinner::merge(std::uint32_t v, std::uint32_t w, double worst_shape, const Limit& limit) {
   const MinSpacing spacing = std::min(patch_.places[v].spacing(), patch_.places[w].spacing());
   const std::optional<Vec2> p = place_within(scratch_.hole, spacing, worst_shape, limit);
@@ -232,8 +233,8 @@ std::uint32_t PatchThinner::merge(std::uint32_t v, std::uint32_t w, double worst
   return merged;
 }
 
-/// Puts a point in where others were taken, if only good triangles have to go for it and those that it makes are good.
-/// Returns the new vertex, or kNone.
+/// Inserts a point in the place of removed ones, if it removes only good triangles and makes only good ones. Returns
+/// the new vertex, or kNone.
 std::uint32_t PatchThinner::put_in(Vec2 p, MinSpacing spacing, double worst_shape) {
   const auto found = std::find_if(scratch_.remade.begin(), scratch_.remade.end(),
                                   [&](std::uint32_t t) { return mesh_.is_live(t) && is_inside(t, p); });
@@ -250,8 +251,8 @@ std::uint32_t PatchThinner::put_in(Vec2 p, MinSpacing spacing, double worst_shap
   return kNone;
 }
 
-/// Lists the points from `first` on that thinning out has to look at: those around which, or around a neighbour of
-/// which, a triangle has changed since it was done last.
+/// Lists the candidates for thinning out from `first` on: points around which, or around a neighbour of which, a
+/// triangle has changed since the last thinning out.
 void PatchThinner::list_unsettled(std::uint32_t first, std::pmr::vector<std::uint8_t>& is_waiting) {
   enum : std::uint8_t { kChanged = 1, kBeside = 2 };
   StackMemory memory;
@@ -306,7 +307,7 @@ void PatchThinner::thin_out(std::uint32_t first, Thinning thinning, RunControl& 
     const Limit limit = sizes_.limit_when_thinned(p);
     const Fan fan = fan_of(p, ring);
     const double worst_shape = are_shapes_free() ? 0 : std::min(kFlattest, fan.worst_shape);
-    // Without v, there are two triangles less for the same area.
+    // Without v, there are two triangles fewer for the same area.
     const double side = std::sqrt(fan.twice_area / (static_cast<double>(ring.size()) - 2) * (2 / std::numbers::sqrt3));
     if (limit.allows(kAlmost * side) && leave_out(v, worst_shape)) {
       for (const std::uint32_t u : ring) wait(u);
@@ -315,7 +316,7 @@ void PatchThinner::thin_out(std::uint32_t first, Thinning thinning, RunControl& 
     if (thinning == Thinning::kQuick) continue;
     for (std::size_t k = 0; k < ring.size(); ++k) {
       const std::uint32_t w = ring[k];
-      // If w still waits, this pair is tried when it is its turn.
+      // If w is still in the queue, this pair is tried when it is w's turn.
       if (!patch_.is_free(w) || is_waiting[w] != 0) continue;
       if (!limit.allows(norm(mesh_.point(w) - p) / kLongEnough) || !find_hole(v, k)) continue;
       if (is_out_of_reach(limit)) continue;

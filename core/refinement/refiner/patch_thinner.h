@@ -21,23 +21,23 @@ namespace remesh {
 /// point takes the place of two. It goes on around every place where it succeeds. Each step leaves fewer points, so it
 /// ends.
 /// Holds:  Triangles are within the bounds as before. If angles have a bound or there are sizes, no new triangle is
-///         flatter than one with two angles of 28 degrees, or than the flattest that was there before. Triangles that
-///         miss a bound stay as they are.
-/// Source: H. Erten, A. Üngör, Quality triangulations with locally optimal Steiner points, 2009 (one point for two);
-///         M. Badoiu, K. Clarkson, Smaller core-sets for balls, 2003 (places for these points).
+///         flatter than one with two angles of 28 degrees, or than the flattest one before. Triangles that miss a bound
+///         stay as they are.
+/// Source: H. Erten, A. Üngör, Quality triangulations with locally optimal Steiner points, 2009 (one point for two); M.
+///         Badoiu, K. Clarkson, Smaller core-sets for balls, 2003 (places for these points).
 class PatchThinner {
  public:
   /// All three objects must outlive this one. There must be sizes, or angles must have no bound.
   PatchThinner(const PatchSizes& sizes, WorkingPatch& patch, RefinerScratch& scratch)
       : sizes_(sizes), criteria_(sizes.criteria()), patch_(patch), mesh_(patch.mesh), scratch_(scratch) {}
 
-  /// Looks at all points inside from the vertex `first` on, and at those that get other neighbours meanwhile. Points
-  /// are left out if nothing has changed around them and their neighbours since they were looked at before.
+  /// Tries all points inside from the vertex `first` on, and points that get other neighbours meanwhile. Points are
+  /// skipped if nothing has changed around them and their neighbours since they were last tried.
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
   void thin_out(std::uint32_t first, Thinning thinning, RunControl& control);
 
  private:
-  /// Has the measures of the triangles between a point and a ring.
+  /// The measures of the triangles between a point and a ring.
   struct Fan {
     double worst_shape;  ///< minimum of TriangleMeasures::shape; negative if a triangle is turned over
     double twice_area;   ///< the sum over all of them
@@ -46,7 +46,7 @@ class PatchThinner {
 
   using Limit = PatchSizes::LimitWhenThinned;
 
-  /// Returns whether triangles may be as flat as they like. Then only the depth of a curved patch asks for points.
+  /// Returns whether triangles may be arbitrarily flat. Then only the depth of a curved patch requires points.
   bool are_shapes_free() const { return criteria_.min_angle_deg == 0 && !criteria_.has_sizes(); }
   bool find_ring(std::uint32_t v, std::vector<std::uint32_t>& ring) const;
   bool find_hole(std::uint32_t v, std::size_t k);

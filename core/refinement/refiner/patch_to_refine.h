@@ -1,4 +1,4 @@
-/// Names a patch that is to be refined.
+/// A reference to a patch that is to be refined.
 #pragma once
 
 #include "core/patch_types/patch_mesh.h"
@@ -7,7 +7,8 @@
 
 namespace remesh {
 
-/// This names a patch that is to be refined, as it was triangulated. The object refers to the mesh and to the table.
+/// A reference to a patch that is to be refined, as it was triangulated. The object refers to the mesh and to the
+/// segment table.
 struct PatchToRefine {
   const PatchMesh& mesh;
   PatchChart chart;

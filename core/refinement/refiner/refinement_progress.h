@@ -1,4 +1,4 @@
-/// Tells how far a refinement is.
+/// The progress of a refinement.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace remesh {
 
-/// Compares the number of triangles with the number that a prediction expects. There may be twice as many as expected;
+/// Derives the progress from the number of triangles and the predicted number. There may be twice as many as predicted;
 /// then the progress stands at 95 %. All members may be called from any thread.
 class RefinementProgress {
  public:

@@ -1,4 +1,4 @@
-/// Defines the scratch memory for refining a patch.
+/// The scratch memory for refining a patch.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 
 namespace remesh {
 
-/// This is a triangle that waits to be treated. Half-edge a-b is its shortest edge, and c is its apex.
+/// A triangle in the queue. Half-edge a-b is its shortest edge, and c is its apex.
 struct TriangleTask {
   std::uint32_t half_edge, a, b, c;
 };
@@ -20,13 +20,13 @@ struct TriangleTask {
 /// A refiner works with this memory during its turn. A thread has one for all its patches. Most patches are small, and
 /// each would need as much scratch memory as the patch itself has.
 struct RefinerScratch {
-  /// This is a piece of a segment, with the range of the cuts inside it.
+  /// A piece of a segment, with the range of the cuts inside it.
   struct Range {
     std::uint32_t piece;
     std::size_t first, last;
   };
 
-  /// This is a free vertex that was removed and may have to be put back.
+  /// A free vertex that was removed and may have to be put back.
   struct Taken {
     Vec2 p;
     MinSpacing spacing;
@@ -34,10 +34,10 @@ struct RefinerScratch {
 
   DelaunayMesh::Scratch mesh;
   TaskQueues<TriangleTask> waiting;  ///< empty between turns; a refiner borrows its memory
-  // These serve one operation.
+  // These arrays serve one operation.
   std::vector<std::uint32_t> encroached, pieces;
   std::vector<Range> ranges;
-  // These serve thinning out. They hold vertices or triangles.
+  // These arrays serve thinning out. They hold vertices or triangles.
   std::vector<std::uint32_t> to_thin, ring, other_ring, hole, remade;
   std::vector<Taken> taken;
 };

@@ -10,7 +10,7 @@
 namespace remesh {
 namespace {
 
-/// Including an off-centre, kHeights heights are tried, in steps of kHeightStep of it.
+/// The number of heights that are tried, including the off-centre, in steps of kHeightStep of its height.
 constexpr int kHeights = 5;
 constexpr double kHeightStep = 1.0 / 8;
 /// Edges that are to fill an area are aimed at this share of the longest edge that is allowed.
@@ -23,7 +23,7 @@ Vec2 SteinerPlaces::off_centre(const TriangleJudge::Shape& shape) const {
   const Vec2 a = mesh_.point(mesh_.from(h)), b = mesh_.point(mesh_.to(h)), c = mesh_.point(mesh_.apex(h));
   const Vec2 base = b - a, side = c - a;
   const double length = std::sqrt(shape.measures.shortest_squared);
-  // This is the height of the circumcentre over the middle of the shortest edge.
+  // The height of the circumcentre over the middle of the shortest edge.
   double height = dot(side, side - base) / (2 * shape.measures.twice_area) * length;
   const double limit = criteria_.off_centre * length;
   height = std::min(height, limit);
@@ -37,8 +37,8 @@ Vec2 SteinerPlaces::off_centre(const TriangleJudge::Shape& shape) const {
   return sizes_.chart().on_grid(middle + height * across);
 }
 
-/// Returns how many triangles between p and the edges of a rim meet the bound on angles. If there are not more than
-/// `count_to_beat`, it may return any number that is not more than that.
+/// Returns the number of triangles between p and the edges of a rim that meet the bound on angles. If it is at most
+/// `count_to_beat`, the result may be any smaller number, too.
 int SteinerPlaces::count_good(std::span<const DelaunayMesh::RimEdge> rim, Vec2 p, int count_to_beat) const {
   int possible = static_cast<int>(rim.size());
   for (const DelaunayMesh::RimEdge& e : rim) {
@@ -73,7 +73,7 @@ SteinerPlaces::TriangulationOutcome SteinerPlaces::outcome(const DelaunayMesh::C
   const auto bad_before = std::count_if(cavity.triangles.begin(), cavity.triangles.end(), is_bad);
   TriangulationOutcome found{-static_cast<int>(bad_before), HUGE_VAL};
   // A spoke is an edge from p to a vertex of the rim. Both triangles at a spoke need to know whether it is too long, so
-  // this is looked up once.
+  // the test is made once.
   std::optional<bool> first, here, next;
   const auto is_long_spoke = [&](std::uint32_t v, std::optional<bool>& known) {
     if (!known) known = sizes_.is_too_long(p, mesh_.point(v));

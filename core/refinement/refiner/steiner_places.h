@@ -12,8 +12,8 @@
 
 namespace remesh {
 
-/// Looks for places where a point mends a triangle, and weighs them by the triangles that would be there with it. It
-/// changes nothing but the cavity that the mesh has found last.
+/// Finds places where a point mends a triangle, and compares them by the triangles that the point would make. Of the
+/// mesh, it changes only the cavity that was found last.
 /// Source: A. Üngör, Off-centers, 2004; S. Rebay, Efficient unstructured mesh generation by means of Delaunay
 ///         triangulation and Bowyer-Watson algorithm, 1993 (sizes).
 class SteinerPlaces {
@@ -23,7 +23,7 @@ class SteinerPlaces {
       : sizes_(sizes), criteria_(sizes.criteria()), patch_(patch), mesh_(patch.mesh) {}
 
   /// Returns the place over the middle of the triangle's shortest edge where the new triangle at that edge just meets
-  /// the bound and the size. If rounding forbids it, the coordinates are not finite.
+  /// the bound and the size. If rounding prevents this, the coordinates are not finite.
   Vec2 off_centre(const TriangleJudge::Shape& shape) const;
 
   /// Returns the best of several places from an off-centre down towards the shortest edge. A lower place may serve the
@@ -32,8 +32,9 @@ class SteinerPlaces {
   Vec2 lowered(const DelaunayMesh::Cavity& of_off_centre, std::uint32_t shortest) const;
 
   /// Returns the place, among some about an off-centre and about the triangle, that leaves the fewest bad triangles.
-  /// Among equals it is the one with the best shaped triangles. This matters beside a lattice whose edges are as long
-  /// as they may be: a point at the wrong place would make other edges too long, and so on across the whole lattice.
+  /// Among equals it is the one with the best shaped triangles. This matters beside a lattice whose edges have the max
+  /// length: a point at the wrong place would make other edges too long, and their refinement would spread across the
+  /// whole lattice.
   Vec2 best_for_size(Vec2 off_centre, std::uint32_t shortest);
 
  private:

@@ -15,8 +15,8 @@ namespace remesh {
 /// The queues are numbered by urgency. The next task is from the highest queue that has any; within a queue, the first
 /// in is the first out. Tasks that follow each other are stored together in blocks, because following a list of single
 /// tasks would jump all over the memory. Each task is announced some time before it comes, so that its data can be
-/// fetched meanwhile. Blocks are stored in chunks that never move: to copy millions of tasks when there is no more room
-/// would take some tenths of a second, in which nobody could stop the work.
+/// fetched meanwhile. Blocks are stored in chunks that never move: copying millions of tasks into larger memory would
+/// take some tenths of a second, and could not be cancelled.
 template <class Task>
 class TaskQueues {
  public:
@@ -47,7 +47,8 @@ class TaskQueues {
     ++size_;
   }
 
-  /// Returns false if no task waits. Calls announce(task) with a task that comes soon, or that came long ago.
+  /// Returns false if no task waits. Calls announce(task), usually with a task that will come soon; it may also be a
+  /// task that was returned long ago.
   template <class Announce>
   bool pop(Task& task, const Announce& announce) {
     while (!last_of_.empty() && last_of_.back() == kNone) last_of_.pop_back();
@@ -75,7 +76,7 @@ class TaskQueues {
   static constexpr std::size_t kMoreQueues = 32;  ///< most often, the next tasks are only a little more urgent
   /// A block has some tasks of one queue, in their order.
   struct Block {
-    /// This is the next block in its queue. For the last block, it is the first one.
+    /// The next block in its queue. For the last block, this is the first one.
     std::uint32_t next;
     std::uint16_t begin, end;  ///< the tasks that wait
   };

@@ -29,7 +29,7 @@ TriangleJudge::Shape TriangleJudge::shape_in_space(std::uint32_t t) const {
 }
 
 /// Returns whether the triangle of a half-edge has a side that was not cut although the surface turns too far along it,
-/// and at least as far as along the half-edge. Whatever is put inside, the triangle at that side has such edges.
+/// and at least as far as along the half-edge. Whatever point is inserted, the triangle at that side has such edges.
 bool TriangleJudge::is_beside_bent_side(std::uint32_t h) const {
   const DelaunayMesh& mesh = patch_.mesh;
   const auto turn = [&](std::uint32_t e) {

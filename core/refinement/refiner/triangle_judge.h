@@ -12,8 +12,8 @@
 
 namespace remesh {
 
-/// Finds out which goals a triangle misses, and whether it has an excuse: a reason why it may have a small angle. It
-/// changes nothing.
+/// Finds out which goals a triangle misses, and whether it has an excuse: a reason why it may have a small angle. The
+/// judge changes nothing.
 /// Source: G. Miller, S. Pav, N. Walkington, When and why Ruppert's algorithm works, 2003 (the exemption at input
 ///         angles).
 class TriangleJudge {
@@ -21,14 +21,14 @@ class TriangleJudge {
   struct Shape {
     std::uint32_t shortest;  ///< the half-edge of the shortest edge
     TriangleMeasures measures;
-    bool is_sharp;      ///< it has an angle below the bound
-    bool is_too_large;  ///< it is larger than allowed, or has an edge that is longer
+    bool is_sharp;      ///< the triangle has an angle below the bound
+    bool is_too_large;  ///< the triangle exceeds the allowed size, or one of its edges does
   };
 
   /// Both objects must outlive this one.
   TriangleJudge(const PatchSizes& sizes, const WorkingPatch& patch) : sizes_(sizes), patch_(patch) {}
 
-  /// Returns what the triangle looks like now.
+  /// Measures the triangle as it is now.
   /// Input: The triangles beside it that count as good are good.
   Shape shape_of(std::uint32_t t) const {
     const DelaunayMesh& mesh = patch_.mesh;
@@ -48,7 +48,7 @@ class TriangleJudge {
     return shape;
   }
 
-  /// Returns the reason why a triangle with that shortest edge may have a small angle, if there is one.
+  /// Returns the reason why a triangle with this shortest edge may have a small angle, if there is one.
   std::optional<UnrefinedReason> excuse(std::uint32_t shortest) const;
 
   /// Returns whether a half-edge is a side that is longer than allowed.
@@ -57,15 +57,15 @@ class TriangleJudge {
     return mesh.is_constrained(h) && sizes_.is_too_long(mesh.point(mesh.from(h)), mesh.point(mesh.to(h)));
   }
   std::uint32_t longest_edge(std::uint32_t t) const;
-  /// Returns the reason why a triangle stays too large whatever is put inside, if there is one. Either its longest edge
-  /// is a side that cannot be cut, or all of its edges that are too long are such sides.
+  /// Returns the reason why a triangle stays too large whatever point is inserted, if there is one. Either its longest
+  /// edge is a side that cannot be cut, or all of its edges that are too long are such sides.
   std::optional<UnrefinedReason> why_it_stays_large(std::uint32_t t) const;
 
  private:
   Shape shape_in_space(std::uint32_t t) const;
   bool is_bent(std::uint32_t h) const {
     const DelaunayMesh& mesh = patch_.mesh;
-    // The boundary was cut before. An edge of a good triangle is not bent.
+    // The boundary was cut before, and an edge of a good triangle is not bent. So these edges need no test.
     if (mesh.is_constrained(h) || patch_.states[mesh.twin(h) / 3].is_good()) return false;
     return is_too_bent(h) && !is_beside_bent_side(h) && !is_beside_bent_side(mesh.twin(h));
   }
@@ -77,7 +77,7 @@ class TriangleJudge {
   bool is_blunt_allowed() const { return sizes_.criteria().min_angle_deg == 0; }
   bool is_too_long(std::uint32_t h) const {
     const DelaunayMesh& mesh = patch_.mesh;
-    // An edge of a good triangle is no longer than it may be, so it need not be measured again.
+    // An edge of a good triangle is no longer than allowed, so it need not be measured again.
     if (!mesh.is_constrained(h) && patch_.states[mesh.twin(h) / 3].is_good()) return false;
     return sizes_.is_too_long(mesh.point(mesh.from(h)), mesh.point(mesh.to(h)));
   }

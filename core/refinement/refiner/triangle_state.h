@@ -1,4 +1,4 @@
-/// Tells how a triangle stands to the goals of refinement.
+/// The state of a triangle with regard to the goals of refinement.
 #pragma once
 
 #include <cassert>
@@ -12,7 +12,7 @@ namespace remesh {
 class TriangleState {
  public:
   static constexpr TriangleState good() { return TriangleState(kGood); }
-  /// It meets the goals, and thinning out has looked at the points around it since it was made.
+  /// The triangle meets the goals, and thinning out has tried the points around it since it was made.
   static constexpr TriangleState settled() { return TriangleState(kSettled); }
   static constexpr TriangleState waiting() { return TriangleState(kWaiting); }
   explicit constexpr TriangleState(UnrefinedReason why) : value_(static_cast<std::uint8_t>(why)) {}

@@ -15,12 +15,12 @@ bool is_finite(Vec2 p) { return std::isfinite(p.x) && std::isfinite(p.y); }
 void TriangleTreatment::treat(const TriangleTask& task) {
   if (!patch_.is_live(task)) return;
   const std::uint32_t t = task.half_edge / 3;
-  // The task may now name another triangle, of vertices that got the same numbers. That one may be good or have an
+  // The task may now name another triangle, whose vertices got the same numbers. That triangle may be good or have an
   // excuse.
   if (!patch_.states[t].is_waiting()) return;
   const TriangleJudge::Shape shape = judge_.shape_of(t);
   const MinSpacing spacing = std::min(patch_.spacing_of(task.a), patch_.spacing_of(task.b));
-  // A triangle that waits and is not too large has no excuse.
+  // A triangle in the queue that is not too large has no excuse.
   if (shape.is_sharp && (!shape.is_too_large || !judge_.excuse(shape.shortest)))
     treat_angle(task, shape, spacing);
   else
@@ -52,13 +52,13 @@ void TriangleTreatment::treat_angle(const TriangleTask& task, const TriangleJudg
     in_the_way = patch_.boundary.spacing_of(attempt.encroached.front());
   }
   const UnrefinedReason why = patch_.boundary.why_uncut(attempt.encroached, why_near(in_the_way));
-  // An edge that is too long and cannot be cut keeps its triangle too large, whatever is put inside.
+  // An edge that is too long and cannot be cut keeps its triangle too large, whatever point is inserted.
   if (shape.is_too_large && !judge_.why_it_stays_large(t) && split_too_large(t, spacing)) return;
   patch_.states[t] = TriangleState(why);
 }
 
-/// Treats a triangle that is only too large, or whose small angle has an excuse. Its point never cuts a side that is
-/// short enough.
+/// Treats a triangle that is only too large, or whose small angle has an excuse. The inserted point never cuts a side
+/// that is short enough.
 void TriangleTreatment::treat_size(std::uint32_t t, const TriangleJudge::Shape& shape, MinSpacing spacing) {
   assert(shape.is_too_large);
   if (const auto hopeless = judge_.why_it_stays_large(t)) {
@@ -78,7 +78,7 @@ void TriangleTreatment::treat_size(std::uint32_t t, const TriangleJudge::Shape& 
   patch_.states[t] = TriangleState(why);
 }
 
-/// Puts a point on the column next to a place, if this removes the triangle and makes no edge that is shorter than
+/// Inserts a point on the column next to a place, if this removes the triangle and makes no edge that is shorter than
 /// those of the triangle. Returns whether it did.
 bool TriangleTreatment::insert_in_column(Vec2 p, std::uint32_t t, const TriangleJudge::Shape& shape,
                                          MinSpacing spacing) {

@@ -14,7 +14,7 @@
 
 namespace remesh {
 
-/// Mends one triangle at a time by a point inside or by cuts of the boundary. If nothing helps, the triangle stays and
+/// Mends one triangle at a time by a point inside or by cuts of the boundary. If neither helps, the triangle stays and
 /// gets the reason why.
 /// Source: L. P. Chew, Guaranteed-quality mesh generation for curved surfaces, 1993 (lens).
 class TriangleTreatment {
@@ -23,7 +23,7 @@ class TriangleTreatment {
   TriangleTreatment(const PatchSizes& sizes, WorkingPatch& patch, PatchEditor& editor)
       : sizes_(sizes), patch_(patch), editor_(editor), judge_(editor.judge()), places_(sizes, patch) {}
 
-  /// Treats the triangle of a task. Nothing is done if the triangle has changed since it was put into the queue.
+  /// Treats the triangle of a task. If the triangle has changed since it was put into the queue, nothing is done.
   void treat(const TriangleTask& task);
 
  private:

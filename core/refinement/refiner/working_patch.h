@@ -23,24 +23,25 @@
 
 namespace remesh {
 
-/// This is a place for a new point, with the cavity that the point would have. The cavity is valid until the next
-/// operation of the mesh.
+/// A place for a new point, with the cavity that the point would have. The cavity is valid until the next operation of
+/// the mesh.
 struct PointPlace {
-  std::uint32_t hiding_side = kNone;  ///< the side that hides the place; then there is no cavity. kNone: none
+  std::uint32_t hiding_side = kNone;  ///< the side that hides the place, in which case there is no cavity; or kNone
   DelaunayMesh::Cavity cavity;
 
   bool is_hidden() const { return hiding_side != kNone; }
   bool has_room() const { return cavity.has_room; }
 };
 
-/// The columns of a curved patch run along its surface's axis. Two of them are as far apart as edges may turn. So a
-/// point between columns would have neighbours that are too far away, and their edges would have to be divided in turn.
+/// The columns of a curved patch run along its surface's axis. The angle between two columns is the max turn of an
+/// edge. So a point between columns would have neighbours that are too far away, and their edges would have to be
+/// divided in turn.
 struct Columns {
   double start = 0, width = 0;  ///< angles around the axis; without columns the width is 0
 };
 
-/// This is everything that a patch has while it is refined and that it keeps between its turns. The classes that refine
-/// the patch work on it together.
+/// All data of a patch that is kept between the turns of its refinement. The classes that refine the patch work on it
+/// together.
 struct WorkingPatch {
   /// Input: `chart` must outlive this object.
   WorkingPatch(PatchStart start, const PatchToRefine& patch, const PatchChart& patch_chart,
@@ -66,12 +67,12 @@ struct WorkingPatch {
   std::pmr::vector<SpacePoint> in_space;
   Columns columns;                         ///< only of a curved patch with an axis
   std::pmr::vector<TriangleState> states;  ///< one per triangle of the mesh
-  /// The shorter a triangle's shortest edge is, the higher is its queue. There are eight queues for each octave of the
+  /// A triangle with a shorter shortest edge is in a higher queue. There are eight queues for each octave of the
   /// squared length. Within a queue, the first in is the first out; so where all triangles are alike, they are treated
   /// layer after layer.
   TaskQueues<TriangleTask> waiting;
-  std::pmr::vector<Cut> own_cuts;  ///< cuts that were made here and not yet told to other patches
-  /// This is a segment that had to be cut where rounding left no room for the cut, or else it is invalid.
+  std::pmr::vector<Cut> own_cuts;  ///< cuts that were made here and not yet sent to other patches
+  /// A segment that had to be cut where rounding left no room for the cut; invalid if there is none.
   SegmentId impossible;
 
   bool is_free(std::uint32_t v) const { return places[v].is_free(); }
@@ -88,7 +89,7 @@ struct WorkingPatch {
     in_space.resize(places.size());
     in_space[v] = space_point_of(v);
   }
-  /// Returns the place on the nearest column at the same height. Without columns it is the place itself.
+  /// Returns the place on the nearest column at the same height. Without columns, returns the place itself.
   Vec2 in_column(Vec2 p) const {
     if (!(columns.width > 0)) return p;
     const SurfaceMap& map = chart.curved()->map();
@@ -96,15 +97,15 @@ struct WorkingPatch {
     const double column = std::nearbyint((at.angle - columns.start) / columns.width);
     return chart.to_plane(map.point(SurfaceMap::Around{columns.start + column * columns.width, at.way}));
   }
-  /// Returns where a vertex of a curved patch is that the patch did not begin with.
+  /// Returns the place in space of a vertex of a curved patch that was added by refinement.
   SpacePoint space_point_of(std::uint32_t v) const {
     const VertexPlace& place = places[v];
     return chart.curved()->space_point(place.is_on_segment() ? boundary.position(place.segment(), place.parameter())
                                                              : chart.to_space(mesh.point(v)));
   }
 
-  /// Looks for the cavity of a point. The search begins at a triangle. A point that is not finite
-  /// has no room: where the map of a curved surface ends, there is no place on a column.
+  /// Finds the cavity of a point. The search begins at a triangle. A point that is not finite has no room: where the
+  /// map of a curved surface ends, there is no place on a column.
   PointPlace look_at(Vec2 p, std::uint32_t triangle) {
     if (!std::isfinite(p.x) || !std::isfinite(p.y)) return {kNone, {p, {}, {}, false}};
     const DelaunayMesh::Location at = mesh.locate(triangle, p);

@@ -34,7 +34,7 @@ struct ChordUse {
   /// True if the edge is inside its patch. Boundary edges sort first.
   bool is_inside;
   PatchId patch;
-  std::uint32_t half_edge;  ///< number in the patch's mesh; valid until that changes
+  std::uint32_t half_edge;  ///< number in the patch's mesh; valid until that mesh changes
 
   friend bool operator<(const ChordUse& a, const ChordUse& b) {
     return std::tie(a.key, a.is_inside, a.patch) < std::tie(b.key, b.is_inside, b.patch);
@@ -106,7 +106,8 @@ bool flip_away(PatchMesh& patch, std::uint32_t h, const ChordUses& uses, RunCont
   return true;
 }
 
-/// Puts a vertex into the middle of the edge. Returns false, with nothing changed, if there is no room for it.
+/// Puts a vertex into the middle of the edge. Returns false, with nothing changed, if the edge has no room for a
+/// vertex.
 bool split(PatchMesh& patch, const PatchChart& chart, std::uint32_t h, RunControl& control) {
   Triangulation2d& mesh = patch.mesh;
   const std::uint32_t g = mesh.twin(h);
@@ -156,8 +157,8 @@ bool release_reserved(PatchMesh& patch, const IsWanted& is_wanted, RunControl& c
 }
 
 /// Calls `treat` for each chord in turn. A chord is skipped if flips for an earlier chord have changed its half-edge;
-/// the next pass looks at it again. `treat` returns whether it succeeded; if not, it has changed nothing. The result
-/// says whether any call succeeded.
+/// the next pass treats it again. `treat` returns whether it succeeded; if not, it has changed nothing. The result is
+/// true if any call succeeded.
 template <class Treat>
 bool for_chords(PatchMeshes& meshes, const std::vector<Chord>& chords, RunControl& control, const Treat& treat) {
   std::vector<Key> keys;
@@ -180,8 +181,8 @@ bool for_chords(PatchMeshes& meshes, const std::vector<Chord>& chords, RunContro
 
 std::vector<Chord> find_chords(const PatchMeshes& meshes, std::size_t vertex_end, RunControl& control) {
   if (meshes.size() < 2) return {};
-  // Only few edges inside patches join two such vertices, and only edges with the same two ends can be equal to one of
-  // them. So boundary edges are collected only between the ends of these few edges.
+  // Only few edges inside patches join two vertices below `vertex_end`, and a boundary edge equals one of these only if
+  // it has the same two ends. So boundary edges are collected only between the ends of these few edges.
   ChordUses uses = edge_uses(meshes, vertex_end, control, [](const Key&, bool is_inside) { return is_inside; });
   if (uses.empty()) return {};
   std::vector<std::uint8_t> is_end(vertex_end, 0);
@@ -193,7 +194,7 @@ std::vector<Chord> find_chords(const PatchMeshes& meshes, std::size_t vertex_end
   const ChordUses boundary = edge_uses(meshes, vertex_end, control, [&](const Key& key, bool is_inside) {
     return !is_inside && is_end[key.first.value] != 0 && is_end[key.second.value] != 0;
   });
-  // To copy one list to the end of the other in one piece would take a while in which nobody could stop the work.
+  // Copying one list to the end of the other in one piece would take long, and the copy could not be cancelled.
   ChordUses all;
   all.reserve(uses.size() + boundary.size());
   std::merge(uses.begin(), uses.end(), boundary.begin(), boundary.end(), std::back_inserter(all),
@@ -208,8 +209,8 @@ bool flip_chords(PatchMeshes& meshes, std::size_t vertex_end, RunControl& contro
   if (std::all_of(meshes.begin(), meshes.end(), [](const PatchMesh& patch) { return patch.reserved.empty(); }) &&
       find_chords(meshes, vertex_end, control).empty())
     return true;
-  // A flip may make edges that are chords themselves. It may also remove the edge for whose sake another edge was
-  // constrained. The number of passes is limited, because this may go on forever.
+  // A flip may make new chords. It may also remove an edge because of which another edge was constrained. Such changes
+  // may go on forever, so the number of passes is limited.
   constexpr int kMaxPasses = 8;
   for (int pass = 0;; ++pass) {
     const ChordUses uses = edge_uses(meshes, vertex_end, control);
@@ -236,8 +237,8 @@ void split_chords(TriangulatedPatches& triangulated, std::size_t vertex_end,
   PatchMeshes& meshes = triangulated.meshes;
   std::vector<Chord> chords = find_chords(meshes, vertex_end, control);
   if (chords.empty()) return;
-  // Edges that were flipped in for chords are released first. If their chord is split now, they have no reason to stay,
-  // and they may not be Delaunay.
+  // Edges that were constrained for the sake of chords are released first. If their chord is split now, these edges
+  // need not stay, and they may not be Delaunay.
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     const PatchId p(i);
     if (meshes[p].reserved.empty()) continue;

@@ -1,4 +1,4 @@
-/// Keeps patches as they were, or as they will be, while others stand in their place.
+/// Keeps earlier or later triangulations of patches while other ones are in use.
 #pragma once
 
 #include <span>
@@ -11,7 +11,7 @@
 
 namespace remesh {
 
-/// Triangulations of some patches that can take the place of others.
+/// Triangulations of some patches that can replace the present ones.
 class PatchesAside {
  public:
   PatchesAside() = default;
@@ -27,7 +27,7 @@ class PatchesAside {
     return *this;
   }
 
-  /// Swaps these patches with those among `meshes` that have the same ids.
+  /// Swaps these patches with the patches in `meshes` that have the same ids.
   void exchange_with(PatchMeshes& meshes) {
     for (std::size_t i = 0; i < ids_.size(); ++i) std::swap(meshes[ids_[i]], meshes_[i]);
   }

@@ -59,8 +59,8 @@ PatchesAside collect_refined(const RefinementInput& input, const SegmentTable& s
   std::vector<PatchMesh>& meshes = all.items;
   meshes.resize(ids.size());
   std::vector<std::vector<UnrefinedReason>> reasons(ids.size());
-  // These are first the counts for each patch at work, and for each patch. Then they become the sums over all patches
-  // before it.
+  // First, these are the counts for each patch that is refined, and for each patch. Then they become the sums over all
+  // patches before it.
   std::vector<std::size_t> first_inner(ids.size() + 1, 0), first_triangle(n + 1, 0);
   for_blocks(n, kItemsPerBlock, control, [&](std::size_t p, std::size_t end) {
     for (; p < end; ++p) first_triangle[p + 1] = triangulated.meshes[PatchId(p)].mesh.triangle_count();

@@ -17,22 +17,21 @@
 
 namespace remesh {
 
-/// The refiners of all patches. A patch without one is as it was triangulated.
+/// The refiners of all patches. A patch without a refiner has not changed.
 using PatchRefiners = IdVector<PatchId, std::unique_ptr<PatchRefiner>>;
 
-/// Gives the vertices inside a patch that have no id yet the ids of the new vertices from `first` on, and their
-/// positions.
+/// Numbers the vertices inside a patch that have no id yet, from `first` on, and sets their positions.
 /// Output: the number of these vertices.
 std::size_t place_inner_vertices(const Surface& surface, const PatchChart& chart, PatchMesh& patch, std::size_t first,
                                  std::vector<Vec3>& new_positions);
 /// Counts the vertices inside a patch that have no id yet.
 std::size_t count_unplaced(const PatchMesh& patch);
 
-/// Makes the patches as their refiners have them now. New vertices on segments come first, segment after segment, and
-/// then those inside patches, patch after patch.
+/// Makes the patches from the present state of their refiners. New vertices on segments come first, segment after
+/// segment, and then those inside patches, patch after patch.
 /// Input:  If `are_refiners_kept` is false, each refiner is deleted when its patch is made.
 /// Output: The patches that have a refiner, and `new_positions`, `first_inner` and `reason` of the result. A patch
-///         without a refiner stays as it was, because it is frozen or has nothing to do.
+///         without a refiner stays as it was, because it is frozen or has no work.
 PatchesAside collect_refined(const RefinementInput& input, const SegmentTable& segments, const SegmentCuts& cuts,
                              const TriangulatedPatches& triangulated, PatchRefiners& refiners, bool are_refiners_kept,
                              Refinement& result, RunControl& control);

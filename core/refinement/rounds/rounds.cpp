@@ -24,11 +24,11 @@
 namespace remesh {
 namespace {
 
-/// Each of the first restarts locks only the segments that had to be cut where rounding left no room. Later ones lock
-/// all segments of the patches beside these, and in the end all there are. So there are few restarts.
+/// The first kPatientRestarts restarts lock only the segments that had to be cut where rounding left no room. Later
+/// ones lock all segments of the patches beside these, and in the end all segments. So there are few restarts.
 constexpr int kPatientRestarts = 8, kMaxRestarts = 16;
 
-/// Locks segments before the refinement begins again for that reason.
+/// Locks segments before the refinement restarts because rounding left no room for their cuts.
 /// Input: `restarts` counts this one, too.
 void lock_for_restart(SegmentTable& segments, std::span<const SegmentId> impossible, int restarts,
                       const RunControl& control) {
@@ -47,9 +47,9 @@ void lock_for_restart(SegmentTable& segments, std::span<const SegmentId> impossi
 }
 
 /// Runs one refinement, from the sizes on segments to the refined patches. If rounding leaves no room for a cut, its
-/// segment is locked and everything begins again. From the first chord on, the refiners of patches must be there for
-/// some more passes. If there are too many triangles to keep them for a chord that may not come, everything begins
-/// again then, too.
+/// segment is locked and the refinement restarts. From the first chord on, some more passes need the refiners of all
+/// patches. If there are too many triangles, the refiners are not kept in advance; then the first chord restarts the
+/// refinement, too.
 class Rounds {
  public:
   Rounds(const RefinementInput& input, SegmentTable segments, TriangulatedPatches& triangulated, RunControl& control)
@@ -95,7 +95,7 @@ class Rounds {
       }
       aside.exchange_with(meshes());
       aside.clear();
-      // Most surfaces have no chords, and large ones need not keep two of each patch.
+      // Most surfaces have no chords, and for large ones two copies of each patch would take too much memory.
       if (!std::exchange(chords_.are_refiners_kept, true)) {
         begin();
         continue;
@@ -106,27 +106,27 @@ class Rounds {
   }
 
  private:
-  /// Limits the number of passes for chords. A point in a chord ends many other chords, and what is refined around it
-  /// may make a few new ones.
+  /// Limits the number of passes for chords. A point in a chord removes many other chords, but refinement around the
+  /// point may make a few new ones.
   static constexpr int kMaxChordPasses = 16;
-  /// The refiners are kept until it is known whether there are chords if there are at most so many triangles. Together,
-  /// they take some 60 MB.
+  /// If there are at most this many triangles, the refiners are kept until it is known whether there are chords.
+  /// Together, they take some 60 MB.
   static constexpr std::uint64_t kMaxFacesKept = std::uint64_t{1} << 19;
-  /// Limits the number of times that refinement goes on after thinning out. Most is done by then: the last time brings
-  /// only a few per cent.
+  /// Limits the number of times that refinement resumes after thinning out. The first times do the main part: the last
+  /// one brings only a few per cent.
   static constexpr int kMaxTakenUp = 8, kMaxTakenUpQuickly = 4;
-  /// If less than this part of the budget is left, a round over all patches is not worth while.
+  /// If less than this part of the budget is left, another round over all patches is not worth its time.
   static constexpr double kRoomForMore = 1.0 / 128, kRoomForMoreQuickly = 1.0 / 32;
 
   PatchMeshes& meshes() { return triangulated_.meshes; }
   bool is_frozen(PatchId p) const { return input_.is_frozen[p] != 0; }
 
-  /// Returns the number of triangles that a patch has now.
+  /// Returns the present number of triangles of a patch.
   std::uint64_t triangle_count(PatchId p) const {
     return refiners_[p] ? refiners_[p]->triangle_count() : triangulated_.meshes[p].mesh.triangle_count();
   }
 
-  /// Runs rounds until no patch has anything to do.
+  /// Runs rounds until no patch has any work.
   void settle() {
     note_made();
     while (!barrier_.dirty.empty() && barrier_.impossible.empty() && !budget_.is_too_much_made()) {
@@ -138,7 +138,7 @@ class Rounds {
     }
   }
 
-  /// Returns the number of triangles that there are, plus those that the messages will make.
+  /// Returns the present number of triangles, plus those that the messages will make.
   std::uint64_t count_faces() const {
     std::uint64_t faces = 0;
     StopCheck check(control_);
@@ -154,8 +154,8 @@ class Rounds {
     if (budget_.is_counted()) budget_.set_made(count_faces());
   }
 
-  /// Thins out all patches. This is not done after the first chords, because the points in chords have to stay. Returns
-  /// whether it was done.
+  /// Thins out all patches, but not after the first chords, because the points in chords have to stay. Returns whether
+  /// it was done.
   bool thin_out() {
     if (std::exchange(thinning_.is_done, true) || !criteria_.is_thinned()) return false;
     const auto is_unfinished = [](const auto& refiner) { return refiner != nullptr && !refiner->is_done(); };
@@ -174,8 +174,8 @@ class Rounds {
     return true;
   }
 
-  /// If the budget has ended refinement, thinning out may have made room again. Then the patches that have something to
-  /// do go on. The number of times is limited, because what is refined and what is thinned out may be the same.
+  /// If the budget has ended refinement, thinning out may have made room again. Then the patches with work resume. The
+  /// number of times is limited, because refinement may add what thinning out removes.
   bool take_up_again() {
     const bool is_quick = input_.thinning_in_budget == Thinning::kQuick;
     if (!budget_.is_limited() || thinning_.times_taken_up == (is_quick ? kMaxTakenUpQuickly : kMaxTakenUp))
@@ -214,7 +214,7 @@ class Rounds {
     find_dirty();
   }
 
-  /// Finds the patches that have work of their own or cuts of their boundary to make.
+  /// Finds the patches that have work of their own, or have to apply cuts of their boundary.
   void find_dirty() {
     IdVector<PatchId, std::uint8_t> is_dirty(meshes().size(), 0);
     for_blocks(meshes().size(), 256, control_, [&](std::size_t from, std::size_t to) {
@@ -237,7 +237,7 @@ class Rounds {
 
   void refine_dirty() {
     share_out_budget();
-    // The order in which they run changes nothing.
+    // The order in which the patches run does not change the result.
     const LargeFirst by_work = large_first(barrier_.dirty.size(), 500, [&](std::uint32_t i) -> std::size_t {
       const PatchId p = barrier_.dirty[i];
       return refiners_[p] ? refiners_[p]->waiting() : meshes()[p].mesh.triangle_count();
@@ -249,7 +249,7 @@ class Rounds {
     });
   }
 
-  /// Refines one patch until it has nothing left to do or has made its share of triangles.
+  /// Refines one patch until it has no work or has made its share of triangles.
   void take_turn(PatchId p, std::uint64_t share) {
     std::unique_ptr<PatchRefiner>& refiner = refiners_[p];
     const auto before = static_cast<std::uint32_t>(triangle_count(p));
@@ -260,11 +260,11 @@ class Rounds {
     else
       refiner->begin_turn(scratch_.local());
     refiner->allow_above_bound(above_bounds_.of_turn());
-    // A refiner that begins with points of its own numbers its edges anew. So its chords are left for the next pass,
-    // which finds them again.
+    // A refiner that begins with points of its own numbers its edges anew. So the chords of its patch are left to the
+    // next pass, which finds them again.
     if (const auto chords = std::exchange(chords_.of_patch[p], {}); !chords.empty())
       if (refiner->triangle_count() != before || refiner->split_edges(chords, control_)) chords_.is_any_split = true;
-    std::uint64_t counted = 0;  // the triangles that messages make were counted with these
+    std::uint64_t counted = 0;  // the triangles that messages make were counted with the messages
     for (const SegmentCuts::Message& message : cuts_.messages_for(p)) {
       if (!refiner->impossible().is_valid()) refiner->apply_cuts(message.segment, cuts_[message.segment], control_);
       counted += message.count;
@@ -277,11 +277,11 @@ class Rounds {
     refiner->end_turn();
   }
 
-  /// A refiner is asked for this number of triangles at once if all triangles that are made are counted.
+  /// The number of triangles that a refiner makes between two updates of the total count.
   static constexpr std::uint64_t kSlice = 1 << 16;
 
-  /// Runs one turn. If there are too many triangles, it depends on the threads which turns come to their end.
-  /// `begun_with` counts the triangles that are new in this turn already.
+  /// Runs one turn. If there are too many triangles, the threads decide which turns come to their end. `begun_with`
+  /// counts the triangles that are new in this turn already.
   void run_turn(PatchRefiner& refiner, std::uint64_t share, std::uint64_t begun_with) {
     if (!budget_.is_counted()) return refiner.run(share, progress_);
     budget_.add_made(begun_with);
@@ -296,7 +296,7 @@ class Rounds {
     budget_.add_made(made - std::min(made, given));
   }
 
-  /// Calls `body` for all items in parallel: the large ones one by one, the others in blocks.
+  /// Calls `body` for all items in parallel: for each large item alone, and for small items in blocks.
   template <class Body>
   static void for_each_in(const LargeFirst& items, const Body& body) {
     for_all(std::size_t{0}, items.large, [&](std::size_t k) { body(items.order[k]); });
@@ -362,23 +362,23 @@ class Rounds {
     items.erase(std::unique(items.begin(), items.end()), items.end());
   }
 
-  /// The chords that patches are to split, and how far that is.
+  /// The chords that patches are to split, and the state of this work.
   struct ChordWork {
     /// The chords of each patch, as half-edges of the patches that were collected last.
     IdVector<PatchId, std::vector<std::uint32_t>> of_patch;
     bool are_refiners_kept = false;         ///< patches keep their refiners when they are collected
-    std::atomic<bool> is_any_split = true;  ///< a chord of the last list was split
+    std::atomic<bool> is_any_split = true;  ///< whether a chord of the last list was split
   };
 
   struct ThinningWork {
-    /// True if patches were thinned out since they all began, or since they were taken up again.
+    /// True if patches were thinned out since they all began, or since they resumed.
     bool is_done = false;
     int times_taken_up = 0;
   };
 
   /// The state between two rounds.
   struct Barrier {
-    std::vector<PatchId> dirty;         ///< the patches that have something to do, ascending
+    std::vector<PatchId> dirty;         ///< the patches that have work, ascending
     std::vector<SegmentId> impossible;  ///< segments that had to be cut where rounding left no room, ascending
   };
 
@@ -392,8 +392,7 @@ class Rounds {
   FaceBudget budget_;
   StepsAboveBounds above_bounds_;
   PatchRefiners refiners_;
-  /// There is one per thread. Parallel loops inside a turn do not run another patch's turn meanwhile
-  /// (core/base/parallel.h).
+  /// One per thread. Parallel loops inside a turn do not run another patch's turn meanwhile (core/base/parallel.h).
   tbb::enumerable_thread_specific<RefinerScratch> scratch_;
   Barrier barrier_;
   ChordWork chords_;

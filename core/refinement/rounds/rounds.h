@@ -31,9 +31,9 @@ namespace remesh {
 std::optional<Refinement> refine(const RefinementInput& input, SegmentTable segments, TriangulatedPatches& triangulated,
                                  RunControl& control);
 
-/// Applies the chord rule (chords.h) where neither flips nor refinement have helped: every chord that the patches still
-/// have gets a point.
-/// Input:  `refinement` is the result of the refinement of these patches. If nothing was refined yet, it is empty; then
+/// Applies the chord rule (chords.h) where neither flips nor refinement have helped: every chord that is left gets a
+/// point.
+/// Input:  `refinement` is the result of the refinement of these patches. Before any refinement, it is empty; then
 ///         `is_frozen` may be empty, and `why` has no effect. `why` is the reason why refinement itself has not split
 ///         these chords.
 /// Output: The patches and `refinement`, with the new vertices. A new triangle that misses a goal has the reason

@@ -18,15 +18,15 @@
 namespace remesh {
 namespace {
 
-/// Several threads look at a patch with more triangles than this.
+/// A patch with more triangles than this is divided among several threads.
 constexpr std::size_t kLarge = 1000;
-/// This is the number of triangles in a task. Each takes some microseconds.
+/// The number of triangles in a task. Each takes some microseconds.
 constexpr std::size_t kTriangles = 256;
 
-/// This is a relative slack for rounding when edges are compared with the sizes that were aimed at.
+/// A relative slack for rounding when edges are compared with the sizes at which refinement aimed.
 constexpr double kAimSlack = 1 + 1e-9;
 
-/// Names the triangles begin .. end - 1 of a patch.
+/// The triangles begin .. end - 1 of a patch.
 struct Block {
   PatchId patch;
   std::uint32_t begin, end;
@@ -34,7 +34,7 @@ struct Block {
   std::uint32_t size() const { return end - begin; }
 };
 
-/// Has the measures of a triangle. Lengths and places are in local units, so that no square under- or overflows.
+/// The measures of a triangle. Lengths and places are in local units, so that no square under- or overflows.
 struct Measured {
   std::array<double, 3> length;
   std::array<Vec3, 3> middle;
@@ -48,7 +48,7 @@ struct Measured {
     }
   }
 
-  /// Returns the largest size at a place for which an edge is still too long.
+  /// Returns the largest size at a place for which at least one edge is still too long.
   double too_small_size(const Vec3& place, double slope) const {
     double size = 0;
     for (std::size_t k = 0; k < 3; ++k)
@@ -105,7 +105,7 @@ class MissSearch {
   }
   std::uint8_t& is_missed(PatchId p, std::uint32_t t) { return refinement_.misses_sizes[first_[p.value] + t]; }
 
-  /// Returns the gap at a place below which the triangle is too large for the place.
+  /// Returns the gap at a place below which the triangle is too large there.
   double too_small_gap(const Measured& triangle, const Vec3& place) const {
     return triangle.too_small_size(place, slope_) * bounds_.goals.proximity - tolerance_;
   }
@@ -116,8 +116,8 @@ class MissSearch {
 
   double size_of(double gap) const { return (gap + tolerance_) / bounds_.goals.proximity; }
 
-  /// Returns the steps that a block may take at first: a part of its share of all that its stage may take. Nearly all
-  /// blocks need less.
+  /// Returns the steps that a block may take at first: a part of its share of the stage's steps. Nearly all blocks need
+  /// less.
   std::uint64_t share_of(const Block& block) const {
     constexpr std::uint64_t kAtFirst = 4;
     return max_steps_ / kAtFirst / first_.back() * block.size();
@@ -128,9 +128,9 @@ class MissSearch {
     unfinished_.push_back(block);
   }
 
-  /// Looks again at the blocks that needed more than they might take. They get what the others have left, one batch
-  /// after the other. Where there are many, the first ones may take far more than their share, so that at least some
-  /// are looked at to the end.
+  /// Treats again the blocks that needed more steps than they were allowed. They get the steps that the finished blocks
+  /// have not used, one batch after the other. If there are many such blocks, the first ones may take far more than
+  /// their share, so that at least some are completed.
   void finish() {
     constexpr std::size_t kBatches = 16, kMinBatch = 64;
     constexpr std::uint64_t kUneven = 16;
@@ -155,13 +155,13 @@ class MissSearch {
     }
   }
 
-  /// Tells what becomes of the triangles of a block that were not looked at when the steps had been taken.
+  /// The record for the triangles of a block that were not tested when the steps had been taken.
   enum class Rest {
-    kWaits,    ///< nothing of the block is noted, because somebody looks at it again
-    kUnknown,  ///< they may miss their bounds, because nobody knows better
+    kWaits,    ///< nothing of the block is recorded, because it is treated again
+    kUnknown,  ///< they are recorded as possibly missing their bounds
   };
 
-  /// Returns false if there were too few steps to look at all triangles of the block.
+  /// Returns false if there were too few steps to test all triangles of the block.
   bool look_for_gaps(const Block& block, std::uint64_t max_steps, Rest rest) {
     const PatchMesh& patch = meshes_[block.patch];
     std::vector<Measured> measured;
@@ -181,31 +181,33 @@ class MissSearch {
     return seen == block.size();
   }
 
-  /// Returns whether there is a gap that is too small for the triangle, as far as the triangle alone tells.
+  /// Returns whether a gap may be too small for the triangle, judged by the triangle alone.
   bool may_miss(const Measured& triangle) const {
     const auto matters = [&](const Vec3& place) { return too_small_gap(triangle, place) > tolerance_; };
     return matters(triangle.centroid) || std::any_of(triangle.middle.begin(), triangle.middle.end(), matters);
   }
 
-  /// Sets the sizes that places of triangles ask for if the triangles are too large there; others stay as they are.
-  /// Output: so many triangles, the first ones of the block, have been looked at in all their places.
+  /// Lowers the sizes of triangles to what their places require, if the triangles are too large there; other sizes stay
+  /// as they are.
+  /// Output: the number of triangles, from the first of the block on, that have been tested at all their places.
   std::uint32_t look_for_gaps(const Block& block, std::span<const Measured> measured, WorkBound& work,
                               std::span<double> asked) const {
     const Triangulation2d& mesh = meshes_[block.patch].mesh;
-    // All gaps for which the floor is too large give the same reason, so the smallest of them is not needed.
+    // All gaps that are too small for the floor give the same reason, so the smallest of them is not needed.
     const double at_floor = bounds_.sizes.floor() / surface_.unit * bounds_.goals.proximity - tolerance_;
-    // Triangles on both sides of the place may be too large for a gap. A limit of 0 is for none.
+    // Triangles on both sides of the place may be too large for a gap. A limit of 0 means that there is no such
+    // triangle.
     const auto gap_at = [&](const Vec3& place, double limit, double limit_there) {
       const auto [low, high] = std::minmax(limit, limit_there);
       if (!(high > tolerance_)) return HUGE_VAL;
-      // No gap that counts is below the tolerance, so one below the floor may not be possible at all.
+      // A gap below the tolerance does not count. If the lower limit is below the tolerance, only the higher limit
+      // matters.
       const double lower = low > tolerance_ ? low : high;
       const double enough = (at_floor > tolerance_ ? std::min(at_floor, lower) : lower) / kAimSlack;
       return bounds_.gaps->at(in_model(place), block.patch, high * surface_.unit, &work, enough * surface_.unit) /
              surface_.unit;
     };
-    // The centroids are looked at first. Most triangles that are too large are so there, and their edges need no
-    // search.
+    // The centroids are tested first. Most triangles that are too large are so there, and their edges need no search.
     for (std::uint32_t i = 0; i < block.size(); ++i) {
       control_.check();
       const double limit = too_small_gap(measured[i], measured[i].centroid);
@@ -216,7 +218,7 @@ class MissSearch {
     for (std::uint32_t i = 0; i < block.size(); ++i) {
       control_.check();
       for (std::uint32_t k = 0; k < 3; ++k) {
-        // The middle of an edge inside the patch is looked at once for both its triangles, if they are in one block.
+        // The middle of an edge inside the patch is tested once for both its triangles, if they are in one block.
         const std::uint32_t twin = mesh.twin(3 * (block.begin + i) + k);
         const bool is_shared = twin != Triangulation2d::kNoHalfEdge && twin / 3 >= block.begin && twin / 3 < block.end;
         const std::uint32_t there = is_shared ? twin / 3 - block.begin : i;
@@ -247,7 +249,7 @@ class MissSearch {
     }
   }
 
-  /// Notes that a triangle misses its bound. Some place of the triangle asks for `size`.
+  /// Records that a triangle misses its bound. Some place of the triangle requires `size`.
   void note(PatchId p, std::uint32_t t, const Measured& triangle, double size) {
     is_missed(p, t) = kMissesSizes;
     if (is_frozen_[p] != 0) return;
@@ -265,7 +267,7 @@ class MissSearch {
       reason = bounds_.sizes.is_floor_asked() ? UnrefinedReason::kMinEdgeLength : UnrefinedReason::kSizeFloor;
   }
 
-  /// A sharp corner of the input is no reason for a triangle that is too large, so it is none for one that may be.
+  /// A sharp corner of the input does not excuse a triangle that is too large, nor one that may be too large.
   void note_unknown(PatchId p, std::uint32_t t) {
     is_missed(p, t) = kMayMissSizes;
     if (UnrefinedReason& reason = refinement_.reason[first_[p.value] + t]; is_frozen_[p] == 0 && is_excuse(reason))

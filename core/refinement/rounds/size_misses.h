@@ -13,42 +13,41 @@
 
 namespace remesh {
 
-/// Describes the bounds on sizes that differ from place to place.
+/// The bounds on sizes that differ from place to place.
 struct VaryingBounds {
   const Goals& goals;
   double plane_tolerance;  ///< model units
-  /// These are the sizes that refinement aimed at. They have a floor. Between the places that were looked at they are
-  /// interpolated.
+  /// The sizes at which refinement aimed. They have a floor, and are interpolated between the places where gaps were
+  /// measured.
   const SizeField& sizes;
-  /// These are the gaps themselves, with goals.proximity; null otherwise.
+  /// The gaps themselves, with goals.proximity; null otherwise.
   const GapSearch* gaps = nullptr;
-  /// These are the sizes that short edges ask for, with no floor under them, if goals.gradation is set without
-  /// proximity; null otherwise.
+  /// The sizes that short edges require, without a floor, if goals.gradation is set without proximity; null otherwise.
   const SizeField* graded = nullptr;
 };
 
-/// Measures each triangle by what its own places ask for, not by the sizes that refinement aimed at.
+/// Compares each triangle with the sizes that its own places require, not with the sizes at which refinement aimed.
 ///
-/// With proximity a place asks for the size (gap + plane_tolerance) / proximity. A triangle is looked at in its
-/// centroid and in the middles of its three edges, each as a place of its patch. It misses its bound if one of its
-/// edges is longer than Goals::kSizeSlack times the following sum: the size that one of these places asks for, plus the
-/// slope (gradation - 1) times the distance from there to the middle of the edge.
+/// With proximity a place requires the size (gap + plane_tolerance) / proximity. A triangle is tested at its centroid
+/// and in the middles of its three edges, each as a place of its patch. It misses its bound if one of its edges is
+/// longer than Goals::kSizeSlack times the following sum: the size that one of these places requires, plus the slope
+/// (gradation - 1) times the distance from there to the middle of the edge.
 ///
-/// With gradation alone, a segment between vertices that stay asks for its own length, and sizes grow from it with the
+/// With gradation alone, a segment between vertices that stay requires its own length, and sizes grow from it with the
 /// distance. A triangle misses its bound if one of its edges is longer than Goals::kSizeSlack times the size in its
 /// middle.
 ///
-/// Input:  The refined patches. `is_frozen` has one entry per patch; refinement had to leave the frozen ones alone.
+/// Input:  The refined patches. `is_frozen` has one entry per patch; refinement does not change frozen ones.
 /// Output: `refinement.misses_sizes`, and for each of these triangles the reason in `refinement.reason`. If the
 ///         triangle is longer than the sizes that were aimed at, the reason is the one that refinement had. Otherwise
 ///         these sizes were too large there. That is because of the floor (`size_floor`, or `min_edge_length` where
 ///         that is the floor), or because gaps are looked for at a limited number of places (`effort`).
-///         The searches for gaps have a bound on their work. A triangle that was not looked at for that reason has
+///         The searches for gaps have a bound on their work. A triangle that was not tested because of that bound has
 ///         kMayMissSizes in `refinement.misses_sizes`. A sharp corner of the input is then no longer its reason.
 /// Holds:  The result is the same for any number of threads.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
-/// Cost:   Two or three searches for gaps for each triangle, in parallel. None of them goes farther than the triangle's
-///         edges are long, times proximity, and all together take no more steps than kWorkOfMisses.
+/// Cost:   Two or three searches for gaps for each triangle, in parallel. No search goes farther than the length of the
+///         triangle's edges times proximity, and all together take no more steps than kWorkOfMisses.
 void note_size_misses(const Surface& surface, const PatchMeshes& meshes,
                       const IdVector<PatchId, std::uint8_t>& is_frozen, const VaryingBounds& bounds,
                       Refinement& refinement, RunControl& control);

@@ -10,7 +10,7 @@
 namespace remesh {
 
 /// The steps that all patches together may still take above their bounds (kWorkOfPatch).
-/// Holds: what a patch gets depends on the rounds before, and not on threads.
+/// Holds: the steps of a patch depend on the rounds before, and not on threads.
 class StepsAboveBounds {
  public:
   /// Must be called before each round, with the number of its patches.
@@ -18,9 +18,9 @@ class StepsAboveBounds {
     constexpr std::uint64_t kUneven = 4, kMin = 1 << 13;
     of_turn_ = left_ == 0 ? 0 : std::max(kMin, kUneven * left_ / std::max<std::size_t>(1, patches));
   }
-  /// Returns how many steps each patch of the round may take. It is 0 as soon as none are left.
+  /// Returns the number of steps that each patch of the round may take. It is 0 as soon as no steps are left.
   std::uint64_t of_turn() const { return of_turn_; }
-  /// Takes the steps of a patch, after the round.
+  /// Subtracts the steps that a patch has taken, after the round.
   void take(std::uint64_t steps) { left_ -= std::min(left_, steps); }
 
  private:

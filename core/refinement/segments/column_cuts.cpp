@@ -11,13 +11,13 @@
 namespace remesh {
 namespace {
 
-/// A segment runs along a column if its ends differ by less than this part of a column around the axis, and if its
-/// angle is that of the column up to this part.
+/// A segment runs along a column if the angles of its ends around the axis differ by less than this part of a column,
+/// and differ from the column's angle by less than this part.
 constexpr double kAlong = 1e-3;
 /// A cut is at least this many rows away from both ends of its segment.
 constexpr double kMinRows = 0.7;
-/// Beside a plane, the points serve the curved patch alone. They save more triangles there than they make in the plane
-/// if it has at least this many columns.
+/// Beside a plane, the points serve the curved patch alone. They save more triangles there than they add in the plane
+/// if the curved patch has at least this many columns.
 constexpr double kManyColumns = 6;
 /// A patch never asks for more cuts of one segment than this.
 constexpr double kMaxCuts = 1 << 20;
@@ -48,7 +48,7 @@ std::vector<double> cuts_in_rows(const SegmentTable& table, SegmentId s, const S
   return cuts;
 }
 
-/// Returns whether all pieces are as long as the segment's floor asks for.
+/// Returns whether all pieces are at least as long as the segment's floor.
 bool are_long_enough(const std::vector<double>& cuts, const BoundarySegment& segment) {
   double before = 0;
   for (std::size_t i = 0; i <= cuts.size(); ++i) {
@@ -91,7 +91,7 @@ std::map<SegmentId, std::vector<double>> column_cuts(const TriangulatedPatches& 
       const SegmentId s = table.all_sides()[i].segment;
       const BoundarySegment& segment = table[s];
       if (segment.is_locked() || segment.shell_base[0] > 0 || segment.shell_base[1] > 0) continue;
-      // A plane needs no vertices there.
+      // A plane does not need the vertices of columns.
       const auto beside = table.sides(s);
       const bool has_plane = std::any_of(beside.begin(), beside.end(), [&](const SegmentSide& side) {
         return triangulated.charts[side.patch].curved() == nullptr;

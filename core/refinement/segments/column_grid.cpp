@@ -13,10 +13,10 @@ namespace {
 
 using Around = SurfaceMap::Around;
 
-/// Steps along a column are this part of two columns at most. With the whole of it, edges along the columns and edges
+/// The max step along a column, as a part of two column widths. With the factor 1, edges along the columns and edges
 /// across two of them would be equally long.
 constexpr double kStepOfColumns = 0.97;
-/// Pieces of the boundary run around the axis if their ends differ by less than this part of a column along it.
+/// Pieces of the boundary run around the axis if their ends differ along the axis by less than this part of a column.
 constexpr double kAcross = 1e-3;
 /// Rounding must not decide whether a column is on the border of the patch.
 constexpr double kColumnRounding = 1e-9;
@@ -31,7 +31,7 @@ class ColumnLayout {
       check_();
       largest = std::max(largest, chart_.map().radius(v));
     }
-    // Towards the apex of a cone, columns come too near to each other.
+    // Near the apex of a cone, columns are too close to each other.
     constexpr double kNearApex = 0.25;
     bool has_apex = false;
     for (const Vec3& v : vertices) {
@@ -72,7 +72,7 @@ class ColumnLayout {
     const SurfaceMap& map = chart_.map();
     return chart_.is_bent(chart_.space_point(map.point(a)), chart_.space_point(map.point(b)));
   }
-  /// Returns whether an edge with these steps is bent anywhere that is looked at.
+  /// Returns whether an edge with these steps is bent at any of the tested places.
   bool is_bent(double turn, double way) const {
     constexpr int kPlaces = 8;
     for (int i = 0; i <= kPlaces; ++i) {
@@ -82,7 +82,7 @@ class ColumnLayout {
     return false;
   }
   double widest_turn() const {
-    // Edges from column to column also go half a step along the axis.
+    // Edges from one column to the next also go half a step along the axis.
     return largest_allowed(std::numbers::pi / 2, [&](double turn) {
       return is_bent(turn, 0) || (is_doubly_curved() && is_bent(turn, kStepOfColumns * turn));
     });
@@ -116,8 +116,8 @@ class ColumnLayout {
       return;
     }
     width_ = longest * std::floor(widest / longest * (1 + 1e-9));
-    // The columns at both borders of a closed tube's half are numbered alike if their number is even. So the two halves
-    // agree on the rows of the points there.
+    // If their number is even, the columns at both borders of a closed tube's half have the same parity. So the two
+    // halves agree on the rows of the points there.
     start_ = chart_.map().around(at).angle;
     start_ += std::ceil((low_.angle - start_) / width_ - kColumnRounding) * width_;
   }

@@ -15,18 +15,18 @@
 namespace remesh {
 namespace {
 
-/// A corner is sharp if its sides, at the distance 1 from it, are no farther apart than this share of the tangent of
-/// the bound on angles. In wider corners, pieces as long as the size already give triangles in one row that meet the
+/// A corner is sharp if the distance between its sides, at the distance 1 from it, is at most this share of the tangent
+/// of the min angle. In wider corners, pieces as long as the size already give triangles in one row that meet the
 /// bound.
 constexpr double kSharp = 0.7;
-/// A corner is not cut in this way if a corner beside it is sharper by more than this factor. Otherwise one sliver in a
-/// fan would cause the whole fan to be cut as finely as itself.
+/// A corner is not cut by shells if a corner beside it is sharper by more than this factor. Otherwise one sliver in a
+/// fan would cause the whole fan to be cut as finely as the sliver.
 constexpr double kAlikeWidths = 2;
 /// Sides that are farther apart than this multiple of the size are no longer near each other: a row of the largest
 /// triangles has some room between them.
 constexpr double kFarApart = 0.85;
-/// Pieces are shorter by this factor than the bound on angles allows, because rows are not quite regular. If it were
-/// smaller, there would be more triangles; if it were larger than 1.02, far more. See experiments.md, Sharp corners.
+/// Pieces are shorter by this factor than the bound on angles allows, because rows are not quite regular. A smaller
+/// factor gives more triangles, and a factor above 1.02 gives far more. See experiments.md, Sharp corners.
 constexpr double kMargin = 0.98;
 /// Where sizes vary, the triangle in a corner is this multiple of the size long. Shorter ones give more tetrahedra;
 /// longer ones give more flat tetrahedra. See experiments.md, Sharp corners.
@@ -36,7 +36,8 @@ constexpr double kTip = 0.54;
 /// over the bend; if they are long, they meet the vertices of the far wall. See experiments.md, Sharp corners.
 constexpr double kTipOfWide = 0.66;
 constexpr double kWide = 0.12;  ///< distance between the sides at the distance 1 from the corner; some 7 degrees
-/// No piece is shorter than this multiple of the size. Where it would have to be, the bound on angles is given up.
+/// No piece is shorter than this multiple of the size. Where shorter pieces would be needed, the bound on angles is
+/// given up.
 constexpr double kMinPiece = 0x1p-5;
 /// The rest of a side behind its last shell is no shorter than this multiple of the last piece.
 constexpr double kMinRest = 0.5;
@@ -58,10 +59,10 @@ struct Side {
   SegmentEnd end;
   double length;
   double floor;
-  double reach;  ///< the largest distance up to which both it and the other side of one of its corners go
-  double width;  ///< distance to the other side of its sharpest corner, at the distance 1
+  double reach;  ///< the max distance up to which both this side and the other side of one of its corners extend
+  double width;  ///< distance to the other side of its sharpest corner, per distance from the corner
   bool is_between = false;
-  double common = 0;  ///< the distance up to which it is near the other side of a corner
+  double common = 0;  ///< the distance up to which this side is near the other side of a corner
 };
 
 /// Returns one Side for each end of a segment at a sharp corner, sorted by end.
@@ -92,7 +93,7 @@ std::vector<Side> sides_of(std::span<const Corner> corners, const SegmentTable& 
 
 using Pair = std::array<std::uint32_t, 2>;
 
-/// Decides which sides are cut between the common distances: every second one around a vertex. In a ring with an odd
+/// Decides which sides around a vertex are cut between the common distances: every second one. In a ring with an odd
 /// number of sides, two neighbours are cut alike.
 void take_turns(std::span<const Pair> pairs, std::span<Side> sides, RunControl& control) {
   std::vector<std::uint8_t> is_seen(sides.size(), 0);
@@ -120,7 +121,8 @@ class Way {
   Way(const SegmentTable& table, const SizeField& sizes, double tangent, std::size_t max_stops, RunControl& control)
       : table_(table), sizes_(sizes), tangent_(tangent), max_stops_(max_stops), control_(control) {}
 
-  /// Walks as far as there are sides near each other, and sets `common` of each. `members` are indices of sides.
+  /// Walks from the vertex as long as sides are near each other, and sets `common` of each side. `members` are indices
+  /// of sides.
   void walk(std::span<Side> sides, std::vector<std::uint32_t> members) {
     stops_.clear();
     floor_ = 0;
@@ -133,11 +135,11 @@ class Way {
     Piece piece{size, true};
     double width = HUGE_VAL;
     for (const std::uint32_t i : members) width = std::min(width, sides[i].width);
-    // The length for wide corners is not used where the pieces behind the triangle would be as short as the floor.
+    // The length for wide corners is not used if the pieces behind the triangle would be as short as the floor.
     const bool is_wide = width >= kWide && width * kTipOfWide * size >= 2 * floor_;
     const double tip = (is_wide ? kTipOfWide : kTip) * size;
     if (!sizes_.is_uniform() && tip >= floor_) piece.length = tip;
-    // Without this, the side that ends soon would stay uncut because it lacks room, while the other sides are cut.
+    // Without this rule, a side that ends soon would stay uncut because it lacks room, while the other sides are cut.
     if (nearest_end > piece.length && nearest_end < 2 * piece.length) {
       if (nearest_end <= size)
         piece.length = nearest_end;
@@ -145,7 +147,7 @@ class Way {
         piece.length = nearest_end / 2;
     }
     double step = piece.length;
-    // If no side is cut, only the first distance is read: other sides at the vertex begin with it.
+    // If no side is cut, only the first distance is used: other sides at the vertex begin with it.
     const bool is_any_cut = std::any_of(members.begin(), members.end(),
                                         [&](std::uint32_t i) { return !table_[sides[i].end.segment()].is_locked(); });
     const std::size_t max_stops = is_any_cut ? max_stops_ : 1;
@@ -156,7 +158,7 @@ class Way {
       if (members.empty()) return;
       double farthest = 0;
       for (const std::uint32_t i : members) farthest = std::max(farthest, sides[i].reach);
-      // The triangle in the corner counts as one piece, whatever the lengths of the others.
+      // The triangle in the corner counts as one piece, whatever the lengths of the other pieces.
       const bool is_first = stops_.empty();
       if (!is_first) step = longest_piece(sides, members, from.distance, size).length / 2;
       const double to = std::min(farthest, from.distance + step);
@@ -239,7 +241,7 @@ class Way {
   std::vector<Stop> stops_;
 };
 
-/// Counts those of a group's distances that lie on the side and leave enough of it behind the last one.
+/// Counts the distances of a group that lie on the side and leave enough of the side behind the last one.
 std::size_t count_near(const Side& side, std::span<const double> distances) {
   double before = 0;
   std::size_t count = 0;

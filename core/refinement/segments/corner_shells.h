@@ -21,7 +21,7 @@ struct Corner {
   double angle;  ///< radians
 };
 
-/// Near a sharp corner of a facet, the two sides are much nearer to each other than a size is long. If each side were
+/// Near a sharp corner of a facet, the distance between the two sides is much smaller than the size. If each side were
 /// cut on its own, refinement would fill the area between them with points until all angles are large enough. Or the
 /// triangles there would be allowed to have small angles, if both sides happened to be cut at the same distances from
 /// the corner. So the sides are cut together.
@@ -30,17 +30,17 @@ struct Corner {
 /// vary, and if a side ends soon behind it, it is as long as that side, or half as long. Behind it, the pieces are as
 /// long as the bound on angles allows for a single row of triangles. They grow as fast as the sides move apart. The
 /// pieces of one side end at common distances from the corner, those of the other side end between these distances. All
-/// angles except the corner's own are as large as was asked for. This may take a third of the triangles that halves of
-/// halves take, and never takes more. See experiments.md, Sharp corners.
+/// angles except the corner's own meet the bound. This may take a third of the triangles that repeated halving takes,
+/// and never takes more. See experiments.md, Sharp corners.
 ///
 /// Where such pieces would be shorter than the floor, or than a 32nd of the size, both sides are cut at the same
-/// distances, a size apart. The bound on angles is given up there: these triangles may miss it, as may the triangle in
-/// the corner itself (rules.md, Input angles).
+/// distances, a size apart. The bound on angles is given up there: these triangles may have smaller angles, as may the
+/// triangle in the corner itself (rules.md, Input angles).
 class CornerShells {
  public:
   CornerShells() = default;
-  /// Input:  The corners of all patches, in any order. The table has their segments, with floors. Where goals.max_faces
-  ///         is small, the sides of a corner are cut together for fewer pieces.
+  /// Input:  The corners of all patches, in any order. The table has their segments, with floors. A small
+  ///         goals.max_faces lowers the number of pieces for which the two sides of a corner are cut together.
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
   /// Cost:   A few look-ups of sizes for each piece of each side. The sides around one vertex are the work of one
   ///         thread.

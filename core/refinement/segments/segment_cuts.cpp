@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kSegmentsPerBlock = 1024;
 
-/// Counts the patches beside a segment. Sides of one patch stand together.
+/// Counts the patches beside a segment. Sides of one patch are neighbours in the list.
 std::size_t count_patches(std::span<const SegmentSide> sides) {
   std::size_t patches = 0;
   for (std::size_t i = 0; i < sides.size(); ++i) patches += i == 0 || sides[i].patch != sides[i - 1].patch ? 1 : 0;
@@ -26,7 +26,7 @@ void SegmentCuts::begin(const SizeField& sizes, std::uint64_t max_triangles, std
   messages_.clear();
   cuts_.assign(segments_.size(), {});
   const std::uint64_t max_kept = std::min(max_triangles, max_made);
-  // With one more, there are too many in any case.
+  // With one cut more than this, there are too many in any case.
   const std::uint64_t max_cuts = max_kept == kNoFaceLimit ? kNoFaceLimit : max_kept + 1;
   std::atomic<std::uint64_t> of_sides = 0, of_messages = 0;
   IdVector<SegmentId, std::uint32_t> counts(segments_.size());
@@ -36,7 +36,7 @@ void SegmentCuts::begin(const SizeField& sizes, std::uint64_t max_triangles, std
       std::vector<double> cuts = segments_.size_cuts(s, sizes, max_cuts);
       counts[s] = static_cast<std::uint32_t>(cuts.size());
       of_sides += cuts.size() * segments_.sides(s).size();
-      // Once there are too many, cuts are only counted. It depends on the threads which of them are stored by then.
+      // Once there are too many cuts, they are only counted. Which of them are stored by then depends on the threads.
       if ((of_messages += cuts.size() * count_patches(segments_.sides(s))) <= max_kept) cuts_[s] = std::move(cuts);
     }
   });
@@ -50,7 +50,7 @@ void SegmentCuts::begin(const SizeField& sizes, std::uint64_t max_triangles, std
   sort_messages();
 }
 
-/// Leaves this share of the pieces of each segment. The other half of the triangles is for what patches do inside.
+/// Keeps this share of the pieces of each segment. The other half of the triangles is for refinement inside patches.
 void SegmentCuts::thin_out(const SizeField& sizes, std::uint64_t max_cuts, IdVector<SegmentId, std::uint32_t>& counts,
                            double share) {
   for_blocks(segments_.size(), kSegmentsPerBlock, control_, [&](std::size_t from, std::size_t to) {
@@ -90,7 +90,7 @@ void SegmentCuts::exchange(std::vector<FreshCut> fresh) {
   sort_messages();
 }
 
-/// Tells the patches beside a segment of the cuts that they have not made themselves. `count` is the number of
+/// Sends to the patches beside a segment the cuts that they have not made themselves. `count` is the number of
 /// different cuts in `fresh`.
 void SegmentCuts::send_to_others(SegmentId s, std::span<const FreshCut> fresh, std::uint64_t count) {
   const auto sides = segments_.sides(s);

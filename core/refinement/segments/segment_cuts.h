@@ -31,13 +31,13 @@ struct FreshCut {
   friend bool operator<(const FreshCut& a, const FreshCut& b) { return a.cut == b.cut ? a.by < b.by : a.cut < b.cut; }
 };
 
-/// The cuts of all segments as every patch beside a segment has to have them. Patches cut on their own during a round.
-/// Between rounds, what one patch has cut becomes a message to the others.
+/// The cuts of all segments, which every patch beside a segment has to apply. Patches cut on their own during a round.
+/// Between rounds, the cuts of one patch become messages to the others.
 class SegmentCuts {
  public:
   using OfSegments = IdVector<SegmentId, std::vector<double>>;
 
-  /// A message is about cuts along a segment that other patches made and `patch` has to make too.
+  /// A message about cuts along a segment that other patches made and `patch` has to make too.
   struct Message {
     PatchId patch;
     SegmentId segment;
@@ -50,14 +50,14 @@ class SegmentCuts {
 
   SegmentCuts(const SegmentTable& segments, RunControl& control) : segments_(segments), control_(control) {}
 
-  /// Begins anew with the cuts that sizes alone ask for, and with messages of them to all patches.
+  /// Starts again with the cuts that sizes alone require, and with messages about them to all patches.
   /// Input: If all cuts, counted once for each patch beside them, would be more than `max_triangles`, all segments are
-  ///        cut less often, in the same proportion, and half of that number is left. It may be kNoFaceLimit.
-  ///        If they are more than `max_made`, the attempt ends at once. Then they are only counted, in the messages,
-  ///        up to one more for each segment, and not all of them are stored.
+  ///        cut less often, in the same proportion, so that half of `max_triangles` is left. It may be kNoFaceLimit. If
+  ///        there are more cuts than `max_made`, the attempt ends at once. Then the cuts are only counted, in the
+  ///        messages, up to one more for each segment, and not all of them are stored.
   void begin(const SizeField& sizes, std::uint64_t max_triangles, std::uint64_t max_made);
 
-  /// Takes the cuts that patches made in a round, and makes messages of them. The old messages are forgotten.
+  /// Takes the cuts that patches made in a round, and makes messages of them. The old messages are deleted.
   void exchange(std::vector<FreshCut> fresh);
 
   /// Returns the cuts of all segments, ascending for each.

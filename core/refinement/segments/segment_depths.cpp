@@ -23,7 +23,7 @@ double floor_below_surface(const SegmentTable& table, SegmentId s, const PatchCh
 std::vector<SegmentId> segments_without_room(const SegmentTable& table,
                                              const std::function<double(std::uint32_t)>& distance,
                                              const PatchCharts& charts, RunControl& control) {
-  // Two boundaries that both move by half of the distance between them just meet.
+  // Two boundaries that both move by half of the distance between them meet exactly.
   constexpr double kShareOfRoom = 0.5;
   std::vector<SegmentId> found;
   if (!charts.has_curved()) return found;

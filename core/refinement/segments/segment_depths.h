@@ -1,4 +1,5 @@
-/// Tells which segments have no room to follow the curved surfaces beside them, and how finely these may be cut.
+/// Finds the segments that have no room to follow the curved surfaces beside them, and limits how finely segments may
+/// be cut.
 #pragma once
 
 #include <cstdint>
@@ -12,14 +13,14 @@
 
 namespace remesh {
 
-/// Returns the length below which no piece of a segment may be, because the segment lies below the surfaces of curved
+/// Returns the min length of a segment's pieces that follows from the depth of the segment below the surfaces of curved
 /// patches beside it. New vertices of such a patch lie on its surface. If pieces were shorter than the segment is deep,
-/// these vertices would be near in the plane and far in space, and no triangle there would have good angles. It is
-/// about 0 if cuts follow the curve in which the surfaces meet.
+/// these vertices would be near in the plane and far away in space, and no triangle there would have good angles. The
+/// result is about 0 if cuts follow the curve in which the surfaces meet.
 double floor_below_surface(const SegmentTable& table, SegmentId s, const PatchCharts& charts);
 
 /// Returns the segments that would come too near to another boundary of a planar patch if they were cut on their
-/// curves. Beside a sliver that is thinner than that, its boundaries would cross.
+/// curves. In a sliver that is thinner than the cuts would move, the boundaries would cross.
 /// Input:  `distance` gives the distance of each side of the table to the nearest feature, in model units.
 /// Output: a segment may occur twice.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.

@@ -1,4 +1,4 @@
-/// Cuts a segment for its size, before anything else.
+/// Cuts a segment for its size, before any other cut.
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@
 namespace remesh {
 namespace {
 
-/// This is a relative slack for rounding, so that a length of ten sizes makes ten parts whatever its last digits are.
+/// A relative slack for rounding, so that a length of ten sizes makes ten parts whatever its last digits are.
 constexpr double kCutSlack = 1e-12;
 
 double last_of(std::span<const double> shells) { return shells.empty() ? 0 : shells.back(); }
@@ -21,12 +21,12 @@ double last_piece_of(std::span<const double> shells) {
   return last_of(shells) - (shells.size() < 2 ? 0 : shells[shells.size() - 2]);
 }
 
-/// The way along a part of a segment, counted in sizes. Each step of it is about half as long as the last size, but not
-/// shorter than asked.
+/// The way along a part of a segment, counted in sizes. Each step is about half as long as the last size, but not
+/// shorter than `shortest`.
 class WayInSizes {
  public:
-  /// Input: `length` is that of the whole segment, and `size_at(t)` the size at the parameter t. A shortest step is a
-  ///        part of the segment.
+  /// Input: `length` is that of the whole segment, and `size_at(t)` the size at the parameter t. The shortest step is
+  ///        given as a part of the segment.
   template <class SizeAt>
   WayInSizes(double first, double last, double length, double shortest_step, const SizeAt& size_at)
       : steps_{{first, 0}} {
@@ -41,7 +41,8 @@ class WayInSizes {
   }
 
   double sizes() const { return steps_.back().second; }
-  /// Returns the parameter before which there are so many sizes. They must not be fewer than in the last call.
+  /// Returns the parameter up to which the way has this number of sizes. The number must not be smaller than in the
+  /// last call.
   double after(double sizes) {
     while (steps_[k_].second < sizes) ++k_;
     const auto [t, count] = steps_[k_ - 1];
@@ -77,7 +78,7 @@ std::vector<double> SegmentTable::size_cuts(SegmentId id, const SizeField& sizes
 void SegmentTable::cut_at_corners(SegmentId id, std::span<const double> at_from, std::span<const double> at_to,
                                   const SizeField& sizes, std::uint64_t max_cuts, std::vector<double>& cuts) const {
   const BoundarySegment& s = segments_[id];
-  // Where the shells of both ends meet, there is room for half a piece between them.
+  // If the shells of both ends meet, half a piece must fit between them.
   while (last_of(at_from) + last_of(at_to) > s.length - (last_piece_of(at_from) + last_piece_of(at_to)) / 4) {
     auto& farther = last_of(at_from) >= last_of(at_to) ? at_from : at_to;
     farther = farther.first(farther.size() - 1);
@@ -104,7 +105,7 @@ void SegmentTable::cut_at_corners(SegmentId id, std::span<const double> at_from,
 void SegmentTable::cut_between_parts(SegmentId id, const SizeField& sizes, std::uint64_t max_cuts,
                                      std::vector<double>& cuts) const {
   const BoundarySegment& s = segments_[id];
-  // Longer pieces come first, so that those that are left are about equal.
+  // Longer pieces come first, so that the remaining pieces have about equal lengths.
   std::vector<std::array<double, 2>> pieces{{0, 1}};
   for (std::size_t i = 0; i < pieces.size() && cuts.size() < max_cuts; ++i) {
     const auto [t0, t1] = pieces[i];
@@ -118,9 +119,9 @@ void SegmentTable::cut_between_parts(SegmentId id, const SizeField& sizes, std::
   std::sort(cuts.begin(), cuts.end());
 }
 
-/// Cuts the piece [first, last] into the fewest parts that are no longer than the size there. The parts are equal where
-/// the size is. If some would be shorter than the shortest edge, there is one part less. If there would be more than
-/// max_cuts + 1, there are so many.
+/// Cuts the piece [first, last] into the min number of parts that are no longer than the size at their place. The parts
+/// are equal where the size is. If some part would be shorter than the shortest edge, there is one part less. There are
+/// at most max_cuts + 1 parts.
 void SegmentTable::cut_evenly(SegmentId id, double first, double last, const SizeField& sizes, std::uint64_t max_cuts,
                               std::vector<double>& cuts) const {
   const BoundarySegment& s = segments_[id];

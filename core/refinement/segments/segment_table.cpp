@@ -27,14 +27,14 @@ namespace {
 /// because equilateral facets do not need shells.
 constexpr double kSmallAngle = (60 - 1e-6) * std::numbers::pi / 180;
 
-/// Vertices keep this distance from features, in roundings of their coordinates. With it, no rounded point changes
-/// sides.
+/// The distance that vertices keep from features, in rounding steps of their coordinates. With this distance, rounding
+/// moves no point to the other side of a feature.
 constexpr double kRoundings = 0x1p10;
 
 /// A piece of length d next to an end is cut at the largest shell that is no farther from the end than this share of d.
 constexpr double kShellShare = 2.0 / 3 * (1 + 1e-9);
 
-/// This is the number of segments in a task.
+/// The number of segments in a task.
 constexpr std::size_t kSegments = 1024;
 
 /// Returns the largest shell base * 2^k that is at most `most`.
@@ -53,7 +53,7 @@ struct SegmentUse {
 
 using SegmentUses = std::vector<SegmentUse, DefaultInit<SegmentUse>>;
 
-/// Returns the constrained half-edges that bound a patch. Edges that were only constrained for the chord rule are left
+/// Returns the constrained half-edges that bound a patch. Edges that are constrained only for the chord rule are left
 /// out.
 SegmentUses segment_uses(const Surface& surface, const PatchMeshes& meshes, RunControl& control) {
   const auto blocks =
@@ -70,7 +70,7 @@ SegmentUses segment_uses(const Surface& surface, const PatchMeshes& meshes, RunC
         }
         return uses;
       });
-  // Sorting by the first end separates most uses, because few share one.
+  // Sorting by the first end separates most uses, because few uses have the same first end.
   return sorted_by_key(
       concatenate<SegmentUse>(blocks, control), surface.vertex_count(),
       [](const SegmentUse& use) { return use.from.value; }, control);
@@ -211,7 +211,7 @@ SegmentTable::SegmentTable(const Surface& surface, const TriangulatedPatches& tr
     check();
     if (!(seen[i].angle < kSmallAngle) || seen[i].next == i) continue;
     const SegmentEnd here = end_at_start(sides_[i]);
-    // The next side arrives at the vertex: it ends where this one starts.
+    // The next side runs towards the vertex: it ends where this one starts.
     const SegmentEnd there = end_at_start(sides_[seen[i].next]).opposite();
     clusters_.join(here.index(), there.index());
     corners_.push_back({here, there, seen[i].angle});
@@ -234,7 +234,7 @@ SegmentTable::SegmentTable(const Surface& surface, const TriangulatedPatches& tr
   for_each_segment([&](SegmentId s, BoundarySegment& segment) {
     const double noise = kRoundings * roundings[s.value];
     double size = feature_[s.value];
-    // A place that is narrower than the shortest edge allowed cannot be cut across.
+    // A place that is narrower than the shortest allowed edge cannot be cut across.
     if (!segment.is_locked() && !(size > noise)) segment.lock = Lock::kNoRoom;
     if (!segment.is_locked() && size < goals.min_edge_length) segment.lock = Lock::kAsked;
     for (const double t : {0.0, 0.5, 1.0}) size = std::min(size, sizes.at(position(s, t)));

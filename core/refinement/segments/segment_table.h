@@ -32,17 +32,17 @@ struct EvenParts {
   /// True if the ends of the parts are shifted by half a part. Then the first and the last part are halves.
   bool is_shifted = false;
 
-  /// Returns where the piece [t0, t1] is cut. If there is an end of a part inside, it is the one nearest to the middle;
-  /// otherwise it is the middle.
+  /// Returns where the piece [t0, t1] is cut. If the piece contains ends of parts, it is cut at the one nearest to its
+  /// middle; otherwise in the middle.
   double cut(double t0, double t1) const;
 };
 
-/// Tells why a segment is not cut.
+/// The reason why a segment is not cut.
 enum class Lock : std::uint8_t {
   kNone,  ///< it may be cut
   /// It must stay, because boundaries are not to be split or because a patch beside it stays as it was.
   kFixed,
-  /// A point on it would be no farther from a vertex or from another segment than rounding moves it.
+  /// A point on the segment would be so near to a vertex or to another segment that rounding could move it there.
   kNoRoom,
   /// It could be cut, but not without edges shorter than min_edge_length.
   kAsked,
@@ -53,22 +53,21 @@ enum class Lock : std::uint8_t {
 struct BoundarySegment {
   VertexId from, to;  ///< ordered by position, the smaller one first
   double length = 0;  ///< the length of its curve
-  /// There is one entry per end (SegmentEnd::place). Pieces at an end are cut on the shells with the radii base * 2^k,
-  /// so that segments which meet at a small angle are cut alike. The base is 0 if no other segment is near there.
-  /// Otherwise it is a third of the shortest of these segments or, where sizes vary, the first distance of their
-  /// CornerShells.
+  /// One entry per end (SegmentEnd::place). Pieces at an end are cut on the shells with the radii base * 2^k, so that
+  /// segments which meet at a small angle are cut alike. The base is 0 if no other segment is near there. Otherwise it
+  /// is a third of the shortest of these segments or, where sizes vary, the first distance of their CornerShells.
   std::array<double, 2> shell_base{0, 0};
   EvenParts parts;              ///< used where there are no shells
   double floor = 0;             ///< no piece becomes shorter than this
   bool is_floor_asked = false;  ///< the floor would be lower without the option min_edge_length
-  /// The floor is higher than features and sizes ask for, because of min_edge_length or of rounding.
+  /// The floor is higher than features and sizes require, because of min_edge_length or of rounding.
   bool is_floor_raised = false;
   Lock lock = Lock::kNone;
 
   bool is_locked() const { return lock != Lock::kNone; }
 };
 
-/// This is the side that one patch has of a segment.
+/// The side that one patch has of a segment.
 struct SegmentSide {
   SegmentId segment;
   PatchId patch;
@@ -79,8 +78,8 @@ struct SegmentSide {
 std::vector<std::array<VertexId, 2>> segment_ends(const PatchMeshes& meshes, RunControl& control);
 
 /// Stores the segments, the limits of their pieces, and the patches that have them. Where a piece is cut depends on
-/// that piece alone. So the cuts of a segment form one binary tree, whoever asks for them and in whatever order, and
-/// patches can cut on their own and still agree.
+/// that piece alone. So the cuts of a segment form one binary tree, independently of the order in which patches ask for
+/// them. Patches can cut on their own and still agree.
 class SegmentTable {
  public:
   /// Input:  the patches are triangulated over vertices that stay. `is_frozen` has one entry per patch; the
@@ -90,9 +89,8 @@ class SegmentTable {
                const IdVector<PatchId, std::uint8_t>& is_frozen, const SizeField& sizes, const Goals& goals,
                RunControl& control);
 
-  /// Plans where segments are cut along strips and at sharp corners. It has to be called once, after the constructor.
-  /// This is the only part whose time and memory grow with the number of cuts, so a hopeless refinement can be refused
-  /// before it.
+  /// Plans the cuts along strips and at sharp corners. It has to be called once, after the constructor. Only here, time
+  /// and memory grow with the number of cuts, so a hopeless refinement can be refused before.
   /// Input: The same as for the constructor.
   void plan_cuts(const TriangulatedPatches& triangulated, const SizeField& sizes, const Goals& goals,
                  RunControl& control);
@@ -108,7 +106,7 @@ class SegmentTable {
   std::span<const std::uint32_t> sides_of_patch(PatchId p) const { return by_patch_[p.value]; }
   std::span<const SegmentSide> all_sides() const { return sides_; }
 
-  /// Locks a segment because rounding left no room for a cut of it.
+  /// Locks a segment because rounding left no room for cutting it.
   void lock(SegmentId s) {
     if (!segments_[s].is_locked()) segments_[s].lock = Lock::kNoRoom;
   }
@@ -116,7 +114,8 @@ class SegmentTable {
   /// Returns the curve along which a segment runs.
   BoundaryCurve curve(SegmentId s) const {
     const Vec3 &from = surface_.positions[segments_[s].from], &to = surface_.positions[segments_[s].to];
-    // Segments that meet at a small angle are cut at the same distances from their common end. So they are straight.
+    // Segments that meet at a small angle are cut at the same distances from their common end. Therefore they are
+    // straight.
     const bool has_shells = segments_[s].shell_base[0] > 0 || segments_[s].shell_base[1] > 0;
     const CurveTrace* const trace = has_shells ? nullptr : traced_.of(s);
     return trace == nullptr ? BoundaryCurve::line(from, to) : BoundaryCurve::traced(from, to, *trace);
@@ -128,12 +127,12 @@ class SegmentTable {
   /// floor.
   std::optional<double> cut(SegmentId s, double t0, double t1) const;
 
-  /// Returns the parameters at which a segment is cut for its size before anything else, ascending. It is divided into
-  /// the fewest parts that are no longer than the size there; the parts are equal where the size is. The side of a
-  /// strip is first cut between its parts and then by halves, until no piece is longer than the size in its middle.
-  /// Beside sharp corners, a segment is cut on their shells (CornerShells).
-  /// If there would be more than `max_cuts`, there are about so many, in the same proportion. Beside sharp corners
-  /// there may be some more. Sizes are looked at in no more than twice as many places.
+  /// Returns the parameters, ascending, at which a segment is cut for its size before any other cut. It is divided into
+  /// the min number of parts that are no longer than the size at their place; the parts are equal where the size is.
+  /// The side of a strip is first cut between its parts and then by halves, until no piece is longer than the size in
+  /// its middle. Beside sharp corners, a segment is cut on their shells (CornerShells). If there would be more than
+  /// `max_cuts`, there are about `max_cuts`, in the same proportion. Beside sharp corners there may be some more. Sizes
+  /// are read at no more than twice as many places.
   std::vector<double> size_cuts(SegmentId s, const SizeField& sizes, std::uint64_t max_cuts = Goals::kNoLimit) const;
 
  private:

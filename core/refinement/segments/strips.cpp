@@ -18,12 +18,12 @@ namespace {
 constexpr double kRowAngleMargin = 0.02;
 /// If there were more parts, their ends could not be told apart.
 constexpr double kMaxParts = 0x1p40;
-/// These are limits for the two sides of a strip: the factor by which its width may change along it, and how far beyond
-/// one side the other may begin, in widths.
+/// Limits for the two sides of a strip: the factor by which its width may change along it, and how far beyond the end
+/// of one side the other may begin, in widths.
 constexpr double kMaxWidening = 1.25;
 constexpr double kMaxShear = 0.5;
-/// Strips side by side are alike if the numbers of parts that their sides want differ by no more than this factor.
-/// Sides that want three and four parts need no help: the ends of one are between those of the other anyway.
+/// Strips side by side are alike if the numbers of parts that their sides want differ by at most this factor. Sides
+/// with three and four parts need no help: the ends of one side's parts are between those of the other anyway.
 constexpr double kAlike = 1.05;
 /// The height of a row is this multiple of the size. It is a little less than the height of equilateral triangles, so
 /// that the slanting edges are not too long.
@@ -33,8 +33,8 @@ constexpr double kRim = 1.1;
 /// A strip has no more rows across it than this. In wider ones the sides are far apart, and the area between them can
 /// make up for a wrong end of a row.
 constexpr double kMaxRows = 12;
-/// A side has one size if its smallest size asks for no more parts than its largest one times this factor, and one
-/// more.
+/// A side has one size if the number of parts for its smallest size is at most that for its largest size times this
+/// factor, plus one more.
 constexpr double kEven = 1.02;
 
 using SidePair = std::array<SegmentId, 2>;
@@ -96,8 +96,8 @@ Pairs facing_segments(const PatchMeshes& meshes, const SegmentTable& table, cons
   return pairs;
 }
 
-/// Returns the smallest size that is read along a segment. It is read at places that are half of the size in its middle
-/// apart, or a 16th of the segment if that is more.
+/// Returns the smallest size that is read along a segment. The distance between the places that are read is half of the
+/// size in the middle, or a 16th of the segment if that is more.
 double smallest_size(const SegmentTable& table, SegmentId s, const SizeField& sizes) {
   if (sizes.is_uniform()) return sizes.largest();
   constexpr double kMaxSteps = 16;
@@ -114,16 +114,16 @@ double largest_size(const SegmentTable& table, SegmentId s, const SizeField& siz
   return largest;
 }
 
-/// Returns whether sizes come from walls. Otherwise few facets have one size everywhere that is not the size of the
-/// whole surface.
+/// Returns whether sizes come from gaps behind walls. Without such gaps, hardly any facet has a size that is the same
+/// everywhere on the facet but differs from the size of the whole surface.
 bool is_behind_walls(const Goals& goals, const SizeField& sizes) { return goals.proximity > 0 && !sizes.is_uniform(); }
 
 double parts_of_size(const BoundarySegment& segment, double size) {
   return std::ceil(segment.length / size * (1 - 1e-12));
 }
 
-/// Returns how many parts a segment wants if it is the side of a strip. Returns 0 if it is no such side, or has to be
-/// cut more finely anyway.
+/// Returns the number of parts that a segment wants as the side of a strip. Returns 0 if it is no such side, or has to
+/// be cut more finely anyway.
 double wanted_parts(const SegmentTable& table, SegmentId s, double feature, double tangent, const Goals& goals,
                     const SizeField& sizes) {
   const BoundarySegment& segment = table[s];
@@ -135,7 +135,7 @@ double wanted_parts(const SegmentTable& table, SegmentId s, double feature, doub
   const double most = goals.min_edge_length > 0 ? segment.length / segment.floor : kMaxParts;
   if (parts < 2 || 2 * parts > most) return 0;
   // If there are twice as many parts as angles need, angles do not depend on where the parts of the other side end. If
-  // a strip is wider than a row of triangles is high, there are points inside.
+  // a strip is wider than the height of a row of triangles, it has points inside.
   if (by_size < 2 * by_angle || feature <= kRow * size) return parts;
   if (!is_behind_walls(goals, sizes) || feature > std::min(segment.length, kMaxRows * size)) return 0;
   return by_size <= kEven * parts_of_size(segment, largest_size(table, s, sizes)) + 1 ? parts : 0;
@@ -175,7 +175,7 @@ std::vector<EvenParts> parts_along_strips(const PatchMeshes& meshes, const Segme
   std::vector<double> wanted(table.size());
   for_blocks(table.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = begin; s < end; ++s) {
-      // Sizes that vary take long to read. So all segments that may be cut are taken at first, and sizes are read when
+      // Reading sizes that vary takes long. So all segments that may be cut are taken at first, and sizes are read when
       // it is known which segments face another.
       const double unknown = table[SegmentId(s)].is_locked() ? 0 : 1;
       wanted[s] = sizes.is_uniform() ? wanted_by(SegmentId(s)) : unknown;
@@ -192,7 +192,7 @@ std::vector<EvenParts> parts_along_strips(const PatchMeshes& meshes, const Segme
                   [&](const SidePair& pair) { return wanted[pair[0].value] == 0 || wanted[pair[1].value] == 0; });
   }
 
-  // Go from side to side over all strips that are alike, beginning with the smallest id.
+  // Walks from side to side over all strips that are alike, beginning with the smallest id.
   std::vector<std::uint8_t> is_seen(table.size(), 0);
   std::vector<SegmentId> alike;
   for (const auto& [seed, unused] : pairs) {

@@ -13,16 +13,16 @@
 namespace remesh {
 
 /// Returns the smallest angle, in degrees, that triangles in a row along a strip aim at. Even if the bound on angles is
-/// lower, triangles are not made flatter there: that would save few faces and make worse tetrahedra. Behind thin walls,
-/// where sizes vary, steeper triangles are better still. See experiments.md, Strips.
+/// lower, triangles are not made flatter there: flatter ones would save few faces and make worse tetrahedra. Behind
+/// thin walls, where sizes vary, steeper triangles are better still. See experiments.md, Strips.
 inline double least_strip_angle_deg(const SizeField& sizes) { return sizes.is_uniform() ? 30 : 36; }
 
 /// Along a strip, the bound on angles decides how long the pieces of the sides may be. If the sides were halved again
-/// and again, pieces could be as short as half of that. If both sides were cut at the same places, the triangles over
-/// the pieces would have right angles. Then the bound allows only pieces half as long, and a size that is not much more
-/// than the width forbids the long sides of those triangles. So the two sides of a strip are cut into the same number
-/// of equal parts, and the parts of one side end between those of the other. This goes on from strip to strip as far as
-/// strips are alike. It takes a third to a half of the faces.
+/// and again, pieces could be as short as half of the allowed length. If both sides were cut at the same places, the
+/// triangles over the pieces would have right angles. Then the bound allows only pieces half as long, and a size that
+/// is not much more than the width forbids the long sides of those triangles. So the two sides of a strip are cut into
+/// the same number of equal parts, and the parts of one side end between those of the other. The same division
+/// continues from strip to strip as long as strips are alike. This needs only a third to a half of the faces.
 ///
 /// Behind a wall of one thickness, facets with a few rows of triangles are such strips, too. Every second row ends half
 /// a piece later. So the pieces of the two sides begin alike if the number of rows is even, and half a piece apart if

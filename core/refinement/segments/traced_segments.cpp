@@ -6,7 +6,7 @@ namespace remesh {
 
 void TracedSegments::add(const Segment& segment, const PatchCharts& charts) {
   at_.push_back(kNone);
-  // Where more than two patches meet, no single curve is on all of them.
+  // Where more than two patches meet, no single curve lies on all of their surfaces.
   if (segment.patches.size() > 2) return;
   std::optional<AnalyticSurface> curved, other;
   for (const PatchId p : segment.patches) {

@@ -13,7 +13,7 @@
 
 namespace remesh {
 
-/// Knows the traces of the segments beside curved patches.
+/// The traces of the segments beside curved patches.
 class TracedSegments {
  public:
   /// A segment, and the patches beside it.
@@ -23,7 +23,7 @@ class TracedSegments {
   };
 
   TracedSegments() = default;
-  /// Input:  `segment_of` gives the segment with a number.
+  /// Input:  `segment_of(i)` returns the i-th segment.
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
   /// Cost:   O(n) if any patch is curved.
   template <class SegmentOf>
@@ -40,7 +40,7 @@ class TracedSegments {
   const CurveTrace* of(SegmentId s) const {
     return at_.empty() || at_[s.value] == kNone ? nullptr : &traces_[at_[s.value]];
   }
-  /// Forgets the trace of a segment.
+  /// Removes the trace of a segment, which is straight from then on.
   void straighten(SegmentId s) { at_[s.value] = kNone; }
 
  private:

@@ -1,4 +1,4 @@
-/// Tells where a vertex of a patch is while the patch is refined.
+/// The place of a vertex of a patch while the patch is refined.
 #pragma once
 
 #include <cassert>
@@ -9,7 +9,7 @@
 
 namespace remesh {
 
-/// A vertex is one that the patch began with, or it lies on a segment at a parameter, or it is free inside the patch.
+/// A vertex belongs to the patch from the beginning, or lies on a segment at a parameter, or is free inside the patch.
 /// There may be millions of vertices, so the parameter and the spacing share their memory. A vertex on a segment has a
 /// parameter, and any other vertex has a spacing.
 class VertexPlace {

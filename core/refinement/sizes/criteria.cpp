@@ -11,8 +11,8 @@ namespace {
 /// space in the end, on rounded coordinates.
 constexpr double kAngleMargin = 0.01;
 /// An off-centre lies at kOffCentre times the height at which the new triangle just meets the bound, and lower places
-/// are tried too. This takes fewer faces than the best single height, kOnlyOffCentre. Where sizes vary, only that
-/// single height is used: more angles near the bound would be worse for the tetrahedra behind thin walls. See
+/// are tried too. Several heights take fewer faces than the best single height, kOnlyOffCentre. Where sizes vary, only
+/// that single height is used: more angles near the bound would be worse for the tetrahedra behind thin walls. See
 /// experiments.md, Off-centres.
 constexpr double kOffCentre = 0.97;
 constexpr double kOnlyOffCentre = 0.85;
@@ -33,11 +33,11 @@ Criteria::Criteria(const Goals& goals, const SizeField& field)
       min_angle_deg(goals.min_angle_deg),
       min_edge_length(goals.min_edge_length),
       sizes(field) {
-  // The filling uses a little less, since not all triangles are equilateral.
+  // The length for filling is a little smaller, because not all triangles are equilateral.
   area_edge = equilateral_edge(goals.max_area);
   even_size = std::min(field.largest(), 0.95 * area_edge);
   const double bound = goals.min_angle_deg > 0 ? (goals.min_angle_deg + kAngleMargin) * std::numbers::pi / 180 : 0;
-  // Without a bound on angles, sizes alone must still not make slivers.
+  // Without a bound on angles, sizes alone must not make slivers either.
   constexpr double kUsualBound = 20 * std::numbers::pi / 180;
   const double shape = bound > 0 ? bound : kUsualBound;
   tangent = std::tan(bound);

@@ -10,28 +10,28 @@
 
 namespace remesh {
 
-/// Tells which sizes are asked for on the whole surface.
+/// The sizes that the whole surface is asked to have.
 enum class SizeGoal : std::uint8_t {
   kNone,     ///< any triangle is small enough
   kUniform,  ///< the same size, the same area or both everywhere
   kVarying,  ///< the size differs from place to place
 };
 
-/// These are the goals of one refinement. The object refers to the size field.
+/// The goals of one refinement. The object refers to the size field.
 struct Criteria {
   Criteria(const Goals& goals, const SizeField& sizes);
 
   SizeGoal size_goal;
-  /// This is the tangent of the bound on angles; 0 if there is none. The bound is a little above the goal, because
-  /// angles are measured in space in the end.
+  /// The tangent of the bound on angles; 0 if there is none. The bound is a little above the goal, because angles are
+  /// measured in space in the end.
   double tangent;
   /// An apex over a piece encroaches on it if the squared cosine of the (obtuse) angle there is larger than this.
   double lens;
-  /// This is the height of an off-centre over the shortest edge, per length of that edge.
+  /// The height of an off-centre over the shortest edge, per length of that edge.
   double off_centre;
   bool are_lower_places_tried;  ///< places below an off-centre are tried too, and the best of them is taken
-  /// True if all sides that are longer than the size are cut before anything else. Otherwise a triangle may still have
-  /// a side that has to be cut for its length.
+  /// True if all sides that are longer than the size are cut before any other change. Otherwise a triangle may still
+  /// have a side that has to be cut for its length.
   bool are_long_sides_cut_first;
   double max_area;   ///< model units
   double even_size;  ///< edge of the triangles that fill wide areas; infinity: there are none
@@ -41,8 +41,8 @@ struct Criteria {
   const SizeField& sizes;
 
   bool has_sizes() const { return size_goal != SizeGoal::kNone; }
-  /// Returns whether points are removed in the end that the bounds do not need. With a bound on angles alone, hardly
-  /// any point is left over.
+  /// Returns whether, in the end, points are removed that the bounds do not need. With a bound on angles alone, hardly
+  /// any point is superfluous.
   bool is_thinned() const { return has_sizes() || min_angle_deg == 0; }
 
   /// Returns whether a triangle has an angle below the bound.

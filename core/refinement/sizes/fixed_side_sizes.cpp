@@ -9,8 +9,8 @@ namespace remesh {
 namespace {
 
 constexpr double kMinDegrees = 20;
-/// The slope of shrinking sizes is this multiple of the slope of the best graded triangles. If it were smaller, too
-/// much would stay coarse; if it were larger, there would be flat triangles. See experiments.md, Fixed sides.
+/// The slope of shrinking sizes is this multiple of the slope of the best graded triangles. With a smaller multiple,
+/// too large an area stays coarse; with a larger one, triangles become flat. See experiments.md, Fixed sides.
 constexpr double kSteeper = 1.5;
 
 Vec3 in_space(Vec2 p) { return {p.x, p.y, 0}; }
@@ -45,7 +45,7 @@ FixedSideSizes::FixedSideSizes(std::span<const FixedSide> sides, double min_angl
 
 double FixedSideSizes::at(Vec2 place) const {
   const Vec3 p = in_space(place);
-  double least = 0;  // the negative of the largest size so far, because the search looks for the least
+  double least = 0;  // the negative of the max size so far, because the search finds minima
   tree_.search(
       least,
       [&](const BoxTree<Shrinking>::Entry& e) {

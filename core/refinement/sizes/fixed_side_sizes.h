@@ -1,4 +1,4 @@
-/// Decides how large triangles have to be beside fixed sides, which stay as long as they are.
+/// Decides how large triangles have to be beside fixed sides, whose lengths do not change.
 #pragma once
 
 #include <algorithm>
@@ -11,16 +11,16 @@
 
 namespace remesh {
 
-/// A fixed side: one that is longer than it may be and is not cut. All values are in the patch's plane.
+/// A fixed side: it is longer than allowed and is not cut. All values are in the patch's plane.
 struct FixedSide {
   Vec2 from, to;
-  double size;  ///< the longest edge that is asked for there
+  double size;  ///< the max edge length that is asked for there
 };
 
 /// Beside a fixed side, triangles may be as large as the side is long. With the distance from the side, this size
 /// shrinks 1.5 times as fast as well-shaped triangles can. If smaller triangles were asked for there, refinement would
-/// put countless flat ones beside the side, or give up. Beyond a third of the side's length, only the size that is
-/// asked for counts.
+/// put countless flat triangles beside the side, or give up. Farther away than a third of the side's length, only the
+/// size that is asked for counts.
 /// Holds: The answers do not depend on the order of the sides.
 class FixedSideSizes {
  public:

@@ -30,26 +30,26 @@ namespace {
 constexpr double kDetour = 3;
 
 /// Boxes are enlarged by this much, in local units. It is more than the rounding error of any distance between two
-/// points. So nothing that is nearer than the best so far is ever passed over, and the answer does not depend on the
-/// order of the search.
+/// points. So the search never passes over a triangle that is nearer than the best one so far, and the answer does not
+/// depend on the order of the search.
 constexpr double kGapRounding = 0x1p-48;
 
-/// This is a relative slack for rounding when it is decided whether a patch is hidden.
+/// A relative slack for rounding in the test whether a patch is hidden.
 constexpr double kHidden = 1 + 1e-6;
 
 /// Some searches compare all patches at a vertex with each other. They leave out vertices where more patches than this
 /// meet.
 constexpr std::size_t kMaxPatchesAtCorner = 16;
-/// At most about this many corners of a patch are looked at for the smallest gap. They are evenly spread.
+/// The max number of a patch's corners from which the smallest gap is searched. They are evenly spread.
 constexpr std::size_t kMaxCornersOfPatch = 64;
 
-/// Has the properties that all triangles in a node of the tree have in common. A property that is not the same for all
-/// is invalid.
+/// The properties that all triangles in a node of the tree have in common. A property that is not the same for all
+/// triangles is invalid.
 struct Common {
   PatchId patch;
   VertexId hub;                    ///< the hub of the patch; see hubs_
   std::array<PatchId, 2> largest;  ///< the patches with the longest borders among those that are joined to it
-  Layer layer;                     ///< contains all of the triangles
+  Layer layer;                     ///< contains all of the node's triangles
 
   void join(const Common& other) {
     if (patch != other.patch) patch = PatchId();
@@ -75,7 +75,7 @@ class SharedLeast {
   std::atomic<double> value_{HUGE_VAL};
 };
 
-/// Remembers answers to `are_joined` for the patches that were seen last, because the question takes long for two
+/// Caches the answers of `are_joined` for the patches that were seen last, because the question takes long for two
 /// patches with long borders.
 class JoinedMemory {
  public:
@@ -98,14 +98,14 @@ class JoinedMemory {
   std::array<Answer, 64> answers_;
 };
 
-/// A search counts one step for each box, and this many more for each triangle that is looked at.
+/// A search counts one step for each box, and this many more for each triangle that is tested.
 constexpr std::uint64_t kStepsOfTriangle = 8;
-/// A step takes about as long as a look at so many pieces of a cell.
+/// The number of pieces of a cell that can be tested in about the time of one step.
 constexpr std::uint64_t kPiecesPerStep = 8;
-/// A cell of more pieces than this is compared with boxes as a box.
+/// A cell with more pieces than this is compared with boxes by its own bounding box.
 constexpr std::size_t kFewPiecesOfCell = 8;
 
-/// Counts the steps of a search. It is cheaper than a WorkBound that may not be there.
+/// Counts the steps of a search. It is cheaper than a WorkBound that may be null.
 class StepCounter {
  public:
   explicit StepCounter(WorkBound* work) : work_(work), left_(work != nullptr ? work->left() : WorkBound::kNone) {}
@@ -134,13 +134,13 @@ class StepCounter {
   std::uint64_t left_, taken_ = 0, next_check_ = kStepsPerCheck;
 };
 
-/// Selects what a search looks for: only what the patch faces at the place, or also what is beside it.
+/// The patches that a search finds: only those that the place faces, or also those beside it.
 enum class What { kFaced, kAll };
 
 /// Selects on which side of a patch a search looks.
 enum class SideOfPlane { kBoth, kAbove, kBelow };
 
-/// Holds squares of gaps in local units: those that are not below `below` do not count, and one that is at most
+/// The squares of gaps that a search wants, in local units: only gaps below `below` count, and a gap that is at most
 /// `enough` ends the search.
 struct Wanted {
   double below, enough;
@@ -166,21 +166,21 @@ Products products(const Layer& layer, const FloatBox& box) {
   return range;
 }
 
-/// Knows which patches are hidden from one place, and from which distance on. So the triangles of such a patch need not
-/// be looked at one by one.
+/// Knows which patches are hidden from one place, and from which distance on. The triangles of a hidden patch need not
+/// be tested one by one.
 class HiddenPatches {
  public:
   HiddenPatches(const PatchContacts& contacts, const PatchSlabs& slabs, const Vec3& place, PatchId patch)
       : contacts_(contacts), slabs_(slabs), place_(place), patch_(patch) {}
 
-  /// Returns whether nothing of p counts that is at that distance (given as a square) or farther away.
+  /// Returns whether no part of p counts that is at that distance (given as a square) or farther away.
   bool operator()(PatchId p, double squared) {
     Known& known = known_[p.value % known_.size()];
     if (known.patch != p) known = {p, -1, !slabs_.is_curved(p) && is_hidden_in_plane(p) ? 0 : HUGE_VAL};
     if (squared >= known.hidden) return true;
     if (squared <= known.seen) return false;
-    // If something that both patches share is within d of the place, the way over it to anything at the distance d is
-    // at most 3 d long.
+    // If a vertex or edge that both patches share is within d of the place, the way over it to any place at the
+    // distance d is at most 3 d long.
     const bool is_hidden = contacts_.are_joined_within(patch_, p, place_, kHidden * std::sqrt(squared));
     (is_hidden ? known.hidden : known.seen) = squared;
     return is_hidden;
@@ -195,8 +195,8 @@ class HiddenPatches {
 
   /// Take a point of the plane that is t away from the place's foot in the plane, where h is the place's height. The
   /// way through the air is d = (h^2 + t^2)^(1/2) long, and the way over the surface is at most t longer than the way
-  /// to the foot. 3 d - t is nowhere less than 8^(1/2) h. So everything is hidden if the way to the foot is no longer
-  /// than that.
+  /// to the foot. 3 d - t is nowhere less than 8^(1/2) h. So the whole plane is hidden if the way to the foot is no
+  /// longer than that.
   bool is_hidden_in_plane(PatchId p) const {
     const Slab& slab = slabs_[p];
     const double height = slab.distance(place_);
@@ -213,7 +213,7 @@ class HiddenPatches {
 };
 
 /// Returns a bound on the rounding error of a distance between two places, in model units. Places that refinement makes
-/// go through the model's coordinates, so they are rounded the more, the farther the surface is from the origin.
+/// are rounded as model coordinates, so the error grows with the distance of the surface from the origin.
 double rounding_of(const Surface& surface) {
   const Vec3& c = surface.centre;
   return kGapRounding * (surface.unit + std::max({std::fabs(c.x), std::fabs(c.y), std::fabs(c.z)}));
@@ -225,8 +225,8 @@ bool is_curved(const TriangulatedPatches& triangulated, PatchId p) {
 
 }  // namespace
 
-/// This class is larger than the bound because all searches go through the same tree, and each has its own reasons to
-/// leave out boxes.
+/// This class is larger than the bound because all searches go through the same tree, and each of them leaves out boxes
+/// for reasons of its own.
 class GapSearch::Index {
  public:
   Index(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches, double plane_tolerance,
@@ -245,8 +245,8 @@ class GapSearch::Index {
     find_boxes(control);
   }
 
-  /// Input: `enough` is the `enough` of GapSearch::at, in model units. If narrow gaps do not count, the search goes on
-  ///        all the same, because whether a side has a gap at all depends on the nearest point.
+  /// Input: `enough` is the `enough` of GapSearch::at, in model units. If narrow gaps do not count, the search
+  ///        continues in any case, because whether a side has a gap at all depends on the nearest point.
   double distance(const Vec3& place, PatchId patch, double limit, What what, const Triangle* on, WorkBound* work,
                   double enough = 0) const {
     const double below = limit / surface_.unit, low = std::max(enough, 0.0) / surface_.unit;
@@ -283,15 +283,15 @@ class GapSearch::Index {
   void find_solids(const Adjacency& adjacency, const PatchSet& patches, RunControl& control);
   void find_boxes(RunControl& control);
   Layer layer_of(std::span<const std::uint32_t> triangles) const;
-  /// Tells what a look at a block of items, patches or slots, has taken.
+  /// The cost and the rest of a search from one block of items, patches or slots.
   struct Looked {
     std::uint64_t steps = 0;
-    std::vector<std::uint32_t> cut_short;  ///< items from which not all was seen
+    std::vector<std::uint32_t> cut_short;  ///< items whose search was cut short
   };
-  /// Holds what a block of items is looked at with. Each item may take `max_steps`.
+  /// The input of a search from a block of items. Each item may take `max_steps`.
   struct Block {
     std::span<const std::uint32_t> items;
-    double known;  ///< the square of a gap; only what is below it counts
+    double known;  ///< the square of a known gap; only smaller gaps count
     std::uint64_t max_steps;
   };
   template <class Look>
@@ -308,8 +308,9 @@ class GapSearch::Index {
                   SideOfPlane side = SideOfPlane::kBoth) const;
   double squared_beside(std::span<const Corners3> pieces, PatchId patch, double below, WorkBound* work) const;
 
-  /// Returns whether the way leaves one patch inwards and comes to the other from outside, or the other way round,
-  /// where both bound one solid. Then it meets the surface in between; for the two treads of a step, that is the riser.
+  /// Returns whether both patches bound one solid, and the way leaves one of them inwards and reaches the other from
+  /// outside, or the other way round. Then the way meets the surface in between; between the two treads of a step, it
+  /// meets the riser.
   /// Input: the normal where the way begins, and the place where it ends.
   bool is_blocked(const Vec3& way, PatchId from, const Vec3& normal, PatchId to, const Vec3& end) const {
     if (!bound_one_solid(from, to)) return false;
@@ -328,7 +329,7 @@ class GapSearch::Index {
     return {{a, normalized(cross(b - a, c - a))}, kGapRounding};
   }
 
-  /// Returns whether the way to everything in the box, over the vertex that its patches and this one share, is at most
+  /// Returns whether the way to all places in the box, over the vertex that its patches and this one share, is at most
   /// three times as long as the distance.
   bool is_hidden_by_hub(const TriangleBoxes::Entry& e, const Vec3& p, PatchId patch, double squared_distance) const {
     if (!e.tag.hub.is_valid() || e.tag.hub != hubs_[patch]) return false;
@@ -348,7 +349,7 @@ class GapSearch::Index {
   const Surface& surface_;
   PatchContacts contacts_;
   double touching_squared_;  ///< local units
-  double min_height_;        ///< gaps that are less high do not count; local units
+  double min_height_;        ///< gaps with a smaller height do not count; local units
   std::span<const std::pair<PatchId, PatchId>> crossing_;
   std::vector<Triangle> triangles_;            ///< triangles of patch after patch
   std::vector<std::uint32_t> triangle_begin_;  ///< index of each patch's first triangle
@@ -356,7 +357,7 @@ class GapSearch::Index {
   Wedges wedges_;
   IdVector<PatchId, Axes> axes_;
   static constexpr std::uint32_t kOpen = 0xffffffffu;
-  /// This is the closed, consistently wound component that each patch belongs to, or kOpen.
+  /// The closed, consistently wound component to which each patch belongs, or kOpen.
   IdVector<PatchId, std::uint32_t> solids_;
   IdVector<PatchId, VertexId> hubs_;  ///< the vertex of each patch where the most patches meet
   TriangleBoxes tree_;
@@ -369,7 +370,7 @@ void GapSearch::Index::find_triangles(const PatchSet& patches, const Triangulate
   for (std::size_t p = 0; p < patches.count(); ++p) {
     if (p % 1024 == 0) control.check_and_move();
     const PatchMesh* patch = triangulated != nullptr ? &triangulated->meshes[PatchId(p)] : nullptr;
-    // The triangles of a curved patch may lie far from its surface before it is refined. Its facets do not.
+    // Before refinement, the triangles of a curved patch may lie far from its surface. Its facets do not.
     if (patch == nullptr || patch->mesh.triangle_count() == 0 || remesh::is_curved(*triangulated, PatchId(p))) {
       add_faces(patches.faces_of(PatchId(p)), control);
     } else {
@@ -460,7 +461,7 @@ Layer GapSearch::Index::layer_of(std::span<const std::uint32_t> triangles) const
   return layer;
 }
 
-/// Returns the gap at p in local units, or none if its square is not below what is wanted.
+/// Returns the gap at p in local units, or none if its square is not among the wanted ones.
 GapSearch::Index::Gap GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, Wanted wanted, What what,
                                                     const Triangle* on, WorkBound* work, SideOfPlane side) const {
   const bool is_all = what == What::kAll;
@@ -482,7 +483,7 @@ GapSearch::Index::Gap GapSearch::Index::squared_gap(const Vec3& p, PatchId patch
           if (least >= best) return least;
         }
         if (is_hidden_by_hub(e, p, patch, least)) return HUGE_VAL;
-        // The last test, below, is whether a single triangle is hidden, because cheaper tests exclude most triangles.
+        // The test whether a single triangle is hidden comes last, below, because cheaper tests exclude most triangles.
         if (!other.is_valid() || tree_.is_slot(e)) return least;
         least = std::max(least, std::pow(slabs_[other].distance(p), 2));
         steps.take(kStepsOfTriangle);
@@ -500,7 +501,7 @@ GapSearch::Index::Gap GapSearch::Index::squared_gap(const Vec3& p, PatchId patch
         if (are_crossing(patch, other) || wedges_.is_across(patch, p, other, q, std::sqrt(d))) return;
         if (on != nullptr && do_intersect(*on, triangle(slot), surface_.local.items())) return;
         gap = {d, std::fabs(up)};
-        best = d <= wanted.enough ? 0 : d;  // nothing is below 0
+        best = d <= wanted.enough ? 0 : d;  // no distance is below 0, so the search ends
       });
   return gap;
 }
@@ -528,7 +529,7 @@ double GapSearch::Index::squared_beside(std::span<const Corners3> pieces, PatchI
     }
     return squared_steep_distance(slab, from, e.box, e.tag.layer, squared);
   };
-  // Returns a smaller bound, which takes no longer for many pieces.
+  // Returns a smaller bound, whose cost does not grow with the number of pieces.
   const auto roughly_steep = [&](const TriangleBoxes::Entry& e, double squared) {
     if (is_curved || pieces.size() <= kFewPiecesOfCell) return steep(e, squared);
     return squared_steep_distance(slab, products(e.tag.layer, box), e.box, e.tag.layer, squared);
@@ -554,7 +555,8 @@ double GapSearch::Index::squared_beside(std::span<const Corners3> pieces, PatchI
         for (const Corners3& piece : pieces) {
           const Vec3 way = shortest_way(piece, there);
           const double d = norm_squared(way);
-          // No other way between the two goes higher up, and none is shorter. So no way is steep if `up` is too low.
+          // No other way between the two triangles has a larger height, and none is shorter. So no way is steep if `up`
+          // is too low.
           if (d >= best || d <= touching_squared_ || up * up <= steep_squared * d) continue;
           const PatchId other = tree_[slot].tag.patch;
           if (are_crossing(patch, other)) return;
@@ -572,18 +574,18 @@ std::optional<double> GapSearch::Index::smallest(std::uint64_t max_output_faces,
   WorkBound work(kWorkOfSmallestGap.steps(tree_.size(), max_output_faces), &control);
   const auto at_corners = [&](const Block& patches) { return look_at_corners(patches, least, control); };
   const auto between = [&](const Block& slots) { return look_from(slots, least, control); };
-  // Corners are looked at first, because that is cheap and the result makes the other search short.
+  // The search from corners comes first, because it is cheap and its result makes the other search short.
   if (!look_from_all(patch_count(), work, least, control, at_corners) ||
       !look_from_all(tree_.size(), work, least, control, between))
     return std::nullopt;
   return least.get() < HUGE_VAL ? std::optional(std::sqrt(least.get()) * surface_.unit) : std::nullopt;
 }
 
-/// Looks from one item after the other. What is found makes the later searches short. The items are looked at in
-/// batches that grow, and those of a batch know what was found in the batches before, and in their own block. So the
-/// steps that a batch takes do not depend on threads. An item that needs more than its share of the steps comes once
-/// more at the end, when others have left some.
-/// Output: false if the bound on the work was spent before all was seen.
+/// Searches from one item after the other. Results make the later searches short. The items are treated in batches that
+/// grow. The items of a batch know the results of the batches before, and those of their own block. So the steps that a
+/// batch takes do not depend on threads. An item that needs more than its share of the steps is searched once more at
+/// the end, when other items have left some steps.
+/// Output: false if the bound on the work was spent before all searches were complete.
 template <class Look>
 bool GapSearch::Index::look_from_all(std::size_t count, WorkBound& work, const SharedLeast& least, RunControl& control,
                                      const Look& look) {
@@ -611,7 +613,7 @@ bool GapSearch::Index::look_from_all(std::size_t count, WorkBound& work, const S
   return items.empty();
 }
 
-/// Looks from the corners of some patches, and lowers `least`.
+/// Searches from the corners of some patches, and lowers `least`.
 GapSearch::Index::Looked GapSearch::Index::look_at_corners(const Block& patches, SharedLeast& least,
                                                            RunControl& control) const {
   double best = patches.known;
@@ -632,7 +634,7 @@ GapSearch::Index::Looked GapSearch::Index::look_at_corners(const Block& patches,
   return looked;
 }
 
-/// Looks from the triangles in some slots, and lowers `least`.
+/// Searches from the triangles in some slots, and lowers `least`.
 GapSearch::Index::Looked GapSearch::Index::look_from(const Block& slots, SharedLeast& least,
                                                      RunControl& control) const {
   JoinedMemory are_joined(contacts_);
@@ -666,7 +668,7 @@ GapSearch::Index::Looked GapSearch::Index::look_from(const Block& slots, SharedL
           if (bound_one_solid(mine.patch, tree_[other].tag.patch) &&
               dot(way, slab.plane.normal) * dot(way, slab_of(other).plane.normal) > 0)
             return;
-          if (!slab.is_steep(way)) return;  // if it is steep for the other patch, it is found from there
+          if (!slab.is_steep(way)) return;  // if the way is steep for the other patch, it is found from there
           if (!do_intersect(triangle(slot), triangle(other), surface_.local.items())) best = d;
         });
     looked.steps += steps.taken();

@@ -11,7 +11,7 @@ namespace {
 using Mesh = Triangulation2d;
 
 constexpr std::size_t kMaxTriangles = 256;
-/// A search ends after this many triangles in a row that bring nothing nearer. This happens in fans of long triangles,
+/// A search ends after this many triangles in a row without a smaller distance. This happens in fans of long triangles,
 /// which all come near the segment.
 constexpr std::size_t kMaxIdle = 64;
 constexpr double kOwnEnd = -1;  ///< stands for the distance of the segment's own ends; less than any distance
@@ -69,7 +69,7 @@ double angle_between(const PatchMesh& patch, std::uint32_t h, std::uint32_t next
 }  // namespace
 
 /// Returns the distance from the segment of h to other features. The search goes through the triangles in front of the
-/// segment, as far as they come nearer than what was found so far.
+/// segment, as long as they are nearer than the nearest feature so far.
 double LocalFeatures::distance(const PatchMesh& patch, std::uint32_t h) {
   const Mesh& mesh = patch.mesh;
   const std::uint32_t a = mesh.from(h), b = mesh.to(h);

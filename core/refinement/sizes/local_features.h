@@ -14,11 +14,11 @@ namespace remesh {
 
 /// Describes the surroundings of one side (a constrained half-edge) of a patch, in model units.
 struct LocalFeature {
-  /// This is the distance to the nearest vertex or segment of the patch that is seen from this side and does not touch
-  /// the segment.
+  /// The distance to the nearest vertex or segment of the patch that is seen from this side and does not touch the
+  /// segment.
   double distance;
-  /// This is the next segment of the patch, counter-clockwise around the start of this one, as a half-edge that ends
-  /// there. The angle between the two is in radians, over all triangles between them.
+  /// The next segment of the patch, counter-clockwise around the start of this one, as a half-edge that ends there. The
+  /// angle between the two is in radians, over all triangles between them.
   std::uint32_t next_at_start;
   double angle_at_start;
   static constexpr double kWide = std::numbers::pi;  ///< stands for all angles above some 63 degrees
@@ -29,9 +29,8 @@ struct LocalFeature {
 class LocalFeatures {
  public:
   /// Input:  `sides` are the constrained half-edges of the patch that are segments.
-  /// Output: One entry for each side, valid until the next call. The search looks at no more than a bounded number of
-  ///         triangles around a segment. So a distance may be too large where very many features crowd along a long
-  ///         segment.
+  /// Output: One entry for each side, valid until the next call. The search visits a bounded number of triangles around
+  ///         a segment. So a distance may be too large where very many features crowd along a long segment.
   /// Cost:   O(n) in the size of the patch.
   std::span<const LocalFeature> of(const PatchMesh& patch, const PatchChart& chart,
                                    std::span<const std::uint32_t> sides, RunControl& control);

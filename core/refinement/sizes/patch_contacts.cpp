@@ -12,8 +12,8 @@
 namespace remesh {
 namespace {
 
-/// The number of objects that were made so far. Each of them has a number of its own, so that what a thread remembers
-/// of one is never taken for what it knows of another.
+/// The number of objects that were made so far. Each object has a number of its own, so that a thread never takes data
+/// that it stores for one object for data of another.
 std::atomic<std::uint64_t> made = 0;
 
 }  // namespace
@@ -29,10 +29,10 @@ double way_over(const Vec3& a, const Vec3& b, const Vec3& p, const Vec3& q) {
   return std::hypot(crossing - s, p_off) + std::hypot(crossing - t, q_off);
 }
 
-/// Holds what two patches share, if that is little. A search for gaps asks about the same few pairs of patches at place
-/// after place, and each answer would go through a whole border.
+/// Stores the vertices and edges that two patches share, if there are only a few. A search for gaps asks about the same
+/// few pairs of patches at place after place, and without this store each answer would walk along a whole border.
 struct PatchContacts::Shared {
-  /// This is an edge, or a vertex with a = b.
+  /// An edge, or a vertex with a = b.
   struct Item {
     VertexId a, b;
   };
@@ -40,7 +40,7 @@ struct PatchContacts::Shared {
 
   std::uint64_t of = 0;  ///< the object whose patches these are; 0: none
   PatchId p, q;
-  std::uint32_t count = 0;  ///< more than kMaxItems: there are more than that, and they are not stored
+  std::uint32_t count = 0;  ///< if more than kMaxItems, the items are not stored
   std::array<Item, kMaxItems> items;
 };
 
@@ -56,8 +56,8 @@ PatchContacts::PatchContacts(const Surface& surface, const Adjacency& adjacency,
 
 void PatchContacts::find_vertex_patches(RunControl& control) {
   StopCheck check(control);
-  // Goes from patch to patch, so that each vertex gets its patches in ascending order. They are counted in a first pass
-  // and entered in a second one.
+  // Visits patch after patch, so that each vertex gets its patches in ascending order. A first pass counts the patches,
+  // and a second one enters them.
   const auto each = [&](const auto& visit) {
     IdVector<VertexId, PatchId> last(surface_.vertex_count());
     for (std::size_t p = 0; p < patches_.count(); ++p) {
@@ -188,8 +188,8 @@ bool PatchContacts::are_joined(PatchId p, PatchId q) const {
   return std::any_of(corners.begin(), corners.end(), [&](std::uint32_t h) { return is_at(adjacency_.from(h), q); });
 }
 
-/// Returns what the two patches share. The reference is valid until the next call in this thread. The answer is the
-/// same whatever was asked before.
+/// Returns the vertices and edges that the two patches share. The reference is valid until the next call in this
+/// thread. The answer does not depend on earlier calls.
 /// Input: The border of p is not longer than that of q.
 const PatchContacts::Shared& PatchContacts::shared(PatchId p, PatchId q) const {
   constexpr std::size_t kPairs = 256;

@@ -1,4 +1,4 @@
-/// Tells where patches are joined, and how far it is from one to another over the surface.
+/// Tells where patches are joined, and how long the ways between them over the surface are.
 #pragma once
 
 #include <array>
@@ -20,8 +20,8 @@ namespace remesh {
 /// its line.
 double way_over(const Vec3& a, const Vec3& b, const Vec3& p, const Vec3& q);
 
-/// For each vertex this stores its patches, and for each patch its border. It stores no pairs of patches, because a
-/// vertex where n facets meet has n^2 pairs. The memory is linear in the number of corners.
+/// Stores the patches of each vertex and the border of each patch. No pairs of patches are stored, because a vertex
+/// where n facets meet has n^2 pairs. The memory is linear in the number of corners.
 class PatchContacts {
  public:
   /// The arguments must outlive this object.
@@ -48,17 +48,17 @@ class PatchContacts {
   /// Returns whether the patches share a vertex or an edge that comes within `distance` of a place. All values are in
   /// local units.
   /// Cost: Constant if the thread has asked about this pair of patches before and they share little. Linear in the
-  ///       smaller border if that is small. Otherwise it is O(log n) and the parts of the border that are so near.
+  ///       smaller border if that is small. Otherwise O(log n) and the number of border edges within the distance.
   bool are_joined_within(PatchId p, PatchId q, const Vec3& place, double distance) const;
   /// Returns whether there is a way of length at most `most` from `from` on p to `to` on q that crosses a shared vertex
   /// or edge and is straight on both sides of it. All values are in local units.
-  /// Cost: The same as for `are_joined_within`, with the parts of the border between the two places.
+  /// Cost: The same as for `are_joined_within`, with the border edges between the two places.
   bool has_way(PatchId p, const Vec3& from, PatchId q, const Vec3& to, double most) const;
 
  private:
   /// Borders longer than this get a tree of boxes.
   static constexpr std::size_t kLongBorder = 32;
-  /// An edge with more faces than this gets a list of its patches.
+  /// If an edge has more faces than this, a list of the edge's patches is stored.
   static constexpr std::size_t kCrowded = 8;
   struct Crowd {
     EdgeId edge;
@@ -70,7 +70,7 @@ class PatchContacts {
   void find_crowds(RunControl& control);
   void add_tree(PatchId p, RunControl& control);
 
-  /// Returns the border of p as half-edges. They begin at all vertices of p where another patch is met, each at least
+  /// Returns the border of p as half-edges. They begin at all vertices of p where other patches meet it, each at least
   /// once. Where p's border leaves such a vertex, the half-edge runs along the border.
   std::span<const std::uint32_t> border(PatchId p) const {
     return std::span(border_).subspan(border_begin_[p.value], border_begin_[p.value + 1] - border_begin_[p.value]);
@@ -79,8 +79,8 @@ class PatchContacts {
   const Shared& shared(PatchId p, PatchId q) const;
   bool is_at(VertexId v, PatchId p) const;
   bool is_along(std::uint32_t half_edge, PatchId p) const;
-  /// Returns whether is_wanted(a, b) is true for something that p and q share: an edge a-b, or a vertex with a = b.
-  /// `bound` gives a lower bound for a box. Boxes whose bound is above `most` are not searched.
+  /// Returns whether is_wanted(a, b) is true for any edge a-b that p and q share, or any vertex with a = b. `bound`
+  /// gives a lower bound for a box. Boxes whose bound is above `most` are not searched.
   template <class Bound, class IsWanted>
   bool any_shared(PatchId p, PatchId q, double most, const Bound& bound, const IsWanted& is_wanted) const;
 

@@ -1,4 +1,4 @@
-/// Tells in which direction each patch looks at a place, and between which two planes the patch lies.
+/// The normal of each patch at a place, and the two planes between which the patch lies.
 #pragma once
 
 #include <cstddef>
@@ -30,29 +30,29 @@ class PatchSlabs {
              std::span<const Triangle> triangles, std::span<const std::uint32_t> begin, RunControl& control);
 
   bool is_curved(PatchId p) const { return !curved_.empty() && curved_[p] != nullptr; }
-  /// Returns a slab with all of a patch inside.
+  /// Returns a slab that contains the whole patch.
   const Slab& operator[](PatchId p) const { return slabs_[p]; }
 
   /// Returns the unit normal of a patch at a place, on the facets' outside. It is null at the apex of a cone.
   Vec3 normal(PatchId p, const Vec3& place) const {
     return is_curved(p) ? curved_normal(p, place) : slabs_[p].plane.normal;
   }
-  /// Returns what decides whether a way from a place is steep: the slab of a planar patch, or the tangent plane of a
-  /// curved one.
+  /// Returns the slab that decides whether a way from a place is steep: that of a planar patch, or the tangent plane of
+  /// a curved one.
   Slab at(PatchId p, const Vec3& place) const {
     return is_curved(p) ? Slab{{place, curved_normal(p, place)}, kRounding} : slabs_[p];
   }
 
-  /// This is what decides whether a way from any place of some pieces of a patch may be steep.
+  /// The data that decides whether a way from any place of some pieces of a patch may be steep.
   struct OfPieces {
     Slab slab;              ///< contains the pieces
     double steep = kSteep;  ///< a way may be steep if the square of its sine is above this
   };
-  /// Holds: The answer is certain for planes, cylinders and spheres. For others it is, up to terms of second order in
-  ///        the size of the pieces.
+  /// Holds: The answer is certain for planes, cylinders and spheres. For other surfaces it is certain up to terms of
+  ///        second order in the size of the pieces.
   OfPieces around(PatchId p, std::span<const Corners3> pieces) const;
 
-  /// This is more than the rounding error of a distance from a plane.
+  /// This is larger than the rounding error of a distance from a plane.
   static constexpr double kRounding = 0x1p-48;
 
  private:

@@ -14,30 +14,30 @@
 namespace remesh {
 namespace {
 
-/// No size is made smaller than this fraction of the box's diagonal because of a gap or a short edge.
+/// The min size that a gap or a short edge may cause, as a fraction of the box's diagonal.
 constexpr double kFloor = 0x1p-11;
-/// No size is made smaller than this multiple of the plane tolerance because of a gap or a short edge.
+/// The min size that a gap or a short edge may cause, as a multiple of the plane tolerance.
 constexpr double kFloorTolerances = 10;
-/// A cell reaches at most this fraction of the gap in its middle. If it were smaller, there would be more samples than
-/// faces in the result; if it were larger, a gap that shrinks towards the end of the cell would be seen too late. See
-/// experiments.md, Cells of the size field.
+/// A cell reaches at most this fraction of the gap in its middle. With a smaller fraction, there would be more samples
+/// than faces in the result; with a larger one, a gap that shrinks towards the end of the cell would be noticed too
+/// late. See experiments.md, Cells of the size field.
 constexpr double kReach = 0.5;
-/// This is the same limit for things that only a part of a cell may face. See experiments.md, Cells of the size field.
+/// The same limit for gaps that only a part of a cell may face. See experiments.md, Cells of the size field.
 constexpr double kReachBeside = 1;
-/// Cells larger than this fraction of the box's diagonal are also cut if something near lies only beside their middle
-/// and is joined to their patch, because another place of the cell may face it. If this were done for smaller cells
-/// too, cells on a curved surface would have to be about as small as its facets are wide.
+/// Cells larger than this fraction of the box's diagonal are also cut because of patches that lie beside their middle
+/// and are joined to their patch, because another place of the cell may face such a patch. If smaller cells were cut
+/// for this reason, cells on a curved surface would have to be about as small as its facets are wide.
 constexpr double kCoarse = 0x1p-6;
 
-/// A look-up in a usual field takes no more boxes than this. See experiments.md, Look-ups of sizes.
+/// The max number of boxes that a look-up in a usual field visits. See experiments.md, Look-ups of sizes.
 constexpr double kUsualBoxes = 256;
 
-/// This slot decided this thread's last question. The next question is most often asked beside it, so the search begins
-/// there. The slot may belong to another field: any slot is a place to begin, and no answer depends on where the search
-/// began.
+/// The slot that decided this thread's last question. The next question is usually about a place beside it, so the
+/// search begins there. The slot may belong to another field: any slot is a place to begin, and no answer depends on
+/// where the search began.
 thread_local std::size_t last_found = 0;
 
-/// This is a convex piece of a triangle: the part of it inside a box.
+/// A convex piece of a triangle: the part inside a box.
 class ClippedTriangle {
  public:
   /// Input: With two axes, the box has no end along z.
@@ -72,7 +72,7 @@ class ClippedTriangle {
   }
 
   /// There are three corners, and one more for each of six sides. Rounding may make a few more along a side, which can
-  /// be left out because they say nothing new.
+  /// be left out because they do not change the piece.
   static constexpr std::size_t kMaxCorners = 12;
 
   std::array<Vec3, kMaxCorners> corners_;
@@ -111,20 +111,20 @@ class SizeField::Sampler {
 
  private:
   /// A cell is the part of a patch in a box along the patch's own axes. For a planar patch, the box has no end along
-  /// the third axis. With these axes, cells do not depend on how the model lies. Boxes are cut rather than triangles,
-  /// because triangles may be needles, with many of them side by side within one gap.
+  /// the third axis. With these axes, cells do not depend on the orientation of the model. Boxes are cut rather than
+  /// triangles, because triangles may be needles, with many of them side by side within one gap.
   struct Cell {
     PatchId patch;
     Box3 box;
-    std::vector<std::uint32_t> triangles;  ///< numbered within the patch; all that reach into the box
+    std::vector<std::uint32_t> triangles;  ///< numbered within the patch; all triangles that reach into the box
   };
   struct Output {
     std::vector<Sample> samples;
     std::vector<Cell> cells;
-    std::uint64_t steps = 0;  ///< the work that the searches took
+    std::uint64_t steps = 0;  ///< the steps that the searches took
   };
 
-  /// This is a triangle of a patch, with the bounding box of its part in a cell.
+  /// A triangle of a patch, with the bounding box of its part in a cell.
   struct Part {
     std::uint32_t triangle;
     Box3 box;
@@ -132,7 +132,7 @@ class SizeField::Sampler {
 
   void look_at(const GapSearch& gaps, const Cell& cell, bool may_cut, std::uint64_t max_steps, Output& out) const;
   static void cut(PatchId patch, std::span<const Part> parts, const Box3& box, int axes, std::vector<Cell>& cells);
-  /// Looks at n cells, which cell_at(i) returns, in parallel. The results are in their order.
+  /// Samples the n cells that cell_at(i) returns, in parallel. The results are in the order of the cells.
   template <class CellAt>
   std::vector<Cell> look_at_all(const GapSearch& gaps, std::size_t n, const CellAt& cell_at);
 
@@ -201,7 +201,7 @@ void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool m
   for (const Vec3& p : outline) squared_reach = std::max(squared_reach, norm_squared(p - middle));
   const double reach = std::sqrt(squared_reach);
 
-  // Beyond this distance, no place of the cell has a gap that asks for less than the largest size.
+  // Beyond this distance, no gap of any place of the cell makes the size smaller than its max.
   const double limit = (proximity_ * largest_ + reach) * surface_.unit;
   const Vec3 place = surface_.centre + surface_.unit * axes.in_space(middle);
   WorkBound work(max_steps, &control_);
@@ -209,7 +209,7 @@ void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool m
   const auto is_too_large_for = [&](double distance, double share) {
     return distance < HUGE_VAL && reach > share * std::max(distance, std::max(proximity_, 1.0) * floor_);
   };
-  // Another place of the cell may face something that the middle does not face.
+  // Another place of the cell may face a patch that the middle does not face.
   const auto is_too_large_beside = [&] {
     constexpr double kMoreThanMatters = 1.1;
     const double near = std::min(limit, kMoreThanMatters / kReachBeside * reach * surface_.unit);
@@ -293,7 +293,7 @@ void SizeField::Sampler::sample_gaps(const GapSearch& gaps, std::uint64_t earlie
   std::size_t triangles = 0;
   for (std::size_t p = 0; p < gaps.patch_count(); ++p) triangles += gaps.triangles_of(PatchId(p)).size();
   work_ = WorkBound(work_of_sizes_after(earlier_steps, kWorkOfSizes.steps(triangles, max_faces_)));
-  // Whole patches are looked at first, and then the cells into which they are cut, round by round.
+  // Whole patches are sampled first, and then the cells into which they are cut, round by round.
   std::vector<Cell> cells = look_at_all(gaps, gaps.patch_count(), whole_patch);
   while (!cells.empty())
     cells = look_at_all(gaps, cells.size(), [&](std::size_t i) -> const Cell& { return cells[i]; });
@@ -309,8 +309,9 @@ void SizeField::Sampler::sample_segments(std::span<const std::array<VertexId, 2>
     FloatBox box;
     box.add(a);
     box.add(b);
-    // The segment asks for edges of its own length around it. The sample is a little longer than that. Otherwise
-    // rounding could make the size at the segment smaller than its length, and the segment itself would be too long.
+    // The segment asks for edges of its own length around it. The size of the sample is a little larger, because
+    // otherwise rounding could make the size at the segment smaller than its length, and the segment itself would be
+    // too long.
     samples_.push_back({entry(box, length * (1 + 2 * kNoise)), {}, {a, b}});
   }
 }
@@ -374,7 +375,7 @@ SizeField SizeField::rescaled(double proximity, const Goals& goals, RunControl& 
     if (entry.tag.value * unit_ < field.largest_) samples.push_back({entry, cells_[slot]});
   }
   field.set_samples(samples, control);
-  // Predictions that are compared read sizes at the same places.
+  // Predictions that are compared with each other must read sizes at the same places.
   field.look_up_cost_ = look_up_cost_;
   return field;
 }
@@ -416,8 +417,8 @@ void SizeField::set_samples(std::span<const Sample> samples, RunControl& control
   if (!is_of_segments_) measure_look_ups(control);
 }
 
-/// Counts the boxes of look-ups in the middles of some samples. No look-up begins with what another one has found, so
-/// this does not depend on the threads.
+/// Counts the boxes that look-ups visit, in the middles of some samples. Each look-up starts without the results of
+/// others, so the count does not depend on the threads.
 void SizeField::measure_look_ups(RunControl& control) {
   constexpr std::size_t kLookUps = 32;
   const std::size_t stride = samples_.size() / kLookUps + 1;
@@ -436,15 +437,14 @@ void SizeField::measure_look_ups(RunControl& control) {
         },
         [&](std::size_t slot) { best = std::min(best, size_from(slot, middle)); });
   }
-  // A field that is about usual counts as usual, however the part lies.
+  // A field with up to this factor counts as usual, whatever the position of the part.
   constexpr double kAboutUsual = 2;
   const double cost =
       static_cast<double>(boxes) / (kUsualBoxes * static_cast<double>(std::max(look_ups, std::size_t{1})));
   look_up_cost_ = cost < kAboutUsual ? 1 : cost;
 }
 
-/// Returns the distance from a sample to a place. It is not less than the distance to the sample's box, in spite of
-/// rounding.
+/// Returns the distance from a sample to a place. Even with rounding, it is not below the distance to the sample's box.
 inline double SizeField::distance(std::size_t slot, const Vec3& p) const {
   const double to_box = std::sqrt(squared_distance(samples_[slot].box, p));
   if (!is_of_segments_) {
@@ -471,8 +471,8 @@ double SizeField::farthest(std::size_t slot, std::size_t from) const {
   return farthest;
 }
 
-/// Returns whether another sample asks for less at each place of this one. By the triangle inequality it then asks for
-/// less everywhere.
+/// Returns whether, at each place of this sample, another sample asks for a smaller size. By the triangle inequality
+/// that one then asks for a smaller size everywhere.
 bool SizeField::is_dominated(std::size_t slot) const {
   const Samples::Entry& sample = samples_[slot];
   const double size = sample.tag.value;
@@ -509,9 +509,9 @@ void SizeField::drop_dominated(RunControl& control) {
   set_samples(samples, control);
 }
 
-/// Returns the size that one node or sample asks for at the place within the radius around p that is nearest to it. The
-/// result never decreases when the sample's size or its distance grows, even with rounding. So no node promises more
-/// than its samples do, and the answer does not depend on the order of the search.
+/// Returns the size that one node or sample asks for, at the place nearest to it within the radius around p. The result
+/// never decreases when the sample's size or its distance grows, even with rounding. So the bound of a node is never
+/// above the values of its samples, and the answer does not depend on the order of the search.
 inline double SizeField::size_from(const Samples::Entry& node, const Vec3& p, double radius) const {
   return node.tag.value + slope_ * std::max(0.0, std::sqrt(squared_distance(node.box, p)) - radius);
 }
@@ -526,7 +526,7 @@ SizeField::Limit SizeField::limit_at(const Vec3& place) const {
 }
 
 /// Returns the size at a place in local units. Runs in which sizes vary much spend half their time here and in
-/// `allows`, and take a twentieth less if no function is called from there.
+/// `allows`. Inlining all calls saves a twentieth of it.
 [[gnu::flatten]] double SizeField::local_at(const Vec3& place) const {
   const Vec3 p = local(place);
   double best = largest_ / unit_;

@@ -19,7 +19,7 @@ namespace remesh {
 
 /// The size at a place is the minimum, over all samples, of the sample's size plus the slope times the distance from
 /// the sample. It may be a little less than that. A sample is a segment, or a box along the axes of its patch. Samples
-/// lie in space, so sizes also grade from patch to patch, and they turn with the model.
+/// lie in space, so sizes also change gradually from patch to patch, and they turn with the model.
 /// Holds: at(x) <= goals.max_edge_length. |at(x) - at(y)| <= slope |x - y|, where slope = gradation - 1. (If two edges
 ///        of lengths h and gradation h meet, their sizes are read at places one h apart.) The field is computed from
 ///        the input and never from the growing mesh. It scales with the input by powers of two, exactly. It is the same
@@ -36,40 +36,40 @@ class SizeField {
   /// that is ten gaps long is cut into ten pieces, whatever the last digits of the input say. The floor is
   /// max(goals.min_edge_length, 2^-11 of the box's diagonal, 10 plane tolerances). Each patch is cut into cells until
   /// every cell reaches from its middle at most half the gap there. The whole cell is given the size of its middle. So
-  /// at() is at most twice what any place asks for, even where the gap shrinks as fast as one can come nearer. Across a
-  /// wall or a slot of one width it is exact. A cell of which only a part may face something is cut until it reaches no
-  /// farther than to that. If what it may face is joined to the cell's patch, it is only cut while it is larger than
-  /// some 2^-6 of the diagonal.
+  /// at() is at most twice the size that any place requires, even where the gap shrinks as fast as possible. Across a
+  /// wall or a slot of one width it is exact. If only a part of a cell may face another patch, the cell is cut until it
+  /// reaches no farther than that patch. If that patch is joined to the cell's patch, the cell is only cut while it is
+  /// larger than some 2^-6 of the diagonal.
   ///
   /// Otherwise, if goals.gradation > 0, the sizes come from segments. An edge on a segment between essential vertices
   /// is at most as long as the segment, so the segment's length is the size there. The size is larger than that by the
   /// factor 1 + 2 kNoise, because rounding would otherwise cut the segment. It is not below the floor.
   ///
-  /// Input:  `gaps` is there with proximity, and null otherwise. `segments` are pairs of essential vertices; they have
-  ///         no effect with proximity. The tolerance is in model units.
-  ///         `coarsest` is 0, or a size in model units: gaps that ask for less get this size, although it is above the
-  ///         floor. `earlier_steps` are the steps that searches for gaps have taken in this run before.
+  /// Input:  `gaps` is null without proximity. `segments` are pairs of essential vertices; they have no effect with
+  ///         proximity. The tolerance is in model units. `coarsest` is 0, or a size in model units: gaps that require
+  ///         smaller sizes get this size, although it is above the floor. `earlier_steps` are the steps that searches
+  ///         for gaps have taken in this run before.
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
   SizeField(const Surface& surface, const GapSearch* gaps, std::span<const std::array<VertexId, 2>> segments,
             const Goals& goals, double plane_tolerance, RunControl& control, double coarsest = 0,
             std::uint64_t earlier_steps = 0);
 
-  /// Makes the field that short segments alone ask for, with no floor under it.
+  /// Makes the field of the sizes that short segments alone require, without a floor.
   /// Input: The same as for the constructor, with goals.gradation > 0.
   static SizeField without_floor(const Surface& surface, std::span<const std::array<VertexId, 2>> segments,
                                  const Goals& goals, RunControl& control);
 
-  /// Returns about the field that other goals ask for, for predictions: the gaps are those of this field, and what
-  /// asked for more than the largest size of this field asks for nothing.
+  /// Returns, for predictions, about the field that other goals would give. Gaps are taken from this field, and gaps
+  /// that required more than the max size of this field have no effect.
   /// Input: a field of gaps, its goals.proximity, and goals with proximity.
   SizeField rescaled(double proximity, const Goals& goals, RunControl& control) const;
 
-  /// Returns this field with a higher floor: sizes below goals.min_edge_length are made as large as that.
-  /// Holds: with a lower floor than that of this field, it is the same field.
+  /// Returns this field with a higher floor: sizes below goals.min_edge_length are raised to it.
+  /// Holds: if this field's floor is higher, the result is the same field.
   SizeField with_floor(const Goals& goals, RunControl& control) const;
 
-  /// Cells are not cut further if that would make more samples than faces are allowed, and more than four for each
-  /// patch. There are never more than kMaxSamples for that reason, and kFewSamples are always allowed.
+  /// Cells are not cut further if there would be more samples than allowed faces, and more than four for each patch.
+  /// This number of samples never exceeds kMaxSamples, and kFewSamples are always allowed.
   static constexpr std::size_t kMaxSamples = std::size_t{1} << 19;
   static constexpr std::size_t kFewSamples = std::size_t{1} << 15;
 
@@ -83,7 +83,7 @@ class SizeField {
   std::size_t sample_count() const { return samples_.size(); }
   /// Returns the steps that the search for gaps has taken, as kWorkOfSizes counts them.
   std::uint64_t search_steps() const { return search_steps_; }
-  /// Returns whether the search for gaps had to end early, so that cells are larger than gaps ask for.
+  /// Returns whether the search for gaps had to end early, so that cells are larger than the gaps require.
   bool is_search_cut_short() const { return is_search_cut_short_; }
   /// Returns the floor: gaps and short edges do not make sizes smaller than this. It is in model units.
   double floor() const { return floor_; }
@@ -92,14 +92,13 @@ class SizeField {
 
   /// Returns the size at a place in model units. It may be called from any thread.
   double at(const Vec3& place) const;
-  /// Returns by how much the size grows at most per distance.
+  /// Returns the max growth of the size per distance.
   double slope() const { return slope_; }
   /// Returns how long a look-up takes, compared with one in usual fields of gaps. It is 1 if that is about as long.
-  /// Where patches that span the part lie across each other everywhere, it takes many times as long. It is counted in
-  /// boxes at some places, and is the same on every machine. Those who look up sizes where they need not do so have to
-  /// do it at fewer places.
+  /// If patches that span the part cross each other everywhere, it takes many times as long. It is counted in boxes at
+  /// some places, and is the same on every machine. Optional look-ups have to be made at fewer places then.
   double look_up_cost() const { return look_up_cost_; }
-  /// This is the size at one place. It allows exactly the lengths that `allows` allows there.
+  /// The size at one place. It allows exactly the lengths that `allows` allows there.
   struct Limit {
     double largest;  ///< model units
     double size;     ///< local units
@@ -107,21 +106,21 @@ class SizeField {
     bool allows(double length) const { return length <= largest && length / unit <= size; }
   };
   Limit limit_at(const Vec3& place) const;
-  /// Returns whether length <= at(place). This is several times faster than at(), and the faster the clearer the answer
-  /// is. With a radius, returns whether this is so for all places within the radius. In that case it may return false
+  /// Returns whether length <= at(place). This is several times faster than at(), above all if the answer is clear.
+  /// With a radius, returns whether this is so for all places within the radius. In that case it may return false
   /// although it is so.
   bool allows(double length, const Vec3& place, double radius = 0) const;
 
  private:
-  /// This is a size in local units, rounded down.
+  /// A size in local units, rounded down.
   struct Size {
     float value = HUGE_VALF;
     void join(Size other) { value = std::min(value, other.value); }
   };
   using Samples = BoxTree<Size>;
   using Segment = std::array<Vec3, 2>;
-  /// A cell is what a box along the axes of a patch contains. A box along the axes of space would be mostly empty if
-  /// the patch is askew to them.
+  /// A cell is the part of a patch in a box along the patch's axes. A box along the axes of space would be mostly empty
+  /// if the patch is askew to them.
   struct Cell {
     PatchId patch;
     FloatBox box;

@@ -1,5 +1,5 @@
-/// Tells which straight ways leave a patch steeply, and how long such ways are at least. GapSearch recognises gaps by
-/// this.
+/// Tells which straight ways leave a patch steeply, and gives lower bounds on their lengths. GapSearch recognises gaps
+/// by this.
 #pragma once
 
 #include <algorithm>
@@ -29,13 +29,13 @@ struct Slab {
   }
 };
 
-/// A layer is the space between two parallel planes that lie about something flat which is askew to the axes. A curved
-/// surface is thin across: a box about a piece of width s is s deep, a layer only about s^2. Steepness depends on the
-/// way across, so with layers it is decided for many triangles at once.
+/// A layer is the space between two parallel planes around something flat that is askew to the axes. A curved surface
+/// is thin across: a box about a piece of width s is s deep, a layer only about s^2. Steepness depends on the way
+/// across, so with layers it is decided for many triangles at once.
 /// Input: Places with coordinates in [-1, 1], which are added with `add`.
 /// Holds: The numbers are in single precision and rounded outwards, so everything that was added is inside.
 struct Layer {
-  /// This is a unit vector, up to 2^-20. If it is null, the layer says nothing.
+  /// A unit vector, up to 2^-20. If it is null, the layer has no information.
   std::array<float, 3> across{0, 0, 0};
   float least = HUGE_VALF;  ///< smallest product of `across` with a place inside
   float most = -HUGE_VALF;
@@ -53,19 +53,19 @@ struct Layer {
     if (x + kRounding > double{most}) most = -FloatBox::rounded_down(-x - kRounding);
   }
 
-  /// This is more than the rounding error of a product.
+  /// This is larger than the rounding error of a product.
   static constexpr double kRounding = 0x1p-48;
 };
 
-/// This is the range of the products of a layer's direction with some places.
+/// The range of the products of a layer's direction with some places.
 struct Products {
   double least, most;
 };
 
-/// Returns a lower bound for the square of the length of a steep way to something that is both in a box and in a layer.
-/// Returns infinity if there is no such way.
-/// Input: `slab` contains the patch that the way leaves. `from` has the products of the places that it may leave from.
-///        `squared_distance` is a lower bound for the square of its length if steepness is left aside.
+/// Returns a lower bound for the square of the length of a steep way to any place in both a box and a layer. Returns
+/// infinity if there is no such way.
+/// Input: `slab` contains the patch that the way leaves. `from` has the products of the places where it may begin.
+///        `squared_distance` is a lower bound for the square of its length, without regard to steepness.
 inline double squared_steep_distance(const Slab& slab, Products from, const FloatBox& box, const Layer& layer,
                                      double squared_distance) {
   Vec3 centre, half;
@@ -78,7 +78,7 @@ inline double squared_steep_distance(const Slab& slab, Products from, const Floa
   const double most_up = std::fabs(up) + range;
   if (most_up * most_up <= kSteep * squared_distance) return HUGE_VAL;
 
-  // This is the distance across to the layer. It counts only if the start is outside the layer.
+  // The distance across to the layer. It counts only if the start is outside the layer.
   const bool is_along = layer.least > from.most;
   const double across =
       (is_along ? double{layer.least} - from.most : from.least - double{layer.most}) - Layer::kRounding;

@@ -13,11 +13,11 @@
 namespace remesh {
 namespace {
 
-/// Two patches that meet at less than this angle make a wedge. The sine of half the angle decides, 30 degrees.
+/// Two patches that meet at less than this angle make a wedge. The constant is the sine of half the angle, 30 degrees.
 constexpr double kSineOfHalfWedge = 0.5;
-/// At an edge with more faces than this, no wedges are looked for.
+/// At an edge with more faces than this, no wedges are searched.
 constexpr std::size_t kMaxFacesOfWedge = 8;
-/// The way over an edge may be longer by this factor than at places that are right opposite each other.
+/// The way over an edge may be longer by this factor than at places that are directly opposite each other.
 constexpr double kAskew = 2;
 
 }  // namespace

@@ -1,4 +1,4 @@
-/// Tells which ways lead across a wedge: from one side of a sharp edge to the other side.
+/// Tells which ways lead across a wedge: from one side of a sharp edge to its other side.
 #pragma once
 
 #include <array>
@@ -17,26 +17,28 @@
 
 namespace remesh {
 
-/// Stores the edges at which two patches meet at less than 60 degrees, and the two **sides** of each. A side is
-/// everything that hangs together with the patch at the edge over edges that turn by less than `feature_angle_deg`.
-/// So it does not matter into how many patches a face of the part is divided.
+/// Stores the edges at which two patches meet at less than 60 degrees, and the two **sides** of each. A side consists
+/// of all patches that are connected with the patch at the edge over edges that turn by less than `feature_angle_deg`.
+/// So the number of patches into which a face of the part is divided does not matter.
 ///
 /// A way from one side to the other leads across the wedge if the way over the edge is at most 2 / sin(angle / 2) times
 /// as long as the straight one. In a wedge between two planes, the largest ratio is half of that, for two places that
 /// are equally far from the edge and opposite each other. The factor of two is for places beyond the end of an edge
-/// that ends askew, and for sides that bend. A thin wall that becomes sharp far away, as at a chisel, is none there.
+/// that ends askew, and for sides that bend. A thin wall that becomes sharp only far away, as at a chisel, is no wedge
+/// there.
 /// Source: rules.md, Gaps.
 class Wedges {
  public:
   Wedges() = default;
-  /// Input: `slabs` tells how the patches lie. `surface` must outlive this object.
+  /// Input: `slabs` gives the directions of the patches. `surface` must outlive this object.
   /// Cost:  O(n log n) in the number of edges.
   Wedges(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches, const PatchSlabs& slabs,
          double feature_angle_deg, RunControl& control);
 
   /// Returns whether the straight way between places of two patches, which is `distance` long, leads across a wedge.
   /// All values are in local units.
-  /// Cost: Constant if the two sides share no sharp edge; O(log n), and the sharp edges that are about so near.
+  /// Cost: Constant if the two sides share no sharp edge; otherwise O(log n), and the number of sharp edges about as
+  ///       near as the places.
   bool is_across(PatchId p, const Vec3& from, PatchId q, const Vec3& to, double distance) const;
 
  private:

@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t kCheckEvery = 8192;
 
-/// Measures of a chain's inner vertices relative to the straight line between its ends.
+/// Measures of the vertices inside a chain, relative to the straight line between its ends.
 struct Offset {
   double distance = 0;
   double backwards = 0;      ///< largest distance by which the chain goes back along the line
@@ -106,8 +106,8 @@ struct OutputPoints {
   Vec3 operator()(VertexId v) const { return model.output_point(v); }
 };
 
-/// Makes a list for the chains of a graph that need not grow. To copy millions of them would take a while in which
-/// nobody could stop.
+/// Makes a list for the chains of a graph that need not grow. Growing would copy millions of them, and these copies
+/// could not be cancelled.
 std::vector<Chain> list_for(const BoundaryGraph& graph, RunControl& control) {
   std::vector<Chain> chains;
   control.memory().ask_for<Chain>(graph.edges().size());
@@ -147,7 +147,7 @@ class BoundaryCheck {
     for (const Use& use : edge.uses) faults_.add(use.patch(), fault, at.value);
   }
 
-  /// True if a chain is not compared with the straight line between its ends, but with a chain of the other side.
+  /// True if a chain is compared not with the straight line between its ends, but with a chain of the other side.
   bool may_be_cut_anew(const Chain& chain, std::span<const Use> uses) const {
     return model_.is_any_curved(uses) || model_.is_moved(chain.low) || model_.is_moved(chain.high);
   }
@@ -228,7 +228,7 @@ class BoundaryCheck {
           continue;
         }
       }
-      // A second chain between the same ends would lie on the first one, so two edges have become one.
+      // A second chain between the same ends would lie on the first one. So two edges have become one.
       const bool is_second = i > 0 && ends(input_chains_[i - 1]) == ends(chain);
       if (is_second || o == output_chains_.size() || ends(output_chains_[o]) != ends(chain)) {
         blame(edge, Fault::kBoundary, chain.low);
@@ -243,8 +243,8 @@ class BoundaryCheck {
     }
     while (o < output_chains_.size()) blame_output(o++);
   }
-  /// Matches the chains between two vertices if one of them may be cut anew.
-  /// Output: false if there is none; then nothing has been done.
+  /// Matches the chains between two vertices if one of the chains may be cut anew.
+  /// Output: false if none may; then nothing has been done.
   bool match_curved(std::span<Chain> input, std::span<Chain> output);
   /// Compares two chains that run between the same vertices along the same patches.
   /// Output: the gap between them; nothing if the patches are not on the same sides.
@@ -298,7 +298,7 @@ std::optional<ChainGap> BoundaryCheck::gap_between(const Chain& input, const Cha
   for (const bool is_reversed : {false, true}) {
     if (is_reversed && !is_loop) break;
     if (!have_same_uses(found, uses, (output.is_flipped != input.is_flipped) != is_reversed)) continue;
-    if (!may_be_cut_anew(input, uses)) return ChainGap{};  // each of them has been compared with the line
+    if (!may_be_cut_anew(input, uses)) return ChainGap{};  // all these chains have been compared with the line
     const std::vector<Vec3> from = stored_input_.points(input, InputPoints{model_});
     std::vector<Vec3> to = stored_output_.points(output, OutputPoints{model_});
     if (is_reversed) std::reverse(to.begin(), to.end());
@@ -320,7 +320,7 @@ void BoundaryCheck::add_gap(const Edge& edge, const Chain& chain, const ChainGap
   if (!Model::is_within(gap.distance, allowed + rounding, reach)) blame(edge, Fault::kChord, at);
   for (const PatchGap& of : gap.patches) {
     const std::size_t p = of.patch.value;
-    // Each of the two chains may be off the plane by the tolerance, on different sides.
+    // The distance of each of the two chains from the plane may be the tolerance, on different sides.
     if (!Model::is_within(of.off_plane, 2 * model_.tolerance + rounding, reach))
       faults_.add(of.patch, Fault::kChord, at.value);
     const auto raise = [](double& value, double to) { value = std::fmax(value, to); };
@@ -337,10 +337,10 @@ bool BoundaryCheck::match_curved(std::span<Chain> input, std::span<Chain> output
   const auto out_uses = [&](const Chain& chain) { return output_.edges()[chain.edge].uses; };
   if (std::none_of(input.begin(), input.end(), [&](const Chain& c) { return may_be_cut_anew(c, in_uses(c)); }))
     return false;
-  // Chains along the same patches follow each other.
+  // Sorting puts chains along the same patches next to each other.
   sort_by_patches(input, in_uses, control_);
   sort_by_patches(output, out_uses, control_);
-  // There are few chains between the same ends along the same patches. If there are many, they are refused.
+  // The max number of chains between the same ends along the same patches. If there are more, the result is refused.
   constexpr std::size_t kMaxAlike = 8;
   bool has_straight = false;
   std::size_t o = 0;
@@ -405,7 +405,7 @@ void BoundaryCheck::check_joints() {
   std::vector<std::atomic<std::uint32_t>> only_patch(model_.points.size());  // the number of the patch plus 1
   const auto number = [](PatchId p) { return p.value + 1; };
   const auto of = [&](VertexId v) { return only_patch[v.value].load(std::memory_order_relaxed); };
-  // The thread that finds a second patch at a vertex writes down both patches. Every later one writes down its own.
+  // The thread that finds a second patch at a vertex records both patches. Every later thread records its own patch.
   const auto of_input = map_corners<Joints>(model_.input, [&](VertexId v, PatchId p, Joints& joints) {
     std::uint32_t only = of(v);
     if (only == number(p)) return;
@@ -458,7 +458,7 @@ void BoundaryCheck::check_joints() {
       faults_.add(p, Fault::kLostVertex, v.value);
     } else {
       // The vertex was dropped. That is right for the patches along the chain, whose faces there are one fan, but not
-      // for a patch that has it inside.
+      // for a patch that has the vertex inside.
       if (!input_.is_passage_of(v, p)) faults_.add(p, Fault::kLostVertex, v.value);
     }
   }

@@ -11,15 +11,16 @@
 /// same patches on the same sides. The input's vertices between the ends are within the tolerance of the straight
 /// line; the output's are on it to rounding, in order.
 ///
-/// A chain with a curved patch beside it may have been cut anew. There the two chains are followed from end to end at
-/// once, and must never be further apart than the largest tolerance of these patches plus the plane tolerance. Planes
+/// A chain with a curved patch beside it may have been cut anew. There both chains are followed together from end to
+/// end, and must never be further apart than the largest tolerance of these patches plus the plane tolerance. Planes
 /// beside it are kept: along their normals the chains are within twice the plane tolerance of each other. Such a chain
 /// may be a loop through a single vertex that stays, or one of several between the same ends. Then the patches on its
-/// sides tell which chain is which, and in which direction it runs. Where they do not tell, the nearest chain is taken.
+/// sides tell which chain is which, and in which direction it runs. If the patches do not tell, the nearest chain is
+/// taken.
 ///
-/// A vertex that stays may be claimed to have been moved, if a curved patch is there. All chains that end there are
-/// followed like that, even if they have planes alone beside them. Then the largest tolerance of a curved patch at
-/// their ends is allowed.
+/// A vertex that stays may be claimed to have been moved, if it is on a curved patch. All chains that end at such a
+/// vertex are followed in the same way, even if they have only planes beside them. Then the largest tolerance of a
+/// curved patch at their ends is allowed.
 ///
 /// This proves conformity and the preservation of loops together:
 /// it excludes a crack, a T-junction, a filled hole or a bridged slot, and a sheet that is missing or added at an

@@ -1,4 +1,4 @@
-/// Walks along two polylines at once, and bounds how far they are apart on the way.
+/// Walks along two polylines at once, and bounds their distance on the way.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,8 @@
 
 namespace remesh::verification {
 
-/// Where a point is opposite the line from a to b: 0 at a, 1 at b. Parts of vectors along `normal` do not count.
+/// Returns where a point is opposite the line from a to b: 0 at a, 1 at b. Parts of vectors along `normal` do not
+/// count.
 /// Input: `normal` - a unit vector, or null.
 inline double place_along(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& normal) {
   const auto across = [&](const Vec3& v) { return v - dot(v, normal) * normal; };
@@ -22,10 +23,10 @@ inline double place_along(const Vec3& p, const Vec3& a, const Vec3& b, const Vec
 /// Moves one point along each of two polylines, from their beginnings to their ends, never backwards. It stops
 /// wherever one of the points is at a vertex. Between two stops both points move linearly, so their difference is
 /// linear, too, and its length is largest at a stop.
-/// Input:  x, y - polylines of at least two vertices; normal_at(p) - a unit vector, or null. The point that has to be
-///         found on the other polyline is the nearest one, but for its distance along this vector.
-/// Output: visit(x before, y before, x after, y after) is called for each step. The steps depend on rounding, but any
-///         steps prove that the polylines are as close as their differences are short.
+/// Input:  x, y - polylines of at least two vertices; normal_at(p) - a unit vector, or null. The point that is wanted
+///         on the other polyline is the nearest one, if distances along this vector do not count.
+/// Output: visit(x before, y before, x after, y after) is called for each step. The steps depend on rounding, but
+///         whatever the steps are, the largest difference is a bound on the distance of the polylines.
 /// Cost:   O(vertices).
 template <class NormalAt, class Visit>
 void couple(std::span<const Vec3> x, std::span<const Vec3> y, const NormalAt& normal_at, const Visit& visit,
@@ -38,7 +39,7 @@ void couple(std::span<const Vec3> x, std::span<const Vec3> y, const NormalAt& no
 
     bool is_at_end() const { return edge + 1 == line.size(); }
     const Vec3& next() const { return line[edge + 1]; }
-    /// The place where it is opposite p, but not behind where it is.
+    /// The place where the point is opposite p, but not before its present place.
     double opposite(const Vec3& p, const Vec3& normal) const {
       return std::max(place, place_along(p, line[edge], next(), normal));
     }

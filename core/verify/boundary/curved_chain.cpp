@@ -24,7 +24,7 @@ class SurfaceGap {
     const double widest = std::max(norm(before), norm(after));
     if (shape_.is_ruled()) {
       const double along_surface = ruled_gap({shape_.ruled(x0), shape_.ruled(y0), shape_.ruled(x1), shape_.ruled(y1)});
-      // Both are bounds: this one in the root of a sum of squares, the other one twice.
+      // Both numbers are bounds. The first one enters the root of a sum of squares, and the second one counts twice.
       if (along_surface <= 2 * widest)
         gap_.on_surface = std::max(gap_.on_surface, along_surface);
       else
@@ -40,7 +40,7 @@ class SurfaceGap {
     }
     const Vec3 normal = shape_.normal(middle);
     const double at_ends = std::max(norm(cross(before, normal)), norm(cross(after, normal)));
-    // On the way from y to x the normal turns only as far as the way is across it.
+    // On the way from y to x the normal turns only by the part of the way across it.
     const double change = rate * (half + at_ends) / (1 - rate * widest);
     const double across = at_ends + widest * change;
     // The last factor is that of the proof in curved_patch.h. On the surface, the normal may turn faster than here.
@@ -56,7 +56,8 @@ class SurfaceGap {
     RuledPoint x0, y0, x1, y1;
   };
 
-  /// Bounds the gap on a cylinder or a cone, as curved_chain.h says. It is infinite where the axis is too near to tell.
+  /// Bounds the gap on a cylinder or a cone, as curved_chain.h describes. It is infinite if the axis is too near for a
+  /// bound.
   double ruled_gap(const RuledPiece& p) const {
     const auto turn = [](const RuledPoint& a, const RuledPoint& b) {
       return std::fabs(std::atan2(cross(a.across, b.across), dot(a.across, b.across)));
@@ -66,14 +67,14 @@ class SurfaceGap {
     const auto [near, far] = std::minmax({p.x0.radius, p.y0.radius, p.x1.radius, p.y1.radius});
     const auto [low, high] = std::minmax({p.x0.along, p.y0.along, p.x1.along, p.y1.along});
     if (!(near > 0) || !(at_ends <= kFastTurn) || !(on_way <= kFastTurn)) return HUGE_VAL;
-    // This is how far the angles of both points deviate from linear ones. Their distances from the axis deviate by as
-    // much, times `nearest`.
+    // The max deviation of both points' angles from linear ones. Their distances from the axis deviate by this, times
+    // `nearest`.
     const double nearest = near * std::cos(on_way / 2);
     const Vec2 way_x = p.x1.across - p.x0.across, way_y = p.y1.across - p.y0.across;
     const double bend = (dot(way_x, way_x) + dot(way_y, way_y)) / (8 * nearest * nearest);
     const double max_turn = at_ends + bend;
     if (!(max_turn <= 2 * kFastTurn)) return HUGE_VAL;
-    // Between the two points, the axis is nearer by as much as this than it would be if the distance were linear.
+    // The distance from the axis between the two points is below its linear interpolation by at most this.
     const double closest = nearest * std::cos(max_turn / 2);
     const double dip = far * far * far * far * max_turn * max_turn / (8 * closest * closest * closest);
     const double deviation = shape_.sine() * (nearest * bend + dip);
@@ -113,7 +114,7 @@ ChainGap measure_gap(const Model& model, std::span<const Vec3> input, std::span<
   for (const Use& use : uses)
     if (gap.patches.empty() || gap.patches.back().patch != use.patch()) gap.patches.push_back({use.patch()});
   StopCheck check(control);
-  // One coupling serves all that is measured without a surface.
+  // One coupling serves all measures that need no surface.
   couple(
       input, output, [](const Vec3&) { return Vec3{}; },
       [&](const Vec3& x0, const Vec3& y0, const Vec3& x1, const Vec3& y1) {

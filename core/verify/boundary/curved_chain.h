@@ -11,18 +11,18 @@
 
 namespace remesh::verification {
 
-/// How far two chains are apart, for one of the patches beside them.
+/// The distance of two chains, for one of the patches beside them.
 struct PatchGap {
   PatchId patch;
-  /// For a curved patch: how far the nearest points on its surface are apart, if both chains are followed at once.
+  /// For a curved patch: the max distance of the nearest points on its surface, if both chains are followed at once.
   double on_surface = 0;
-  /// For a curved patch: how far the chains themselves are apart where its surface turns too fast to tell more.
+  /// For a curved patch: the max distance of the chains themselves, where the surface turns too fast for `on_surface`.
   double near_pole = 0;
-  double off_plane = 0;  ///< for a plane: how far they are apart along its normal
+  double off_plane = 0;  ///< for a plane: the max distance of the chains along its normal
 };
 
 struct ChainGap {
-  double distance = 0;  ///< how far they are apart if both are followed at once (their Frechet distance, or more)
+  double distance = 0;  ///< max distance if both chains are followed at once (their Frechet distance, or more)
   double sliver = 0;    ///< area of a ribbon of triangles between them
   std::vector<PatchGap> patches;  ///< one for each patch beside them
 };
@@ -32,8 +32,8 @@ struct ChainGap {
 /// This is why `on_surface` is a bound. Let x and y be the two points, v = x - y, and N the normal of the surface.
 /// While a point moves straight from y to x, its nearest point on the surface moves only by the part of v across N, and
 /// by no more than 1 + |d| c times as much, where d is the distance from the surface and c a bound on the turn of N per
-/// length. On a short piece of the chains, N is compared with the normal n in the middle of the output's piece. It
-/// differs from n by no more than c times the way across N that leads there: half of the piece, and the part of v
+/// length. On a short piece of the chains, N is compared with the normal n in the middle of the output's piece. N
+/// differs from n by no more than c times the way across N between the two places: half of the piece, and the part of v
 /// across N. That part is at most the part across n plus |v| |N - n|, which bounds |N - n|. The difference v is linear
 /// on a piece, so the part of it across a fixed normal is largest at an end.
 ///

@@ -27,19 +27,19 @@ struct Verdict {
   double deviation = 0;              ///< largest distance found between input and output
   DistanceBound distance_bound;      ///< proven for the whole surface
   std::vector<double> patch_bounds;  ///< the proven distance between input and output, both ways, one per patch
-  double volume_bound = 0;  ///< bound on the change of volume, if both are closed: what deviations and rounding explain
-  /// The patches on which a test failed, ascending. It is empty if only a property of the whole failed.
+  double volume_bound = 0;  ///< bound on the change of volume if both meshes are closed, from deviations and rounding
+  /// The patches on which a test failed, ascending. It is empty if only a property of the whole mesh failed.
   std::vector<PatchId> failed_patches;
-  /// Pairs of output faces that intersect, sorted. If there are very many, these are only some.
+  /// Pairs of output faces that intersect, sorted. If there are very many, only some of them are listed.
   std::vector<std::pair<FaceId, FaceId>> intersections;
-  /// False if the input has too many intersections to know of all those of the output whether their patches intersect
-  /// in the input. Also false if the output has very many that its input does not have.
+  /// False if the input has so many intersections that it is unknown for some pairs of output faces whether their
+  /// patches intersect in the input. Also false if the output has very many intersections that its input does not have.
   bool are_all_intersections_known = true;
   bool are_all_intersections_listed = true;  ///< false if `intersections` has only some
-  /// The share of the output faces that were held against all others; below 1 only if the input has too many
+  /// The share of the output faces that were compared with all others; below 1 only if the input has too many
   /// intersections to know them all.
   double searched = 1;
-  std::uint64_t search_steps = 0;  ///< the work of that search, as SearchLimits counts it
+  std::uint64_t search_steps = 0;  ///< the work of the search for intersections, as SearchLimits counts it
   /// Descriptions of the first failures, for logs and tests.
   std::vector<std::string> failures;
 

@@ -34,7 +34,7 @@ enum class Fault : std::uint8_t {
   kNewOffLine,        ///< new vertices on an edge are off the line between its ends, or not in order along it
   kLockedBoundary,    ///< a new vertex is on an edge although boundaries were not to be split
   kUnlisted,          ///< a face misses the goals, but is not in the claim's list of such faces
-  kListedInVain,      ///< a face is in that list although it meets the goals and was looked at
+  kListedInVain,      ///< a face is in that list although it meets the goals and was tested
   kCertificate,       ///< a face is in that list with a reason that does not apply to it
   kShortEdge,         ///< refinement made an edge shorter than the smallest permitted length
   kTooManyFaces,      ///< the output has more faces than permitted
@@ -42,7 +42,7 @@ enum class Fault : std::uint8_t {
   kPolygon,           ///< the faces that were made of an input polygon do not cover that polygon
   kSurface,           ///< the surface that is claimed for a curved patch is not valid
   kCover,             ///< a curved patch does not cover its surface as often as its input does
-  kUnexplained,       ///< a curved patch may be farther from its input than that explains and than the options allow
+  kUnexplained,       ///< a curved patch may be farther from its input than the input explains and the options allow
   kCap,  ///< a face that closes a hole is not flat, has another boundary than the hole, or meets other faces
 };
 inline constexpr int kFaultCount = static_cast<int>(Fault::kCap) + 1;

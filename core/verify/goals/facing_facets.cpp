@@ -14,9 +14,10 @@
 namespace remesh::verification {
 namespace {
 
-/// The relative margin of what counts as clear. It is far more than the rounding errors of well-shaped triangles.
+/// The relative margin by which a test must be met to count as clear. It is far more than the rounding errors of
+/// well-shaped triangles.
 constexpr double kMargin = 1e-6;
-/// More than rounding can move a point, in local units.
+/// A bound on the distance by which rounding moves a point, in local units.
 constexpr double kRounding = 0x1p-44;
 
 /// The length of the way from p to q over the straight line a-b, with both sides unfolded into one plane.
@@ -26,8 +27,8 @@ double way_over(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b) {
   if (!(squared > 0)) return norm(p - a) + norm(q - a);
   const double s = dot(p - a, line) / squared, t = dot(q - a, line) / squared;
   const double height = norm(p - (a + s * line)), depth = norm(q - (a + t * line));
-  // The straight way crosses the line between s and t, in the ratio of the two heights. If it would miss the line, it
-  // passes through an end.
+  // The straight way crosses the line between s and t, in the ratio of the two heights. If the crossing is not on the
+  // line, the way passes through an end.
   const double across = height + depth > 0 ? (s * depth + t * height) / (height + depth) : s;
   const Vec3 by = a + std::clamp(across, 0.0, 1.0) * line;
   return norm(p - by) + norm(q - by);
@@ -37,14 +38,14 @@ double way_over(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b) {
 
 FacingFacets::FacingFacets(const Claim& claim, const Model& model, const BoundaryGraph& seams, RunControl& control)
     : model_(model) {
-  // Coordinates are relative to the middle of the surface, so that single precision can tell its parts apart wherever
+  // Coordinates are relative to the middle of the surface, so that single precision can distinguish its parts wherever
   // the surface lies.
   Box3 box;
   for (std::size_t v = 0; v < model.surface_vertex_count; ++v) box.add(model.points[v]);
   centre_ = 0.5 * box.min + 0.5 * box.max;
   const double reach = largest_coordinate(box.max - centre_);
   unit_ = reach > 0 ? 1 / reach : 1;
-  // The refiner's places go through the model's coordinates, whose rounding grows with the distance from the origin.
+  // The refiner's places are rounded as model coordinates, and this rounding grows with the distance from the origin.
   rounding_ = kRounding * (1 + unit_ * largest_coordinate(centre_));
   min_height_ = unit_ * model.scale * claim.refinement->goals.min_gap;
   find_facets(claim, control);
@@ -59,7 +60,7 @@ FacingFacets::FacingFacets(const Claim& claim, const Model& model, const Boundar
   }
 }
 
-/// The first triangle of a curved patch tells which way all of them look.
+/// The first triangle of a curved patch shows which way all its triangles look.
 void FacingFacets::find_sides() {
   is_turned_.assign(model_.patch_count(), 0);
   for (std::size_t slot = triangles_.size(); slot-- > 0;) {
@@ -93,7 +94,8 @@ void FacingFacets::find_facets(const Claim& claim, RunControl& control) {
   facets_ = Facets(entries, control);
 }
 
-/// Joins patches over the edges that bound them. A body is closed and consistent if all of its edges are.
+/// Joins patches over the edges that bound them. A body is closed and consistent if all of its edges are closed and
+/// consistent.
 void FacingFacets::find_bodies(const BoundaryGraph& seams, RunControl& control) {
   UnionFind joined(model_.patch_count());
   std::vector<std::uint8_t> is_open(model_.patch_count(), 0);
@@ -169,7 +171,7 @@ void FacingFacets::find_borders(const BoundaryGraph& seams, RunControl& control)
   }
 }
 
-/// Measures edges with a margin, so that whatever may be a wedge is one.
+/// Measures edges with a margin, so that every possible wedge counts as one.
 void FacingFacets::find_wedges(const BoundaryGraph& seams, double feature_angle_deg, RunControl& control) {
   constexpr double kDoubt = 1e-3, kSineOfHalfWedge = 0.5, kFactor = 2;
   constexpr std::size_t kMaxFaces = 8;
@@ -210,8 +212,8 @@ void FacingFacets::find_wedges(const BoundaryGraph& seams, double feature_angle_
   });
 }
 
-/// Returns whether the way over a wedge between the two patches may be no longer than it is in a wedge.
-/// Input: `length` - the length of the straight way, at most.
+/// Returns whether the way over a wedge between the two patches may be as short as in a wedge.
+/// Input: `length` - the max length of the straight way.
 bool FacingFacets::may_be_in_wedge(PatchId p, const Vec3& from, PatchId q, const Vec3& to, double length,
                                    std::size_t& looks) const {
   if (wedges_.empty()) return false;
@@ -296,7 +298,7 @@ bool FacingFacets::is_any_nearer(PatchId q, const Vec3& to, double squared, std:
 bool FacingFacets::is_clear_gap(const Vec3& from, PatchId p, const Vec3& there, PatchId q, std::size_t& looks) const {
   const Vec3 way = there - from;
   const double squared = norm_squared(way), d = std::sqrt(squared);
-  // Both ends may be off the places for which sizes were made by the tolerance.
+  // Both ends may be this far from the places for which sizes were made, because of the tolerance.
   const double off = 2 * unit_ * model_.tolerance + kMargin * d;
   const Vec3 up = normal(p, from);
   double rise = std::fabs(dot(way, up)), length = d;
@@ -315,12 +317,12 @@ bool FacingFacets::is_clear_gap(const Vec3& from, PatchId p, const Vec3& there, 
          !is_any_nearer(q, from, squared, looks);
 }
 
-/// Returns whether something that is no farther than `there`, a point across a gap, and on the same side of patch p,
-/// might be a gap that is too narrow to count. Whatever is not looked at might be one.
+/// Returns whether a gap that is too narrow to count may exist on the same side of patch p, no farther away than
+/// `there`, a point across a gap. Parts that are not searched may contain such a gap.
 /// Input: `there` - the point of patch q that is nearest to `from`.
 bool FacingFacets::may_be_narrow(const Vec3& from, PatchId p, const Vec3& there, PatchId q, std::size_t& looks) const {
-  // If patches were divided into other triangles, other points might be the nearest ones. They are hidden nearly as
-  // well.
+  // If patches were divided into other triangles, other points might be the nearest ones. These are hidden up to about
+  // the same distance.
   constexpr double kOfOtherPoints = 0.94;
   if (!(min_height_ > 0)) return false;
   const Vec3 up = dot(there - from, normal(p, from)) > 0 ? normal(p, from) : -normal(p, from);

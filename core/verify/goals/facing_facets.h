@@ -1,5 +1,5 @@
-/// The checker's own measure of gaps. It finds out whether a facet that is not a neighbour is within some distance of
-/// a place.
+/// The checker's own measure of gaps. It decides whether a facet that is not a neighbour is within some distance of a
+/// place.
 #pragma once
 
 #include <array>
@@ -23,30 +23,30 @@ namespace remesh::verification {
 /// Seen from a place of a patch, another patch is across a gap if its nearest point is. A point is across a gap if
 /// all of these are true:
 ///  - The way to it leaves the patch's plane steeply: the square of its sine is above kSteep (51 degrees). At a curved
-///    patch, the normal of its surface is taken. As facets turn away from it, a way that is clearly steep is above
-///    kSteepAtCurved (65 degrees), and any way may be steep.
+///   patch, the normal of its surface is taken. Because facets turn away from that normal, a way is clearly steep only
+///   above kSteepAtCurved (65 degrees), and any way may be steep.
 ///  - The way is longer than the tolerance. At a smaller distance the two patches touch.
 ///  - Of all points that are across a gap on this side of the patch, the nearest one is at least Goals::min_gap high
-///    over the patch's plane. Narrower gaps do not count, and neither does what is beyond them.
+///   over the patch's plane. Narrower gaps do not count, and neither do patches beyond them.
 ///  - The patches do not cross or touch each other anywhere in the input.
-///  - The surface does not hide it. If both patches bound one closed, consistently oriented body, a way that leaves
-///    the body through one of them must not enter it through the other from the inside.
+/// - The surface does not hide the point. If both patches bound one closed, consistently oriented body, a way that
+///   leaves the body through one of them must not enter it through the other from the inside.
 ///  - The way is shorter than a third of each way over the surface through a vertex or an edge that the two patches
 ///    share, which is straight on both sides of it.
-///  - It does not lead across a wedge: from one side of an edge at which patches meet at less than 60 degrees to the
-///    other. All patches that hang together over edges that turn by less than Goals::feature_angle_deg are one side.
-///    The way over the edge must be longer than 2 / sin(angle / 2) times the straight one to count.
-/// This class is larger than the bound because all conditions for a gap read the same tables.
+/// - The way does not lead across a wedge: from one side of an edge at which patches meet at less than 60 degrees to
+///   the other. All patches that are connected over edges that turn by less than Goals::feature_angle_deg are one side.
+///   The way over the edge must be longer than 2 / sin(angle / 2) times the straight one to count. This class is larger
+///   than the bound because all conditions for a gap read the same tables.
 /// Holds:   it shares no code with the search that determines sizes, and takes no data from it. The common tools are
 ///          the tree of boxes, the nearest point on a triangle, and the triangles of polygons.
 class FacingFacets {
  public:
-  /// How certain an answer must be.
+  /// The certainty that an answer needs.
   enum class Doubt {
-    /// A patch counts only if it is across a gap by a clear margin. Anything that was not looked at does not count.
+    /// A patch counts only if it is across a gap by a clear margin. Parts that were not searched do not count.
     kIsNone,
-    /// A triangle within the distance counts as soon as some way to its height would be steep. It is not checked
-    /// which of its points are visible and what is between. Anything that was not looked at counts.
+    /// A triangle within the distance counts as soon as some way to its height would be steep. There is no test which
+    /// of its points are visible and what is between. Parts that were not searched count.
     kCounts,
   };
 
@@ -60,8 +60,8 @@ class FacingFacets {
   /// Cost:   bounded (kMaxLooks); O(log n) if few of the facets nearby do not count.
   bool is_any_within(const Vec3& place, PatchId patch, double distance, Doubt doubt) const;
 
-  /// The largest number of boxes, triangles and parts of borders that are looked at for one place. If there are more,
-  /// as at the tip of a cone of thousands of needles, the answer is in doubt.
+  /// The max number of boxes, triangles and parts of borders that are tested for one place. If there are more, as at
+  /// the tip of a cone of thousands of needles, the answer is in doubt.
   static constexpr std::size_t kMaxLooks = 8192;
 
   static constexpr double kSteep = 0.604;
@@ -76,7 +76,7 @@ class FacingFacets {
     }
   };
   using Facets = BoxTree<OfPatch>;
-  /// A sharp edge, the sides that meet there, and how many times as long as the straight way the one over it may be.
+  /// A sharp edge, the sides that meet there, and the max ratio of the way over the edge to the straight way.
   struct Wedge {
     std::pair<std::uint32_t, std::uint32_t> sides;
     VertexId a, b;
@@ -104,7 +104,7 @@ class FacingFacets {
         .subspan(border_begin_[p.value], border_begin_[p.value + 1] - border_begin_[p.value]);
   }
   bool is_curved(PatchId p) const { return model_.curved_surface(p) != nullptr; }
-  /// The tolerance of a curved patch, in local units; 0 for a plane. Its output may be off the facets by as much.
+  /// The tolerance of a curved patch, in local units; 0 for a plane. The patch's output may be this far off the facets.
   double curved_tolerance(PatchId p) const { return is_curved(p) ? unit_ * model_.curved_surface(p)->tolerance : 0; }
   /// The normal of a patch at a place.
   Vec3 normal(PatchId p, const Vec3& place) const;
@@ -122,7 +122,7 @@ class FacingFacets {
   Vec3 centre_;
   double unit_ = 1;        ///< local lengths are model lengths times this
   double rounding_ = 0;    ///< two facets that are not farther from each other may touch; local length
-  double min_height_ = 0;  ///< gaps that are less high do not count; local units
+  double min_height_ = 0;  ///< gaps with a smaller height do not count; local units
   std::vector<std::array<VertexId, 3>> triangles_;
   Facets facets_;
   static constexpr std::uint32_t kOpen = 0xffffffffu;

@@ -70,7 +70,7 @@ class GoalCheck {
         faults_(faults),
         control_(control),
         min_angle_(refinement.goals.min_angle_deg * std::numbers::pi / 180),
-        // It is multiplied by one factor after the other, because the square of the scale may overflow or underflow.
+        // The area is multiplied by the scale twice, because the square of the scale may overflow or underflow.
         max_area_(refinement.goals.max_area * model.scale * model.scale),
         max_length_(refinement.goals.max_edge_length * model.scale),
         min_length_(refinement.goals.min_edge_length * model.scale) {}
@@ -128,8 +128,8 @@ class GoalCheck {
   bool is_too_large_here(std::uint32_t f) const { return sizes_ != nullptr && sizes_->is_missed_clearly(f); }
   bool may_be_too_large_here(std::uint32_t f) const { return sizes_ != nullptr && sizes_->may_be_missed(f); }
 
-  /// Returns whether nobody knows if a face is too large for a gap. The refiner's search for gaps has a bound on its
-  /// work, and behind it every face is listed.
+  /// Returns whether it may be unknown if a face is too large for a gap. The refiner's search for gaps has a bound on
+  /// its work, and once the bound is reached every face is listed.
   bool is_unknown(UnrefinedReason reason) const {
     return reason == UnrefinedReason::kEffort && claim_.goals.proximity > 0;
   }
@@ -158,7 +158,7 @@ class GoalCheck {
   }
   Standing angle_of(double angle) const { return at_least(angle, min_angle_); }
 
-  /// Input: `is_small_enough` - the face is not larger than any face may be.
+  /// Input: `is_small_enough` - the face is not larger than the bounds on sizes.
   bool is_reason(UnrefinedReason reason, std::uint32_t f, const Triangle3& face, bool is_small_enough) const {
     switch (reason) {
       // Input angles explain small angles, not large sizes.
@@ -193,8 +193,8 @@ class GoalCheck {
 
   bool is_bounding(VertexId a, VertexId b) const { return !edges_.is_interior(a, b); }
 
-  /// True if the ends of the shortest side are on two lines that meet, equally far from their common point, and
-  /// nearer to each other than to it.
+  /// True if the ends of the shortest side are on two lines that meet, equally far from their common point, and nearer
+  /// to each other than to that point.
   bool is_across_input_angle(std::uint32_t f, const Triangle3& face) const {
     const auto corner = model_.output.face(f);
     const double shortest = face.shortest_side();
@@ -213,8 +213,8 @@ class GoalCheck {
     return false;
   }
 
-  /// Checks that edges with a new end are as long as they must be. The exception are edges inside a patch from one
-  /// line to another, if these meet under less than 60 degrees: they are as short as the angle makes them.
+  /// Checks that edges with a new end are as long as they must be. Exceptions are edges inside a patch between two
+  /// lines that meet at less than 60 degrees: the angle makes these edges short.
   void check_new_edges() {
     const auto blocks =
         map_blocks<Found>(edges_.vertex_count(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {

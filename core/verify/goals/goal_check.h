@@ -1,5 +1,5 @@
-/// Checks refinement's goals. The faces that miss them must be exactly those in the claim's list, and the reason that
-/// the list gives for each must apply.
+/// Checks refinement's goals. The claim's list must contain exactly the faces that miss the goals, and the reason that
+/// the list gives for each face must apply.
 #pragma once
 
 #include "core/base/run_control.h"

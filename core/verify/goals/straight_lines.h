@@ -31,8 +31,8 @@ class StraightLines {
   /// until it returns true.
   /// Output: true if is_wanted returned true for a corner.
   /// Cost:   O(min(lines at a, lines at b) log n). Summed over the edges of a triangulated patch this is O(n log n),
-  ///         because each edge can be assigned to one of its ends such that no vertex gets more than three, whatever
-  ///         its degree.
+  ///         because each edge can be assigned to one of its ends such that no vertex gets more than three edges,
+  ///         whatever its degree.
   template <class IsWanted>
   bool any_meeting(VertexId a, VertexId b, PatchId patch, const IsWanted& is_wanted) const {
     std::array<Reach, 2> of_a, of_b;

@@ -59,9 +59,9 @@ VaryingSizes::VaryingSizes(const Claim& claim, const Model& model, const Boundar
     const Vec3 a = model.output_point(low), b = model.output_point(high);
     to.push_back({a, b, norm(b - a)});
   };
-  // Where a curve was cut anew, the result does not tell which of its vertices were there before refinement, and so how
-  // long the pieces were. Nothing that such a curve may ask for is certain. Its possible pieces are its edges, and a
-  // piece that was cut further is no farther from these than they are long.
+  // Where a curve was cut anew, the result does not show which of its vertices existed before refinement, and so how
+  // long the pieces were. Then the size that such a curve requires is not certain. Its possible pieces are its edges,
+  // and a piece that was cut further is no farther from these edges than they are long.
   StopCheck check(control);
   for (const Edge& edge : output_seams.edges()) {
     check();
@@ -73,8 +73,8 @@ VaryingSizes::VaryingSizes(const Claim& claim, const Model& model, const Boundar
       .for_each_line([&](VertexId low, VertexId high, std::span<const Use> uses) {
         if (!model.is_any_curved(uses)) add(lines, low, high);
       });
-  // These pieces run between vertices of the input. They may be too short, because a new vertex may happen to be
-  // where a dropped one was.
+  // These pieces run between vertices of the input. They may be too short, because a new vertex may happen to have the
+  // place of a dropped one.
   output_seams.for_each_chain(
       control, [&](VertexId v) { return output_seams.is_passage(v) && model.is_new(v); },
       [&](const Chain& chain, std::span<const VertexId>) {
@@ -109,7 +109,7 @@ bool VaryingSizes::is_missed(std::uint32_t f, FacingFacets::Doubt doubt) const {
   const auto is_missed_at = [&](const Vec3& place) {
     double size = 0;  // an edge is too long if the size here is smaller than this
     for (std::size_t k = 0; k < 3; ++k) size = std::max(size, length[k] / slack - slope_ * norm(middle[k] - place));
-    // Both sides of the gap may be off the places for which sizes were made by the tolerance.
+    // Both sides of the gap may be off the places for which sizes were made, by the tolerance.
     const double off = (must_be_clear ? -2 : 2) * model_.tolerance;
     return facets_->is_any_within(place, patch, size * proximity_ - model_.tolerance + off, doubt);
   };

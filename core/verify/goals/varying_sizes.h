@@ -19,20 +19,19 @@ namespace remesh::verification {
 
 /// Tests output faces against goals.proximity or, without it, against goals.gradation.
 ///
-/// With proximity, a place of a patch asks for the size (gap + tolerance) / proximity. The places that are looked at
-/// are each face's centroid and the midpoints of its edges. An edge may be as long as the size at a place plus the
-/// slope times the distance from that place to the edge's own midpoint.
+/// With proximity, a place of a patch requires the size (gap + tolerance) / proximity. The places that are tested are
+/// each face's centroid and the midpoints of its edges. An edge may be as long as the size at a place plus the slope
+/// times the distance from that place to the edge's own midpoint.
 ///
-/// With gradation alone, each straight line of the input's boundaries asks for its own length. An edge may be as long
-/// as that plus the slope times the distance from the line to the edge's midpoint. So does each piece of a curve that
-/// was cut anew, but its length is not certain.
+/// With gradation alone, each straight line of the input's boundaries requires its own length. An edge may be as long
+/// as that length plus the slope times the distance from the line to the edge's midpoint. Each piece of a curve that
+/// was cut anew also requires its own length, but that is not certain.
 ///
 /// Both bounds are multiplied by Goals::kSizeSlack. The smallest size that refinement permits is not part of the
 /// bound: faces that cannot meet the bound because of it must be listed.
 ///
 /// Two measures decide whether a face misses its bound, because two programs that compute a bound differ near it. One
-/// counts only what is certain and permits kClearly more. The other counts everything that is possible and permits as
-/// much less.
+/// counts only certain gaps and permits kClearly more. The other counts all possible gaps and permits kClearly less.
 class VaryingSizes {
  public:
   /// Input:  `claim` - its goals have proximity or gradation; `input_seams` - the edges that bound the input's
@@ -52,14 +51,14 @@ class VaryingSizes {
   };
   struct Segment {
     Vec3 a, b;
-    double size;  ///< what it asks for
+    double size;  ///< the size that the place requires
   };
-  /// Straight segments, each of which asks for a size.
+  /// Straight segments, each of which requires a size.
   class Graded {
    public:
     Graded() = default;
     Graded(std::vector<Segment> segments, const Model& model, double slope, RunControl& control);
-    /// True if there is a segment near which an edge of that length with that midpoint would be too long.
+    /// True if an edge of that length with that midpoint would be too long beside some segment.
     /// Input: in the model's scale.
     bool is_too_long(double length, const Vec3& middle) const;
 
@@ -75,7 +74,7 @@ class VaryingSizes {
   const Model& model_;
   const double proximity_, slope_;
   std::optional<FacingFacets> facets_;  ///< set with proximity
-  /// They are set without proximity. `lines_` asks for the largest possible lengths, `pieces_` for the smallest.
+  /// They are set without proximity. `lines_` requires the largest possible lengths, `pieces_` the smallest.
   Graded lines_, pieces_;
 };
 

@@ -19,15 +19,15 @@ struct Chain {
   VertexId low, high;       ///< the ends of the chain
   std::uint32_t edge = 0;   ///< one of the edges; all edges of the chain have the same uses
   bool is_flipped = false;  ///< that edge, taken from its smaller vertex, runs from `high` to `low`
-  /// Where its vertices are stored from `low` to `high`, if the user stores them. A chain may begin and end in the same
-  /// vertex. Then one of its two directions counts as the one from `low` to `high`.
+  /// Where the vertices are stored from `low` to `high`, if the user of the graph stores them. A chain may begin and
+  /// end in the same vertex. Then one of its two directions counts as the one from `low` to `high`.
   std::uint32_t stored = kNone;
 };
 
 /// The reason why a run of edges does not end at a vertex at which the graph is cut.
 enum class Stray {
-  kNoPassage,  ///< it reaches a vertex where it is not true that exactly two edges with the same uses meet
-  kLoop,       ///< it returns to itself
+  kNoPassage,  ///< the run reaches a vertex where it is not true that exactly two edges with the same uses meet
+  kLoop,       ///< the run returns to itself
 };
 
 class BoundaryGraph {
@@ -54,7 +54,7 @@ class BoundaryGraph {
   }
 
   /// Cuts the graph at all vertices v for which is_inner(v) is false.
-  /// Output: on_chain(chain, its vertices from end to end) is called for each run between two of these;
+  /// Output: on_chain(chain, its vertices from end to end) is called for each run between two such vertices;
   ///         on_stray(edge, vertex, reason) is called for edges of the other runs.
   template <class IsInner, class OnChain, class OnStray>
   void for_each_chain(RunControl& control, const IsInner& is_inner, const OnChain& on_chain,

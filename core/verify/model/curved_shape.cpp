@@ -15,7 +15,8 @@ constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 double length(Vec2 a) { return std::sqrt(dot(a, a)); }
 
-/// True if a polygon contains the origin. A polygon that passes near it to rounding may count as either.
+/// True if a polygon contains the origin. If the polygon passes through the origin up to rounding, either answer may
+/// result.
 template <class At>
 bool contains_origin(std::size_t n, const At& at) {
   bool is_inside = false;
@@ -68,7 +69,7 @@ CurvedShape::CurvedShape(const AnalyticSurface& claimed, double scale)
       minor_radius_(scale * claimed.minor_radius),
       half_angle_(claimed.half_angle) {
   if (kind_ == SurfaceKind::kSphere) axis_ = {0, 0, 1};
-  // The axis of space that is farthest from the surface's axis gives the first direction across it.
+  // The axis of space at the largest angle to the surface's axis gives the first direction across it.
   const Vec3 a{std::fabs(axis_.x), std::fabs(axis_.y), std::fabs(axis_.z)};
   const Vec3 far = a.x <= a.y && a.x <= a.z ? Vec3{1, 0, 0} : a.y <= a.z ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
   x_ = normalized(cross(far, axis_));
@@ -125,7 +126,8 @@ double CurvedShape::distance(const Vec3& p) const { return distance(local(p)); }
 double CurvedShape::depth_between(const Vec3& a, const Vec3& b) const {
   const double middle = distance(a + 0.5 * (b - a));
   if (kind_ == SurfaceKind::kTorus) return std::fabs(middle) + norm(b - a) / 2;
-  // The signed distance is convex on a line. So it is largest at an end, and above twice the middle's minus that.
+  // The signed distance is convex on a line. So its max is at an end, and its min is at least twice the value in the
+  // middle minus that max.
   const double high = std::max(distance(a), distance(b));
   return std::max(std::fabs(high), std::fabs(2 * middle - high)) + noise_;
 }
@@ -171,7 +173,7 @@ double CurvedShape::turn_rate(const Vec3& centre, double radius) const {
   return nearest > 0 ? 1 / nearest : kInfinite;
 }
 
-/// The smallest distance on the edge from a to b. On a line it is convex, so it is lowest at an end or where its
+/// The smallest distance on the edge from a to b. On a line it is convex, so its min is at an end or where its
 /// derivative is 0.
 double CurvedShape::lowest_on_edge(const Local& a, const Local& b) const {
   const Vec2 way = b.across - a.across;
@@ -188,7 +190,7 @@ CurvedFace CurvedShape::read(std::span<Vec3> corners, double snap, const Range& 
   if (kind_ == SurfaceKind::kCone)
     for (Vec3& p : corners) {
       const double off = norm(p - origin_);
-      // Where a sharp cone is cut off by the tolerance, it ends that much farther from its apex.
+      // A sharp cone that is cut off by the tolerance ends farther from its apex by this.
       if (!(off * sin_ <= snap)) continue;
       snapped = std::max(snapped, off);
       p = origin_;
@@ -204,7 +206,7 @@ CurvedFace CurvedShape::read(std::span<Vec3> corners, double snap, const Range& 
     for (const Vec3& p : corners) off_plane = std::max(off_plane, std::fabs(dot(p - corners[0], normal)));
   face.distance = face.distance.widened(off_plane + noise_);
   face.snapped = snapped;
-  // A face that is narrow has a normal that is known less exactly.
+  // The normal of a narrow face is known less exactly.
   face.facing = twice_area > 0 ? face.facing.widened(0x1p-49 * area.magnitude / twice_area) : Range{-1, 1};
   if (!is_compact()) face.area = {0, 0};
   return face;
@@ -256,7 +258,8 @@ CurvedFace CurvedShape::read_ruled(std::span<const Vec3> corners, const Vec3& no
   return face;
 }
 
-/// Measures a face at a sphere. The centre's height over the plane of the face decides how the face looks.
+/// Measures a face at a sphere. The centre's height over the plane of the face decides in which direction the face
+/// looks.
 CurvedFace CurvedShape::read_sphere(std::span<const Vec3> corners, const Vec3& normal) const {
   CurvedFace face;
   double nearest = kInfinite;

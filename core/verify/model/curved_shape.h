@@ -1,5 +1,5 @@
-/// Measures faces against a curved surface, with formulas of the checker's own. Nothing is sampled: each number bounds
-/// the whole face.
+/// Measures faces against a curved surface, with the checker's own formulas. Nothing is sampled: each number bounds the
+/// whole face.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@ namespace remesh::verification {
 
 /// A point at a cylinder or a cone, relative to the axis.
 struct RuledPoint {
-  double along = 0;   ///< of the nearest point of the surface: its place on its ruling, seen from the apex of a cone
+  double along = 0;   ///< the place of the surface's nearest point on its ruling, seen from the apex of a cone
   double radius = 0;  ///< distance of the point from the axis
   Vec2 across;        ///< the point's place in the plane across the axis
 };
@@ -31,7 +31,7 @@ class CurvedShape {
   bool is_compact() const;
   /// The area of a compact surface.
   double area() const;
-  /// The largest distance from the surface at which nearest points are used. It is half of the radius of the cylinder,
+  /// The max distance from the surface at which nearest points are used. It is half of the radius of the cylinder,
   /// sphere or tube, and infinite for a cone, where faces are compared with the axis instead.
   double largest_depth() const;
   /// A bound on the rounding of a distance that is computed here.
@@ -46,11 +46,11 @@ class CurvedShape {
   Vec3 direction_around(const Vec3& p) const;
   /// The largest distance of the surface from its axis, or from its centre for a sphere; 0 for a cone, which has none.
   double largest_radius() const;
-  /// The length of the part of a way along which that normal may turn. Along the axis of a cylinder or a cone it does
-  /// not.
+  /// The length of the part of a way along which the surface's normal may turn. Along the axis of a cylinder or a cone
+  /// it does not turn.
   double turning_length(const Vec3& way) const;
-  /// A bound on the turn of that normal per length of the way of p, if p stays in a ball around the given centre. At a
-  /// cylinder or a cone, both are measured across the axis.
+  /// A bound on the turn of the surface's normal per length of the way of p, if p stays in a ball around the given
+  /// centre. At a cylinder or a cone, both are measured across the axis.
   /// Output: infinity if the ball reaches a place that has no nearest point, for example the axis of a cylinder.
   double turn_rate(const Vec3& centre, double radius) const;
 
@@ -66,9 +66,10 @@ class CurvedShape {
   /// Measures a flat polygon.
   /// Input:  `corners` - they may be changed; `snap` - corners of a cone's face count as being at the apex if their
   ///         distance from it, times the sine of the half angle, is no more than this; `known` - distances of other
-  ///         faces. A torus is measured no finer than these ask for.
-  /// Output: `distance` is exact to rounding, apart from a torus, for which it may exceed both `known` and what is
-  ///         true by a 64th of their width. If the corners of a polygon lie off their plane, it is wider by as much.
+  ///         faces. A torus is measured no finer than these require.
+  /// Output: `distance` is exact to rounding, apart from a torus, for which it may exceed both `known` and the true
+  ///         range by a 64th of their width. If the corners of a polygon lie off their plane, the range is wider by
+  ///         their distance.
   /// Cost:   O(corners). A triangle at a torus is cut into no more than 1,024 pieces.
   CurvedFace read(std::span<Vec3> corners, double snap, const Range& known) const;
 

@@ -118,7 +118,7 @@ std::optional<EdgeTable::Part> EdgeTable::read_part(std::size_t begin, std::size
   const auto add_edge = [&](std::size_t first, std::size_t last, const Ends& edge) {
     const std::uint32_t g = order_[first], h = order_[first + 1 < last ? first + 1 : first];
     if (last - first == 2 && from(g) == to(h) && edge.first != edge.second && patch_of(g) == patch_of(h)) {
-      ++part.counts.edges;  // the uses of most edges are never asked for
+      ++part.counts.edges;  // the table never needs the uses of most edges
       return;
     }
     uses.clear();
@@ -258,7 +258,7 @@ EdgeTable::Part EdgeTable::sort_part(std::size_t first, std::size_t last, std::u
         around[0] = std::min(g, h);
         around[1] = std::max(g, h);
         if (patch_of(g) == patch_of(h))
-          ++part.counts.edges;  // the uses of most edges are never asked for
+          ++part.counts.edges;  // the table never needs the uses of most edges
         else
           add_edge(v, high_of(forward[i]), around);
       }

@@ -89,8 +89,8 @@ struct BoundingEdges {
   std::vector<Use, DefaultInit<Use>> uses;
 };
 
-/// All edges of some faces, sorted by their smaller vertex. Most edges are never asked for again, and there are many
-/// of them. So only the half-edge of each use is stored, and the rest is read from the faces.
+/// All edges of some faces, sorted by their smaller vertex. Most edges are never needed again, and there are many of
+/// them. So only the half-edge of each use is stored, and the rest is read from the faces.
 class EdgeTable {
  public:
   /// Input:  `faces` - they must outlive the table; `order` - their half-edges sorted by (smaller, larger vertex,

@@ -12,7 +12,7 @@ bool is_input_triangle(const Model& model, const EdgeTable& input_edges, PatchId
                   [&](VertexId v) { return v.value >= model.surface_vertex_count || model.is_moved(v); }))
     return false;
   const auto count_uses = [&](std::size_t side) { return input_edges.count_uses(face[side], face[(side + 1) % 3]); };
-  // This takes the edge with the fewest faces, because another edge may have a million.
+  // The edge with the fewest faces is searched, because another edge may have a million faces.
   std::size_t i = 0;
   for (const std::size_t k : {1, 2})
     if (count_uses(k) < count_uses(i)) i = k;

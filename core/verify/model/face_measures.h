@@ -36,7 +36,7 @@ struct Measures {
 /// Cost: O(log n + uses of the edge that fewest faces use).
 bool is_input_triangle(const Model& model, const EdgeTable& input_edges, PatchId patch, std::span<const VertexId> face);
 
-/// True if all faces of a patch are as they were.
+/// True if all faces of a patch are unchanged.
 bool is_unchanged(const Model& model, const EdgeTable& input_edges, PatchId patch, RunControl& control);
 
 }  // namespace remesh::verification

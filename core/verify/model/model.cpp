@@ -95,8 +95,8 @@ void renumber_output(const Claim& claim, const std::vector<VertexId>& match, Mod
   for (const auto& moved : blocks) faults.add(moved);
 }
 
-/// Takes vertices that are claimed to be moved. A claim is not believed if the vertex is not on a curved patch, or is
-/// where it was as well; then the output vertex is matched with nothing.
+/// Takes over vertices that are claimed to be moved. A claim is not believed if the vertex is not on a curved patch, or
+/// if the output still has a vertex at its old place; then the output vertex is matched with nothing.
 void take_moved(const Claim& claim, const std::vector<std::uint8_t>& is_single, std::vector<VertexId>& match,
                 Model& model, RunControl& control) {
   if (claim.moved.empty() || !model.has_curved()) return;

@@ -16,7 +16,7 @@
 
 namespace remesh::verification {
 
-/// The vertices of the surface that are elsewhere in the output. In the input they are where they were.
+/// The vertices of the surface that are at other places in the output. In the input they are at their old places.
 struct MovedVertices {
   std::vector<std::uint32_t> at;  ///< indices of the following arrays, or kNone, by surface vertex; empty if none moved
   std::vector<Vec3> to;
@@ -46,7 +46,7 @@ class Points {
   std::vector<Vec3> added_;
 };
 
-/// The surface of a curved patch, and the distance that is allowed there.
+/// The surface of a curved patch, and the distance from it that is allowed.
 struct CurvedSurface {
   CurvedShape shape;
   double tolerance = 0;  ///< between input and output, without the plane tolerance
@@ -56,12 +56,12 @@ struct CurvedSurface {
 /// The surfaces of all curved patches.
 struct CurvedSurfaces {
   std::vector<CurvedSurface> surfaces;
-  std::span<const std::uint32_t> of_patch;  ///< indices of these, or kNone; empty if all patches are planes
+  std::span<const std::uint32_t> of_patch;  ///< indices of these surfaces, or kNone; empty if all patches are planes
 };
 
 /// Vertices are numbered as in the surface. The new vertices of a refined result follow. After them come output
-/// vertices that are neither (moved, or a second one at the same place), so that everything that uses them fails by
-/// its edges.
+/// vertices that are neither (moved without a claim, or a second one at the same place). Faces with such vertices fail
+/// the test of edges.
 ///
 /// Lengths are scaled by a power of two to coordinates of at most 1, so that nothing overflows or underflows.
 struct Model {
@@ -101,7 +101,7 @@ struct Model {
   bool is_moved(VertexId v) const { return points.moved.index(v) != kNone; }
   /// The place of a vertex in the output. `points` has its place in the input.
   Vec3 output_point(VertexId v) const { return is_moved(v) ? points.moved.to[points.moved.index(v)] : points[v.value]; }
-  /// How far a vertex may be moved.
+  /// The max distance by which a vertex may be moved.
   double allowed_move(VertexId v) const { return is_moved(v) ? points.moved.allowed[points.moved.index(v)] : 0; }
 
   /// True if a distance counts as within the tolerance. Besides a share of 1e-9 this permits the rounding of the

@@ -75,7 +75,7 @@ std::vector<SimpleOutline::Interval> SimpleOutline::intervals(int axis, const Ru
   for (std::size_t i = 0; i < loop_.size(); ++i) {
     check();
     const auto [low, high] = std::minmax({loop_[i][axis], loop_[after(i)][axis]});
-    // The interval includes everything within the tolerance of an edge, with the points there up to rounding.
+    // The interval includes all points within the tolerance of an edge, and the rounding of these points.
     result.push_back({low - tolerance_, high + tolerance_, static_cast<std::uint32_t>(i)});
   }
   sort_stoppable(result.begin(), result.end(), control,
@@ -116,7 +116,7 @@ double SimpleOutline::distance(std::size_t i, const Vec3& p) const {
   return norm(p - loop_[i] - share * way);
 }
 
-/// True if edge j is clearly on one side of the line of edge i. This costs less than measuring distances.
+/// True if edge j is clearly on one side of the line of edge i. This test is faster than measuring distances.
 bool SimpleOutline::is_beside(std::size_t i, std::size_t j) const {
   const double from = side(i, loop_[j]), to = side(i, loop_[after(j)]);
   const double nearer = std::min(std::fabs(from), std::fabs(to));

@@ -12,7 +12,7 @@
 
 namespace remesh::verification {
 
-/// Measures of an outline that follow from its corners alone.
+/// Measures of an outline that depend on its corners alone.
 struct OutlineMeasures {
   Vec3 twice_area;
   double magnitude = 0;  ///< the rounding error of `twice_area` is proportional to this
@@ -30,9 +30,9 @@ bool is_flat(std::span<const Vec3> loop, const Vec3& normal, double tolerance, S
 /// Cost: O(n).
 void cut_spikes(std::vector<Vec3>& loop, double tolerance, StopCheck& check);
 
-/// Finds out whether a flat outline clearly neither crosses nor touches itself. That is so if no corner is within the
-/// tolerance of an edge that does not end there, and no two edges cross. Only edges that overlap along one axis are
-/// compared.
+/// Finds out whether a flat outline clearly neither crosses nor touches itself. An outline is clearly simple if no
+/// corner is within the tolerance of an edge that does not end there, and no two edges cross. Only edges that overlap
+/// along one axis are compared.
 class SimpleOutline {
  public:
   /// Sorts the edges along the axis of space along which the fewest pairs of them overlap.

@@ -18,19 +18,18 @@ namespace {
 
 constexpr std::size_t kFacesPerCheck = 64;
 
-/// Corners that are no farther from a cone's apex than this many plane tolerances are taken to be there.
+/// Corners count as being at a cone's apex if their distance from it is at most this many plane tolerances.
 constexpr double kSnap = 4;
 
 /// The totals over some faces of one side of a patch.
 struct CurvedReading {
   Range distance;
   Range area;           ///< sum of CurvedFace::area
-  double along = 0;     ///< area of the faces that look along the surface's normal, minus that of those against it
+  double along = 0;     ///< area of the faces that look along the surface's normal, minus that of the others
   double snapped = 0;   ///< see CurvedFace
   double reach = 0;     ///< largest coordinate
-  double low_area = 0;  ///< area of the faces that are so low that they may look anywhere
-  /// The faces that do not look in a direction: the first of them that is not low, and the largest height of the low
-  /// ones.
+  double low_area = 0;  ///< area of faces so low that noise decides their direction
+  /// The faces that do not look in a direction: the first one that is not low, and the max height of the low ones.
   struct Others {
     FaceId first;
     double height = 0;
@@ -180,7 +179,7 @@ class CurvedPatchCheck {
       reading.faults.push_back({patch_, Fault::kZeroArea, f});
   }
 
-  /// The larger part of the input decides whether the patch looks along the surface's normal.
+  /// The larger part of the input's area decides whether the patch looks along the surface's normal.
   void check_facing() {
     const bool is_along = input_.along > 0;
     const CurvedReading::Others& of_input = is_along ? input_.not_along : input_.not_against;
@@ -190,7 +189,7 @@ class CurvedPatchCheck {
     low_height_ = std::max(of_input.height, of_output.height);
   }
 
-  /// Returns whether the claimed tolerance is what the input explains or the options allow.
+  /// Returns whether the claimed tolerance is explained by the input or allowed by the options.
   bool is_tolerance_explained() const {
     const CurvedClaim& claim = surface_.claim;
     double rest = surface_.tolerance;
@@ -201,7 +200,7 @@ class CurvedPatchCheck {
                              control_);
   }
 
-  /// Returns the largest distance of the surface from its axis. A cone is no larger than its input.
+  /// Returns the largest distance of the surface from its axis. For a cone, the size of its input is the limit.
   double largest_radius() const {
     if (surface_.shape.largest_radius() > 0) return surface_.shape.largest_radius();
     double largest = 0;
@@ -244,7 +243,7 @@ class CurvedPatchCheck {
     const double on_surface = boundary_.on_surface[patch_.value] + low_height_;
     const double near_pole = boundary_.near_pole[patch_.value];
     const double bound = std::max(std::hypot(between_, on_surface), between_ + 2 * near_pole) + snapped;
-    // Along its boundary, the patch may move as far as its neighbours may.
+    // Along its boundary, the patch may move as far as its neighbours are allowed to move.
     const double allowed = std::max(surface_.tolerance + model_.tolerance, boundary_.allowed[patch_.value]);
     if (!is_near || !Model::is_within(bound, allowed, reach_)) report(Fault::kDeviation);
     return bound;
@@ -257,7 +256,8 @@ class CurvedPatchCheck {
   /// none would be accepted for it.
   void add_volume(ShapeSums& sums) const {
     const double largest = surface_.shape.largest_depth();
-    // Faces at a cone grow more, the more of the circle around the axis they span. This serves spans of 150 degrees.
+    // At a cone, areas of faces grow more if the faces span a larger part of the circle around the axis. This factor
+    // suffices for spans of 150 degrees.
     const double growth = std::isfinite(largest) ? 1 / (1 - std::min(depth_ / (2 * largest), 0.75)) : 2;
     const double factor = growth * growth * growth * growth;
     const double rounding = 1e-15 * reach_;

@@ -29,8 +29,8 @@
 ///    l^2 + (r w)^2, |N - N'| <= w cos a, and the parts of q - q' along N and N' are at most r w^2 cos(a) / 2. The same
 ///    sum gives |x - y|^2 <= D^2 + l^2 + ((r + h cos a) w)^2, and PatchGap::on_surface bounds the root of the last two.
 ///  - Corners near a cone's apex are moved to it first, and the largest of these moves counts twice.
-///  - Faces lower than the plane tolerance may face anywhere, because noise decides that. If they do not face as they
-///    should, their height is added to (1 + h c) g: that close to them, other faces are as said.
+/// - Faces lower than the plane tolerance may face anywhere, because noise decides that. If they face the wrong way,
+///   their height is added to (1 + h c) g: within that distance of them, there are faces for which the proof holds.
 #pragma once
 
 #include <vector>
@@ -45,7 +45,7 @@
 namespace remesh::verification {
 
 /// Reports kNoFaces, kSurface, kDeviation, kFacingAway, kArea, kZeroArea, kInverted, kCover, kUnexplained.
-/// A patch whose faces are all as they were is not compared with its surface, because it has not changed.
+/// A patch whose faces are all unchanged is not compared with its surface.
 /// Input:  a patch with a curved surface.
 /// Output: the proven distance between its input and its output; `sums` get its share.
 /// Cost:   O(n); for a torus, a face may cost as much as 1,024.

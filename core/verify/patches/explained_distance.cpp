@@ -13,11 +13,12 @@ namespace {
 
 /// Faces whose corners are within this many tolerances of a plane are one facet.
 constexpr double kFlat = 2;
-/// A turn before or behind a facet that is below this part of the other one is none.
+/// If a facet turns on one side by less than this part of its turn on the other side, the smaller one counts as no
+/// turn.
 constexpr double kNoTurn = 0.2;
-/// A corner that is nearer to the axis than this part of the farthest one has no normal that means anything.
+/// A corner has no meaningful normal if its distance from the axis is below this part of the farthest corner's.
 constexpr double kNearAxis = 0.02;
-/// The measures of a facet are good to this part, and to some tolerances.
+/// The measures of a facet are accurate up to this factor and this number of tolerances.
 constexpr double kSlack = 1.05, kSlackInTolerances = 4;
 
 /// A set of faces in one plane.
@@ -85,7 +86,7 @@ class Explained {
     }
   }
 
-  /// Collects the faces around one that lie in its plane.
+  /// Collects the faces around a face that lie in its plane.
   FlatPiece facet_of(std::uint32_t first) {
     FlatPiece facet;
     facet.faces.push_back(first);
@@ -112,8 +113,8 @@ class Explained {
     return facet;
   }
 
-  /// Returns the normals of the faces around a facet that turn against it. Those that share no more than a corner with
-  /// a triangle count, too: the other halves of the pieces of a surface lie between the triangle and the next piece.
+  /// Returns the normals of the faces around a facet that turn against it. Faces that share only a corner with a
+  /// triangle count, too: the other halves of the pieces of a surface lie between the triangle and the next piece.
   std::vector<Vec3> normals_around(const FlatPiece& facet) {
     std::vector<Vec3> normals;
     const auto add = [&](std::uint32_t f) {
@@ -139,7 +140,7 @@ class Explained {
     return normals;
   }
 
-  /// Returns whether a face turns against a facet by more than noise.
+  /// Returns whether a face turns against a facet by more than noise explains.
   bool leaves_plane(std::uint32_t face, const FlatPiece& facet) const {
     const auto corners = model_.input.face(face);
     return std::any_of(corners.begin(), corners.end(), [&](VertexId v) {
@@ -152,7 +153,7 @@ class Explained {
   double explained(const FlatPiece& facet) {
     const std::vector<Vec3> around = normals_around(facet);
     const Vec3 normal = shape_.normal(facet.middle);
-    // The direction around the axis, or on a sphere the one in which the facet turns most against a neighbour.
+    // The direction around the axis. On a sphere, the direction in which the facet turns most against a neighbour.
     Vec3 direction = shape_.direction_around(facet.middle);
     if (norm_squared(direction) == 0)
       for (const Vec3& n : around) {

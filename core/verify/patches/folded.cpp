@@ -48,20 +48,20 @@ class OutputDistance {
   Boxes boxes_;
 };
 
-/// Returns how often faces may be divided into four.
+/// Returns the max number of times that a face is divided into four.
 int max_depth(std::size_t folded) {
   constexpr std::size_t kFew = 64, kMany = 4096;
   return folded <= kFew ? 4 : folded <= kMany ? 2 : 1;
 }
 
-/// Returns the largest distance of places of a triangle, or `farthest` if there are none that are farther.
+/// Returns the largest distance of places of a triangle, or `farthest` if no place is farther.
 double farthest_place(const Corners3& triangle, const OutputDistance& distance, double known, int depth,
                       double farthest) {
   struct Piece {
     Corners3 corners;
     int depth;
   };
-  /// Places that are farther by less than this factor are not looked for.
+  /// Places that are farther by less than this factor are not searched.
   constexpr double kEnough = 1.25;
   std::vector<Piece> pieces{{triangle, depth}};
   while (!pieces.empty()) {

@@ -28,7 +28,7 @@ struct LowerEdge {
 };
 
 /// Orders edges from bottom to top, among edges that some vertical line meets. They do not cross, because they belong
-/// to one triangulation. If it is not a valid triangulation, the order may be wrong, and probes then miss their
+/// to one triangulation. If the triangulation is not valid, the order may be wrong, and probes then miss their
 /// triangle.
 class Below {
  public:
@@ -139,8 +139,8 @@ class HeightMeasure {
       const Vec2 from = facet[(i + 1) % 3].at, side = facet[(i + 2) % 3].at - from;
       weight[i] = cross(side, probe.at - from);
       // A negative weight means that the probe is on the outer side of this edge of the triangle. The probe may be
-      // there because coordinates are rounded to the grid. Only a probe that is further out than that is outside the
-      // triangle.
+      // there because coordinates are rounded to the grid. Only a probe that is further out than this rounding is
+      // outside the triangle.
       if (weight[i] < -2 * (grid_ + 0x1p-50) * norm(side)) return HUGE_VAL;
       weight[i] = std::max(weight[i], 0.0);
       sum += weight[i];

@@ -198,7 +198,7 @@ class PatchCheck {
   }
 
   /// Tests the stored coordinates of a face.
-  /// Output: true if they turn counter-clockwise.
+  /// Output: true if the corners turn counter-clockwise.
   bool read_plane_coordinates(std::uint32_t f, std::span<const VertexId> face, FlatReading& reading) const {
     if (!has_frame_) return true;  // there is nothing to compare with; the frame has been reported
     const Vec2* uv = &model_.corner_uv[3 * f];
@@ -216,8 +216,8 @@ class PatchCheck {
 
   /// True if these are the vertex's plane coordinates. They may differ by half the grid, and by the rounding of two
   /// computations (the stage's and this one). Each consists of about four operations on numbers no larger than the
-  /// sum of |d|'s coordinates. On the fine grid they may differ by a whole grid step, because no triangle has height
-  /// 0 there. A new vertex may have been made in the plane; then the point in space was rounded.
+  /// sum of |d|'s coordinates. On the fine grid they may differ by a whole grid step, because the stage raises
+  /// triangles of height 0 there. A new vertex may have been made in the plane; then the point in space was rounded.
   bool is_projection(Vec2 uv, VertexId v) const {
     const Vec3 p = model_.output_point(v);
     const Vec3 d = p - frame_.origin;
@@ -284,9 +284,9 @@ class PatchCheck {
     return std::min(bound, largest_height_of_new(model_, patch_, seams_.output, control_));
   }
 
-  /// Adds the change of volume and its bound. Input and output of the patch, and the slivers between their
-  /// boundaries, enclose no more than the area that they cover times the difference of their heights. The slivers of
-  /// neighbours cancel if the surface is closed.
+  /// Adds the change of volume and its bound. Input and output of the patch, and the slivers between their boundaries,
+  /// enclose at most the area that they cover times the difference of their heights. The slivers of neighbours cancel
+  /// if the surface is closed.
   void add_volume(ShapeSums& sums) const {
     sums.volume_change += output_.measures.volume - input_.measures.volume;
     sums.volume_bound += (std::max(input_.measures.twice_absolute_area, output_.measures.twice_absolute_area) / 2 +

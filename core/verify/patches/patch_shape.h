@@ -4,8 +4,8 @@
 ///  - In the patch's plane every output triangle is positively oriented. So the number of triangles over a point is
 ///    the winding number of the output's boundary around it. There is no fold, and no overlap that the boundary does
 ///    not force.
-///  - Every input face is positively oriented too, except slivers lower than twice the tolerance. So the same is true
-///    of the input, except for points that close to a sliver's longest side.
+/// - Every input face is positively oriented too, except slivers lower than twice the tolerance. So the same is true of
+///   the input, except for points within that distance of a sliver's longest side.
 ///  - Input and output boundary differ by chains within the tolerance of their chords. A point further than that from
 ///    the boundary has the same winding number for both. So the input covers it exactly if the output covers it.
 ///  - Where both cover a point, they differ in height only. All vertices of the input lie within [A, B] over the
@@ -29,8 +29,8 @@
 namespace remesh::verification {
 
 /// Reports kNoFaces, kDeviation, kFacingAway, kArea, kZeroArea, kInverted, kFrame, kPlaneCoordinates.
-/// A triangle that the input has too, in the same patch, is not compared with the plane, because it has not changed.
-/// For curved patches, see curved_patch.h.
+/// A triangle that the same patch has in the input is not compared with the plane, because it has not changed. For
+/// curved patches, see curved_patch.h.
 /// Output: `is_positive` - one per output face: its plane coordinates are on the grid and turn counter-clockwise. It is
 ///         0 for all faces of curved patches. `bounds` - one per patch: no point of its input is further from its
 ///         output, or the other way round.

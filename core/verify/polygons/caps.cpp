@@ -42,7 +42,8 @@ class CapCheck {
     const OutlineMeasures outline = measure_outline(loop, check);
     const Vec3 normal = normalized(outline.twice_area);
     if (normal == Vec3{}) return false;
-    // Some plane of this direction has all corners within the tolerance of it, if they are this near to each other.
+    // If the corners are this near to each other along the direction, some plane across it has all of them within the
+    // tolerance.
     double low = 0, high = 0;
     for (const Vec3& p : loop) {
       check();
@@ -52,7 +53,8 @@ class CapCheck {
     return high - low <= 2 * model_.tolerance + 0x1p-45 * outline.length;
   }
 
-  /// Returns whether the edges of a cap were open without it, and whether its source stands at one of them.
+  /// Returns whether the edges of a cap would be open without it, and whether the face that is its source is at one of
+  /// them.
   bool is_rim_filled(FaceId cap, StopCheck& check) const {
     const std::uint32_t begin = model_.input.face_begin[cap.value], end = model_.input.face_begin[cap.value + 1];
     const auto face_of = [&](std::uint32_t half_edge) {
@@ -78,7 +80,7 @@ class CapCheck {
   std::vector<FaceId> find_meeting_caps() const {
     std::vector<Triangle> triangles;
     std::vector<FaceId> face;
-    std::vector<std::uint32_t> piece;  // faces that are no caps are not held against each other
+    std::vector<std::uint32_t> piece;  // faces that are no caps are not compared with each other
     StopCheck check(control_);
     for (FaceId f(0); f.value < claim_.surface.face_count(); ++f.value)
       visit_triangles(claim_.surface, f, control_, [&](const Triangle& t) {

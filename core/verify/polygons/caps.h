@@ -1,4 +1,4 @@
-/// Checks the faces that mending made to close holes. The other tests take them for a part of the input.
+/// Checks the faces that mending made to close holes. The other tests treat these faces as a part of the input.
 #pragma once
 
 #include "core/base/run_control.h"
@@ -12,11 +12,11 @@ namespace remesh::verification {
 /// Tests each face that closes a hole (Surface::caps):
 /// - It lies in a plane, within the plane tolerance.
 /// - At each of its edges is exactly one other face, which runs along the edge in the opposite direction and closes no
-///   hole. So the face is bounded by what was open without it, and by nothing else. An edge may also belong to this
-///   face alone, once in each direction: it is a bridge to an inner rim.
+///   hole. So the face is bounded exactly by edges that were open without it. An edge may also belong to this face
+///   alone, once in each direction: it is a bridge to an inner rim.
 /// - It meets other faces, and itself, only in shared vertices and edges. This is tested exactly, by a search with the
 ///   usual bound on its work.
-/// - A face at its rim comes from the same face of the input as it is said to come from.
+/// - The input face that is claimed to be its source is also the source of a face at its rim.
 /// Input:   `edges` are those of the surface. A claim without an input passes without a test, because its surface was
 ///          not made by mending alone. Reports kCap.
 /// Holds:   the faults do not depend on the number of threads.

@@ -14,13 +14,14 @@
 namespace remesh::verification {
 namespace {
 
-/// The faces [begin, end) of the surface were made of one polygon of the input.
+/// The faces [begin, end) of the surface, which were made of one polygon of the input.
 struct PolygonFaces {
   std::size_t begin, end;
   FaceId source;
 };
 
-/// A polygon whose faces do not cover what its outline encloses. Whether that is wrong depends on the outline.
+/// A polygon whose faces do not cover exactly the area inside its outline. Whether that is wrong depends on the
+/// outline.
 struct Doubt {
   PolygonFaces faces;
   std::uint64_t pairs;  ///< number of pairs of edges to compare
@@ -30,12 +31,12 @@ class PolygonCheck {
  public:
   PolygonCheck(const Claim& claim, const Model& model, RunControl& control)
       : claim_(claim), model_(model), control_(control) {
-    // Mending moves corners at most twice, and welding once.
+    // Mending moves corners at most twice, and welding moves them once.
     moved_ = 2 * model.tolerance + model.scale * claim.weld_tolerance;
   }
 
   void run(std::uint64_t max_pairs, FoundFaults& faults) {
-    // Only the order of the file decides which polygons are not tested.
+    // The polygons that are not tested are the last ones in the order of the file, whatever the threads do.
     std::vector<Doubt> affordable;
     StopCheck check(control_);
     for (const std::vector<Doubt>& block : find_doubts())
@@ -99,9 +100,9 @@ class PolygonCheck {
   }
 
   /// Compares the faces that were made of a polygon with the polygon's outline.
-  /// Output: the outline, if the faces do not cover exactly what it encloses; nothing if they do, or if the polygon is
-  ///         too bent to judge. Faces that do not cover it are a fault if the outline is simple. If it touches or
-  ///         crosses itself, they may be right.
+  /// Output: the outline, if the faces do not cover exactly the area inside it; nothing if they do, or if the polygon
+  ///         is too bent to judge. Faces that do not cover this area are a fault if the outline is simple. If the
+  ///         outline touches or crosses itself, the faces may be right.
   std::optional<Outline> outline_in_doubt(const PolygonFaces& faces, StopCheck& check) const {
     std::vector<Vec3> loop, face;
     for (const VertexId v : claim_.input->face(faces.source)) {
@@ -143,8 +144,8 @@ class PolygonCheck {
     }
     const std::size_t corners = loop.size();
     cut_spikes(loop, spike, check);
-    // A part that stands upright on the plane looks like a spike there. If it hangs together with the rest in a corner
-    // only, it may have been turned over alone.
+    // A part that stands upright on the plane looks like a spike there. If only a corner connects it with the rest, it
+    // may have been turned over alone.
     if (is_bent && loop.size() != corners) return {};
     return Outline{std::move(loop), normal, reach};
   }
@@ -152,7 +153,7 @@ class PolygonCheck {
   const Claim& claim_;
   const Model& model_;
   RunControl& control_;
-  double moved_;  ///< largest distance of a corner from where it was read
+  double moved_;  ///< max distance of a corner from its place in the file
 };
 
 }  // namespace

@@ -7,7 +7,7 @@
 namespace remesh {
 namespace {
 
-constexpr std::uint64_t kAllowed = 20'000;
+constexpr std::uint64_t kLimit = 20'000;
 
 RefinementChoices first_choices(std::uint64_t in_proportion = Goals::kNoLimit) {
   Goals goals{};
@@ -31,7 +31,7 @@ RefinementFacts facts_with(std::uint64_t max_faces, std::uint64_t in_proportion 
 int attempts_until_spent(std::uint64_t triangles, std::uint64_t steps) {
   Effort effort;
   int attempts = 0;
-  for (; !effort.is_spent(kAllowed); ++attempts) {
+  for (; !effort.is_spent(kLimit); ++attempts) {
     effort.triangles += triangles;
     effort.largest = triangles;
     effort.search_steps += steps;
@@ -45,7 +45,7 @@ TEST(effort_of_attempts, searches_of_the_usual_length_do_not_count) {
 }
 
 TEST(effort_of_attempts, long_searches_leave_room_for_a_few_attempts) {
-  EXPECT_EQ(attempts_until_spent(2000, SearchLimits::few_steps_for(kAllowed)), 5);
+  EXPECT_EQ(attempts_until_spent(2000, SearchLimits::few_steps_for(kLimit)), 5);
 }
 
 TEST(effort_of_attempts, two_failures_that_are_large_for_the_mesh_are_enough) {
@@ -70,40 +70,40 @@ TEST(effort_of_attempts, searches_for_gaps_share_a_bound) {
 
 TEST(refinement_choices, a_result_with_few_faces_changes_nothing) {
   const RefinementChoices now = first_choices();
-  const AfterFaces after = after_faces(now, kAllowed, false, facts_with(kAllowed));
+  const AfterFaces after = after_faces(now, kLimit, false, facts_with(kLimit));
   EXPECT_FALSE(after.is_repeated);
   EXPECT_EQ(after.choices, now);
 }
 
 TEST(refinement_choices, the_first_result_with_too_many_faces_costs_nothing_and_brings_a_budget) {
-  const AfterFaces after = after_faces(first_choices(), kAllowed + 1, false, facts_with(kAllowed));
+  const AfterFaces after = after_faces(first_choices(), kLimit + 1, false, facts_with(kLimit));
   EXPECT_TRUE(after.is_repeated);
   EXPECT_FALSE(after.counts);
   EXPECT_TRUE(after.choices.has_budget);
-  EXPECT_LT(budget_of(after.choices, kAllowed), kAllowed);
-  EXPECT_GT(budget_of(after.choices, kAllowed), kAllowed / 100 * 99);
+  EXPECT_LT(budget_of(after.choices, kLimit), kLimit);
+  EXPECT_GT(budget_of(after.choices, kLimit), kLimit / 100 * 99);
 }
 
 TEST(refinement_choices, budgets_shrink_until_nothing_is_refined) {
   RefinementChoices choices = first_choices();
-  std::uint64_t last = kAllowed;
+  std::uint64_t last = kLimit;
   int attempts = 0;
   for (; !is_budget_too_small(choices); ++attempts) {
-    const AfterFaces after = after_faces(choices, kAllowed + kAllowed / 4, false, facts_with(kAllowed));
+    const AfterFaces after = after_faces(choices, kLimit + kLimit / 4, false, facts_with(kLimit));
     ASSERT_TRUE(after.is_repeated);
-    EXPECT_LE(budget_of(after.choices, kAllowed), last);
-    last = budget_of(after.choices, kAllowed);
+    EXPECT_LE(budget_of(after.choices, kLimit), last);
+    last = budget_of(after.choices, kLimit);
     choices = after.choices;
   }
   EXPECT_LE(attempts, 5) << "retries that save nothing count more";
-  EXPECT_FALSE(after_faces(choices, kAllowed * 2, false, facts_with(kAllowed)).is_repeated);
+  EXPECT_FALSE(after_faces(choices, kLimit * 2, false, facts_with(kLimit)).is_repeated);
 }
 
 TEST(refinement_choices, a_floor_is_raised_where_faces_are_out_of_proportion_or_angles_get_worse) {
-  const RefinementFacts facts = facts_with(1'000'000, kAllowed);
-  const RefinementChoices now = first_choices(kAllowed);
+  const RefinementFacts facts = facts_with(1'000'000, kLimit);
+  const RefinementChoices now = first_choices(kLimit);
   for (const bool are_angles_worse : {false, true}) {
-    const AfterFaces after = after_faces(now, are_angles_worse ? 100 : kAllowed + 1, are_angles_worse, facts);
+    const AfterFaces after = after_faces(now, are_angles_worse ? 100 : kLimit + 1, are_angles_worse, facts);
     EXPECT_TRUE(after.is_repeated);
     EXPECT_FALSE(after.counts);
     EXPECT_GT(after.choices.floors.floor(), now.floors.floor());
@@ -112,8 +112,8 @@ TEST(refinement_choices, a_floor_is_raised_where_faces_are_out_of_proportion_or_
 }
 
 TEST(refinement_choices, when_no_floor_is_left_there_is_a_budget) {
-  const RefinementFacts facts = facts_with(1'000'000, kAllowed);
-  RefinementChoices choices = first_choices(kAllowed);
+  const RefinementFacts facts = facts_with(1'000'000, kLimit);
+  RefinementChoices choices = first_choices(kLimit);
   int floors = 0;
   for (; !choices.has_budget; ++floors) {
     ASSERT_LT(floors, 100);

@@ -83,7 +83,8 @@ TEST(carving, points_inside_stay_corners_and_points_outside_do_not) {
 }
 
 TEST(carving, a_loop_that_runs_clockwise_is_inconsistent_or_leaves_nothing) {
-  EXPECT_EQ(carved({reversed({{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}})}).outcome, TriangulationOutcome::kInconsistentLoops);
+  EXPECT_EQ(carved({reversed({{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}})}).outcome,
+            TriangulationOutcome::kInconsistentLoops);
   // A convex loop has no triangles outside, at which the wrong direction could be noticed.
   const Carved convex = carved({reversed(square(0, 4))});
   EXPECT_EQ(convex.outcome, TriangulationOutcome::kDone);
