@@ -147,10 +147,11 @@ TEST(effort, when_attempts_have_taken_all_the_work_nothing_is_refined_and_all_is
   const std::size_t before = chain.meshes[PatchId(0)].mesh.triangle_count();
   const PatchedSurface on{chain.surface, chain.adjacency, chain.patches, 1e-6};
   const Effort spent{.triangles = kWorkOfAttempts.steps(0, goals.max_faces)};
+  RefinementChoices choices{FloorSearch(goals)};
+  choices.has_budget = true;
   const Refinement refinement =
       SurfaceRefinement(goals, {}, chain.control)
-          .refine(on, RefinementChoices(FloorSearch(goals)), spent,
-                  IdVector<PatchId, std::uint8_t>(chain.patches.count(), 0), chain.triangulated)
+          .refine(on, choices, spent, IdVector<PatchId, std::uint8_t>(chain.patches.count(), 0), chain.triangulated)
           .refinement;
   EXPECT_EQ(chain.meshes[PatchId(0)].mesh.triangle_count(), before);
   ASSERT_EQ(refinement.reason.size(), 12u);

@@ -383,7 +383,7 @@ TEST_F(service, a_slash_too_many_is_told) {
   start();
   const Answer answer = post(port_, "/v1/remesh/", "good");
   EXPECT_EQ(answer.status, 404);
-  EXPECT_NE(answer.body.find("there is /v1/remesh"), std::string::npos) << answer.body;
+  EXPECT_NE(answer.body.find("the path would be /v1/remesh"), std::string::npos) << answer.body;
   EXPECT_EQ(get(port_, "/nowhere/").body.find("slash"), std::string::npos);
 }
 

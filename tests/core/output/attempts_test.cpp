@@ -22,18 +22,19 @@ struct Case {
   Options options;
 };
 
+/// Makes a plate with a step on it that is lower than the details which are removed.
+PolygonMesh with_low_step() { return shapes::prism({{0, 0}, {4, 0}, {4, 1}, {2, 1}, {2, 1.001}, {0, 1.001}}, 1); }
+
 std::vector<Case> cases() {
   std::vector<Case> cases;
   Options fine, small_details, curved;
   fine.proximity = 1;
-  small_details.defeature_size = 0.3;
+  small_details.defeature_size = 1e-2;
   curved.elements_per_circle = 12;
   curved.circle_fit = CircleFit::kVolume;
   cases.push_back({"box", shapes::box({1, 1, 1}, 2), {}});
   cases.push_back({"thin", shapes::box({1, 1, 0.01}), fine});
-  cases.push_back({"details",
-                   shapes::joined(shapes::box({4, 4, 4}), shapes::moved(shapes::box({0.1, 0.1, 0.1}), {9, 0, 0})),
-                   small_details});
+  cases.push_back({"details", with_low_step(), small_details});
   cases.push_back({"cylinder", shapes::cylinder(48, 1, 2), curved});
   for (const hostile::Family& family : hostile::families())
     cases.push_back({std::string(family.name), family.make(120), {}});
@@ -77,9 +78,8 @@ TEST(attempts, an_attempt_depends_on_its_decisions_alone) {
 
 TEST(attempts, a_run_tells_each_attempt_in_a_line) {
   Options options;
-  options.defeature_size = 0.3;
-  const PolygonMesh mesh =
-      shapes::joined(shapes::box({4, 4, 4}), shapes::moved(shapes::box({0.1, 0.1, 0.1}), {9, 0, 0}));
+  options.defeature_size = 1e-2;
+  const PolygonMesh mesh = with_low_step();
   std::vector<std::string> lines;
   RunSettings settings;
   settings.trace = [&](const std::string& line) { lines.push_back(line); };
