@@ -190,7 +190,8 @@ TEST(effort, when_half_of_the_work_was_in_vain_patches_that_have_not_failed_are_
   const PatchedSurface on{chain.surface, chain.adjacency, chain.patches, 1e-6};
   const Effort nearly{.triangles = kWorkOfAttempts.steps(0, goals.max_faces) - 1100, .wrong = 1};
   EXPECT_TRUE(nearly.is_in_vain(goals.max_faces)) << "so an attempt is to show whether a result passes at all";
-  // The attempt after that leaves out what has failed. It makes no more faces than half of the work that is left allows.
+  // The attempt after that leaves out what has failed. It makes no more faces than half of the work that is left
+  // allows.
   RefinementChoices choices{FloorSearch(goals)};
   choices.part = RefinedPart::kRest;
   choices.has_budget = true;

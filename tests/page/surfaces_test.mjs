@@ -173,7 +173,10 @@ onPage("options of curved surfaces are hinted at, checked and sent", async (visi
   await open(shaft(), /^120 faces$/);
   await page.click(".more summary");
   const elements = "#option-elements_per_circle";
-  assert.match(await text(`${elements}-note`), /16 is usual before volume meshing; none: .* with 24 edges per turn \(3 to 1,000\)\.$/);
+  assert.match(
+    await text(`${elements}-note`),
+    /16 is usual before volume meshing; none: .* with 24 edges per turn \(3 to 1,000\)\.$/,
+  );
   const usual = await page.$eval(elements, (input) => [...input.list.options].map(({ value }) => value));
   assert.equal(usual.join(), "8,12,16,24,36");
   const sliders = (id) => page.$eval(id, (input) => input.closest(".option").querySelectorAll("[type=range]").length);

@@ -89,10 +89,10 @@ AfterFaces after_faces(const RefinementChoices& now, std::uint64_t faces, bool a
 /// Raises the floor, which an attempt has shown to be too low, or gives the next attempt a budget if no floor is left.
 RefinementChoices after_too_many_made(const RefinementChoices& now, const RefinementFacts& facts);
 
-/// The work of all attempts so far. A step is a triangle of a complete attempt. If half of the steps are spent on results that
-/// failed the check, the next attempts refine nothing, until one of them passes. Then all is refined that has never
-/// failed. The steps of searches for intersections in the checks have a bound of their own. Searches of the usual
-/// length do not come near it.
+/// The work of all attempts so far. A step is a triangle of a complete attempt. If half of the steps are spent on
+/// results that failed the check, the next attempts refine nothing, until one of them passes. Then all is refined that
+/// has never failed. The steps of searches for intersections in the checks have a bound of their own. Searches of the
+/// usual length do not come near it.
 /// Source: rules.md, Ladder.
 struct Effort {
   std::uint64_t triangles = 0;                   ///< those of complete attempts that count

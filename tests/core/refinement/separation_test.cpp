@@ -27,11 +27,10 @@ class RefinedSheets {
     const Goals goals = goals_of(options, std::sqrt(18));
     RefinementChoices choices{FloorSearch(goals)};
     choices.has_budget = choices.is_thinning_quick = true;
-    refinement_ =
-        SurfaceRefinement(goals, {}, chain_.control)
-            .refine({chain_.surface, chain_.adjacency, chain_.patches, 1e-9}, RefinementChoices(FloorSearch(goals)), {},
-                    IdVector<PatchId, std::uint8_t>(chain_.patches.count(), 0), chain_.triangulated)
-            .refinement;
+    refinement_ = SurfaceRefinement(goals, {}, chain_.control)
+                      .refine({chain_.surface, chain_.adjacency, chain_.patches, 1e-9}, choices, {},
+                              IdVector<PatchId, std::uint8_t>(chain_.patches.count(), 0), chain_.triangulated)
+                      .refinement;
     std::fill(refinement_.reason.begin(), refinement_.reason.end(), UnrefinedReason::kInputAngle);
   }
 
