@@ -146,8 +146,8 @@ class FacetJoiner {
     for (const Vec3& p : joined_.cuts.positions) joined_.with_cuts->local.push_back(joined_.with_cuts->to_local(p));
   }
 
-  /// Makes patches finer whose boundaries have moved along their surfaces. What is proven for a patch is the root of the
-  /// squares of this way and of its depth, and both have to stay within one tolerance.
+  /// Makes patches finer whose boundaries have moved along their surfaces. What is proven for a patch is the root of
+  /// the squares of this way and of its depth, and both have to stay within one tolerance.
   void leave_room_for_boundaries() {
     // The checker computes a way that is a little longer, as it is farther around outside of the surface.
     constexpr double kWay = 1.05, kRoom = 0.98, kMinShare = 0.5;

@@ -44,8 +44,8 @@ struct CutPatches {
 /// ones (refinement/adjustment/volume_fit.h).
 class VolumeOffsets {
  public:
-  /// Moves the curved surfaces, and the vertices on their boundaries, as was chosen. Everything that comes after this is
-  /// done on the moved surfaces.
+  /// Moves the curved surfaces, and the vertices on their boundaries, as was chosen. All later steps work on the moved
+  /// surfaces.
   /// Input:   `with_cuts` is the surface with the vertices of the cuts behind its own.
   /// Output:  the positions of essential vertices and cuts on the boundaries of curved patches, and the maps and limits
   ///          of these patches. Returns whether any surface is moved.
