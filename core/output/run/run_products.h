@@ -25,7 +25,8 @@
 
 namespace remesh {
 
-/// Holds the products of the steps of a run. They belong to one owner at a time: to the attempts, and then to the report.
+/// Holds the products of the steps of a run. They belong to one owner at a time: first to the attempts, then to the
+/// report.
 /// This class is larger than the bound because it has a member for each step.
 struct RunProducts {
   RunProducts(const PolygonMesh& input, const Options& options, RunControl& control)

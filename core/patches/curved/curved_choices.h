@@ -72,9 +72,9 @@ struct CurvedChoices {
 };
 
 /// Takes curved patches a rung up: first they get finer limits, and then they become facets again. If their surfaces
-/// are moved outwards, finer limits come first, then the surfaces stay where they are, and then all begins anew. A chain
-/// of neighbours that fail one after the other must not cost a step for each of them. So after some steps, patches
-/// become facets at once, and after some more, all curved patches do.
+/// are moved outwards, finer limits come first, then the surfaces stay where they are, and then all begins anew. A
+/// chain of neighbours that fail one after the other must not cost a step for each of them. So after some steps,
+/// patches become facets at once, and after some more, all curved patches do.
 /// Input: `is_patient` tells whether finer limits are worth an attempt; `are_any_moved` whether surfaces are moved
 ///        outwards; `count` is the number of all input faces.
 CurvedChoices after_faults(CurvedChoices now, std::span<const CurvedFault> faults, bool is_patient, bool are_any_moved,
