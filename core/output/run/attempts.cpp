@@ -281,8 +281,8 @@ void Attempts::triangulate() {
   count_output();
 }
 
-/// Counts the faces of the output for the bounds on memory, as far as there are any. A sample of sizes takes less than a
-/// face.
+/// Counts the faces of the output for the bounds on memory, as far as there are any. A sample of sizes takes less room
+/// than a face.
 void Attempts::count_output() {
   const std::uint64_t samples = products_->refinement ? products_->refinement->sample_count() : 0;
   control().memory().set_output(std::max(products_->candidate.triangulated.triangle_count(), samples));

@@ -22,7 +22,7 @@
 namespace remesh {
 
 /// Runs the steps of the pipeline. The outcome of an attempt is a function of the input, the options, the decisions and
-/// the effort so far. What a step has made is used again as long as the part of the decisions that it reads is the same.
+/// the effort so far. The product of a step is used again as long as the decisions that the step reads are the same.
 /// This class is larger than the bound because it has a short function for each step of the pipeline, so that the whole
 /// can be read in one place.
 class Attempts {

@@ -20,8 +20,8 @@ struct DetailChoices {
   bool operator==(const DetailChoices&) const = default;
 };
 
-/// The decisions of a run. An attempt is a function of the input, the options and these. Each step reads a part of them,
-/// and its result is used again as long as that part is the same.
+/// The decisions of a run. An attempt is a function of the input, the options and the decisions. Each step reads a part
+/// of the decisions, and its product is used again as long as that part is the same.
 struct Decisions {
   MendingLimits mending;
   DetailChoices details;
