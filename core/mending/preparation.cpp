@@ -38,7 +38,10 @@ class Preparation {
   Prepared run(Stopwatch& watch) {
     // Makes vertices with equal coordinates, or nearly equal ones, one vertex.
     watch.enter(Stage::kWeld);
-    surface() = weld(input_, options_.barriers, summary_.diagnostics, control_, options_.weld_tolerance);
+    prepared_.change([&](Surface& surface) {
+      surface = weld(input_, options_.barriers, summary_.diagnostics, control_, options_.weld_tolerance);
+      return true;
+    });
     control_.check();
     watch.enter(Stage::kQuality);
     measure();
@@ -51,7 +54,7 @@ class Preparation {
   }
 
  private:
-  Surface& surface() { return prepared_.surface; }
+  const Surface& surface() const { return prepared_.surface(); }
   const Adjacency& adjacency() { return prepared_.adjacency(control_); }
 
   void measure() {
@@ -138,75 +141,79 @@ class Preparation {
     const Repair& repair = options_.repair;
     const double tolerance = summary_.plane_tolerance / surface().unit;
     std::vector<Diagnostic>& found = summary_.diagnostics;
-    const auto if_changed = [&](bool is_changed) {
-      control_.check();
-      if (!is_changed) return;
-      prepared_.release();
-      is_as_measured_ = false;
-    };
     // Faces without area are dropped.
-    if_changed(repair.degenerate && !are_clearly_sound() &&
-               clean_faces(surface(), limits_.keep_verbatim, Mend::kYes, found, control_));
+    if (repair.degenerate && !are_clearly_sound())
+      change([&](Surface& s) { return clean_faces(s, limits_.keep_verbatim, Mend::kYes, found, control_); });
     // Faces that repeat other faces are dropped.
     const std::size_t place = found.size();
     std::vector<Diagnostic> repeated;
     // Polygons become comparable with the triangles that lie over them.
     if (repair.duplicates && limits_.is_joining_allowed)
-      if_changed(cut_covered_polygons(surface(), adjacency(), tolerance, control_));
-    const bool is_repeated =
-        drop_duplicate_faces(surface(), adjacency(), input_.labels, mend_if(repair.duplicates), repeated, control_);
-    if_changed(is_repeated);
+      change([&](Surface& s) { return cut_covered_polygons(s, adjacency(), tolerance, control_); });
+    const bool is_repeated = change([&](Surface& s) {
+      return drop_duplicate_faces(s, adjacency(), input_.labels, mend_if(repair.duplicates), repeated, control_);
+    });
     // Seams are closed. Those whose two sides have the same vertices come first, because one body's seam may lie on
     // another body's edges, and would be split there on one side only. Then edges are split at the vertices that lie on
     // them, so that each edge of the other seams gets its partner, and these seams are closed.
     Seams seams({std::min(rounding_, summary_.plane_tolerance) / surface().unit, repair.winding});
     const Mend mend_seams = mend_if(repair.seams && limits_.is_joining_allowed);
-    const bool is_joined = mend_seams == Mend::kYes && seams.close(surface(), adjacency(), mend_seams, control_);
-    if_changed(is_joined);
+    const auto close_seams = [&](Surface& s) { return seams.close(s, adjacency(), mend_seams, control_); };
+    const bool is_joined = mend_seams == Mend::kYes && change(close_seams);
     const Mend mend_t_junctions = mend_if(repair.t_junctions && limits_.is_joining_allowed);
     bool is_split = split_at_vertices(tolerance, mend_t_junctions);
-    if_changed(is_split);
     // If vertices are welded within a tolerance, vertices within it of an edge belong on that edge, too. The smaller
     // tolerance comes first, because it also splits thin faces.
     if (const double near = options_.weld_tolerance / surface().unit;
         near > tolerance && mend_t_junctions == Mend::kYes) {
       const bool is_split_again = split_at_vertices(near, mend_t_junctions);
-      if_changed(is_split_again);
       is_split = is_split || is_split_again;
     }
-    const bool is_joined_again =
-        (is_split || mend_seams == Mend::kNo) && seams.close(surface(), adjacency(), mend_seams, control_);
-    if_changed(is_joined_again);
+    const bool is_joined_again = (is_split || mend_seams == Mend::kNo) && change(close_seams);
     seams.tell(found);
     // Faces on both sides of a seam, or of edges that were split, may repeat each other now, because only since then do
     // they have the same vertices.
-    if ((is_joined || is_split || is_joined_again) && repair.duplicates &&
-        drop_new_duplicates(repeated, is_repeated ? 1 : 0))
-      if_changed(true);
+    if ((is_joined || is_split || is_joined_again) && repair.duplicates)
+      drop_new_duplicates(repeated, is_repeated ? 1 : 0);
     found.insert(found.begin() + static_cast<std::ptrdiff_t>(place), repeated.begin(), repeated.end());
     // Double walls get separate edges on each side.
     if (repair.duplicates && limits_.is_joining_allowed)
-      if_changed(part_double_walls(surface(), adjacency(), input_.labels, tolerance, limits_.keep_verbatim, control_));
+      change([&](Surface& s) {
+        return part_double_walls(s, adjacency(), input_.labels, tolerance, limits_.keep_verbatim, control_);
+      });
     // Faces without a plane are split, and faces without area are dropped. Neither opens the surface.
     std::vector<Diagnostic> mended;
-    const bool is_mended =
-        !are_clearly_sound() && mend_faces(surface(), tolerance, limits_.keep_verbatim, mend_if(repair.degenerate),
-                                           mended, control_, spike_rounding_ / surface().unit);
+    const bool is_mended = !are_clearly_sound() && change([&](Surface& s) {
+      return mend_faces(s, tolerance, limits_.keep_verbatim, mend_if(repair.degenerate), mended, control_,
+                        spike_rounding_ / s.unit);
+    });
     for (Diagnostic& d : mended) add_to(found, std::move(d));
-    if_changed(is_mended);
     if (is_mended) prepared_.without_area = faces_without_area(surface(), control_);
     // Neighbours get the same orientation. Closed shells get the right orientation if that is asked for.
-    if_changed(unify_winding(surface(), adjacency(), input_.labels, mend_if(repair.winding), found, control_));
+    change([&](Surface& s) {
+      return unify_winding(s, adjacency(), input_.labels, mend_if(repair.winding), found, control_);
+    });
     const Mend mend_holes = mend_if(repair.holes && limits_.is_joining_allowed);
     const HoleRules rules{mend_holes, options_.max_hole_edges, options_.defeature_size.value_or(0),
                           summary_.statistics.bounding_box.diagonal(), summary_.plane_tolerance};
-    const bool are_closed = close_holes(surface(), adjacency(), input_.labels, rules, found, holes_left_, control_);
+    const bool are_closed = change(
+        [&](Surface& s) { return close_holes(s, adjacency(), input_.labels, rules, found, holes_left_, control_); });
     if (repair.holes && !limits_.is_joining_allowed)
       holes_left_ += "; none was closed, because the result with the new faces failed its own check";
-    if_changed(are_closed);
     if (are_closed && !prepared_.without_area.empty()) prepared_.without_area = faces_without_area(surface(), control_);
     if (!is_solid())
-      if_changed(turn_inside_out(surface(), adjacency(), input_.labels, mend_if(repair.inside_out), found, control_));
+      change([&](Surface& s) {
+        return turn_inside_out(s, adjacency(), input_.labels, mend_if(repair.inside_out), found, control_);
+      });
+  }
+
+  /// Changes the surface by one kind of mending. Returns whether it has changed.
+  template <class Mending>
+  bool change(const Mending& mending) {
+    const bool is_changed = prepared_.change(mending);
+    control_.check();
+    if (is_changed) is_as_measured_ = false;
+    return is_changed;
   }
 
   /// The Euler number of the surface as it is now.
@@ -217,8 +224,9 @@ class Preparation {
 
   bool split_at_vertices(double tolerance, Mend mend) {
     std::vector<Diagnostic> told;
-    const bool is_changed =
-        split_t_junctions(surface(), adjacency(), tolerance, limits_.keep_verbatim, mend, told, control_);
+    const bool is_changed = change([&](Surface& s) {
+      return split_t_junctions(s, adjacency(), tolerance, limits_.keep_verbatim, mend, told, control_);
+    });
     for (Diagnostic& d : told) add_to(summary_.diagnostics, std::move(d));
     return is_changed;
   }
@@ -227,19 +235,22 @@ class Preparation {
   /// some parts of two copies have become one.
   /// Input:   `told` has the diagnostics on repeated faces so far. The first `dropped` of them are on faces that were
   ///          dropped.
-  /// Output:  whether the surface changed. If it did, `told` has the diagnostics on both passes.
-  bool drop_new_duplicates(std::vector<Diagnostic>& told, std::size_t dropped) {
+  /// Output:  if the surface changed, `told` has the diagnostics on both passes.
+  void drop_new_duplicates(std::vector<Diagnostic>& told, std::size_t dropped) {
     std::vector<Diagnostic> all, again;
-    drop_duplicate_faces(surface(), adjacency(), input_.labels, Mend::kNo, all, control_);
-    if (all.empty()) return false;
+    prepared_.change(
+        [&](Surface& s) { return drop_duplicate_faces(s, adjacency(), input_.labels, Mend::kNo, all, control_); });
+    if (all.empty()) return;
     Surface without = surface();
-    if (!drop_duplicate_faces(without, adjacency(), input_.labels, Mend::kYes, again, control_)) return false;
+    if (!drop_duplicate_faces(without, adjacency(), input_.labels, Mend::kYes, again, control_)) return;
     const Adjacency edges(without.vertex_count(), without.face_begin, without.corners, control_);
-    if (edges.odd_edges().size() > adjacency().odd_edges().size()) return false;
-    surface() = std::move(without);
+    if (edges.odd_edges().size() > adjacency().odd_edges().size()) return;
+    change([&](Surface& s) {
+      s = std::move(without);
+      return true;
+    });
     told.resize(dropped);
     for (Diagnostic& d : again) add_to(told, std::move(d));
-    return true;
   }
 
   /// Adds a finding to the diagnostic with the same message. If there is none, appends the finding to the list.
@@ -299,19 +310,20 @@ class Preparation {
 }  // namespace
 
 const Adjacency& Prepared::adjacency(RunControl& control) {
-  if (!adjacency_)
-    adjacency_ = std::make_unique<Adjacency>(surface.vertex_count(), surface.face_begin, surface.corners, control);
-  return *adjacency_;
+  if (!derived_.adjacency)
+    derived_.adjacency =
+        std::make_unique<Adjacency>(surface_.vertex_count(), surface_.face_begin, surface_.corners, control);
+  return *derived_.adjacency;
 }
 
 const FaceGeometries& Prepared::geometry(RunControl& control) {
-  if (geometry_.empty()) geometry_ = face_geometry(surface, control);
-  return geometry_;
+  if (derived_.geometry.empty()) derived_.geometry = face_geometry(surface_, control);
+  return derived_.geometry;
 }
 
 const std::vector<VertexId>& Prepared::pinched(RunControl& control) {
-  if (!pinched_) pinched_ = pinched_vertices(surface, adjacency(control), control);
-  return *pinched_;
+  if (!derived_.pinched) derived_.pinched = pinched_vertices(surface_, adjacency(control), control);
+  return *derived_.pinched;
 }
 
 Prepared prepare(const PolygonMesh& input, const Options& options, const MendingLimits& limits, InputSummary& summary,

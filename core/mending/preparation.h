@@ -20,10 +20,10 @@
 
 namespace remesh {
 
-/// The surface on which the later stages work, and the data about it that they need.
+/// The surface on which the later stages work, and what they need to know of it. What is derived from the surface is
+/// computed at the first call, and cannot outlive a change of the surface.
 class Prepared {
  public:
-  Surface surface;
   std::vector<FaceId> without_area;  ///< faces without area that were not dropped
   /// The steps of decimals that explain the tolerance, per axis and in model units; 0 if none do.
   Vec3 printed_steps = {};
@@ -34,34 +34,43 @@ class Prepared {
   /// The step to which the coordinates may have been rounded, proven or not, in model units.
   double printed_step = 0;
 
-  /// Data about the surface. It is computed at the first call.
+  const Surface& surface() const { return surface_; }
+  /// Calls `change` with the surface, which it may change.
+  /// Input:  `change` returns whether it has changed the surface.
+  /// Output: the same.
+  template <class Change>
+  bool change(const Change& change) {
+    const bool is_changed = change(surface_);
+    if (is_changed) derived_ = {};
+    return is_changed;
+  }
+
   const Adjacency& adjacency(RunControl& control);
   const FaceGeometries& geometry(RunControl& control);
   const std::vector<VertexId>& pinched(RunControl& control);  ///< see pinched_vertices
-  /// Frees the data. Call it if the surface has changed, or if the data is unlikely to be needed again: together the
-  /// data is as large as the surface.
-  void release() {
-    order_ = {};
-    adjacency_.reset();
-    pinched_.reset();
-    release_geometry();
-  }
-  void release_geometry() { geometry_ = {}; }
-  void release_adjacency() { adjacency_.reset(); }
+  // These free memory where the data is unlikely to be needed again: together the data is as large as the surface.
+  void free_derived() { derived_ = {}; }
+  void free_geometry() { derived_.geometry = {}; }
+  void free_adjacency() { derived_.adjacency.reset(); }
   /// Frees the data except the order of the half-edges, which the check would have to compute again.
-  void release_all_but_order() {
-    auto order = adjacency_ ? std::move(*adjacency_).take_order() : std::move(order_);
-    release();
-    order_ = std::move(order);
+  void free_all_but_order() {
+    Derived left;
+    left.order = derived_.adjacency ? std::move(*derived_.adjacency).take_order() : std::move(derived_.order);
+    derived_ = std::move(left);
   }
-  /// The surface's half-edges by (smaller vertex, larger vertex, half-edge). Available after release_all_but_order().
-  std::span<const std::uint32_t> order() const { return order_; }
+  /// The surface's half-edges by (smaller vertex, larger vertex, half-edge). Available after free_all_but_order().
+  std::span<const std::uint32_t> order() const { return derived_.order; }
 
  private:
-  std::unique_ptr<Adjacency> adjacency_;
-  std::vector<std::uint32_t, DefaultInit<std::uint32_t>> order_;
-  FaceGeometries geometry_;
-  std::optional<std::vector<VertexId>> pinched_;
+  struct Derived {
+    std::unique_ptr<Adjacency> adjacency;
+    std::vector<std::uint32_t, DefaultInit<std::uint32_t>> order;
+    FaceGeometries geometry;
+    std::optional<std::vector<VertexId>> pinched;
+  };
+
+  Surface surface_;
+  Derived derived_;
 };
 
 /// The part of the report that is about the input.

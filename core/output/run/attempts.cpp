@@ -232,8 +232,10 @@ bool Attempts::remove_details(const FaceMarks& kept) {
                       made.candidate, made.detail_limits, made.removed, made.watch, control());
   if (!replaced) return false;
   made.spent.add(*replaced);
-  made.prepared.release();
-  made.prepared.surface = std::move(replaced->surface);
+  made.prepared.change([&](Surface& surface) {
+    surface = std::move(replaced->surface);
+    return true;
+  });
   made.prepared.without_area = std::move(replaced->without_area);
   made.report.plane_tolerance = made.detail_limits.plane_tolerance;
   control().memory().set_input(std::max(counted_faces(made.input), counted_faces(surface())));
@@ -458,7 +460,7 @@ void Attempts::refuse_if_too_large() const {
 /// New vertices that have the same place are moved apart first, or if the check has failed.
 void Attempts::check_candidate(const RefinementChoices& choices, Outcome& outcome) {
   RunProducts& made = *products_;
-  made.prepared.release_all_but_order();
+  made.prepared.free_all_but_order();
   made.watch.enter(Stage::kVerify);
   const InputIntersections known = made.intersections();
   const std::vector<CurvedClaim> curved_claims = claims_of(made.joined.curved(), curved_goals_);
@@ -480,7 +482,7 @@ void Attempts::check_candidate(const RefinementChoices& choices, Outcome& outcom
       against.measure_sizes = [&](Candidate& candidate) {
         made.refinement->measure_sizes(made.patched(known), choices, refined_, candidate.refinement,
                                        candidate.triangulated);
-        made.prepared.release_adjacency();
+        made.prepared.free_adjacency();
       };
     made.report.verified = check(made.candidate, against, control());
     outcome.search_steps += made.report.verified.search_steps;

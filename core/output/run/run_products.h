@@ -52,7 +52,7 @@ struct RunProducts {
   std::uint64_t size_steps = 0;                     ///< of all searches for gaps
   Candidate candidate;
 
-  const Surface& surface() const { return prepared.surface; }
+  const Surface& surface() const { return prepared.surface(); }
   /// Returns the surface with the vertices between which boundaries were cut anew.
   const Surface& with_cuts() const { return joined.with_cuts ? *joined.with_cuts : surface(); }
   const Adjacency& adjacency() { return prepared.adjacency(control); }

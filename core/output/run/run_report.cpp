@@ -113,7 +113,7 @@ class RunReporter {
     run_.report.surfaces.join_bands();
     for (std::size_t p = 0; p < run_.candidate.triangulated.meshes.size(); ++p)
       run_.report.patches[p].output_faces = run_.candidate.triangulated.meshes[PatchId(p)].mesh.triangle_count();
-    run_.prepared.release();
+    run_.prepared.free_derived();
     tell_curves({[&](PatchId p) { return static_cast<double>(run_.report.patches[p.value].output_faces); }});
     if (!run_.report.verified.are_all_intersections_known) warn_of_many_intersections(run_.report.diagnostics);
   }

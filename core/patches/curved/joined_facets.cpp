@@ -57,7 +57,7 @@ class FacetJoiner {
         control_(control) {}
 
   JoinedFacets run() {
-    const Surface& surface = prepared_.surface;
+    const Surface& surface = prepared_.surface();
     if (choices_.are_any())
       for (FaceId f(0); f.value < surface.face_count(); ++f.value)
         curved_rungs_.push_back(choices_.rung_of(surface.covered(f)));
@@ -89,7 +89,7 @@ class FacetJoiner {
   const Adjacency& adjacency() { return prepared_.adjacency(control_); }
 
   void join(std::span<const CurvedLimits> limits) {
-    const Surface& surface = prepared_.surface;
+    const Surface& surface = prepared_.surface();
     curved() = join_curved_facets(surface, adjacency(), partition_.patches, recognised_, goals_.feature_angle_deg,
                                   limits, curved_rungs_, control_);
     if (curved().has_any())
@@ -99,7 +99,7 @@ class FacetJoiner {
   void move_outside() {
     joined_.outside.emplace();
     const bool are_any_moved = joined_.outside->move_outside(
-        {prepared_.surface, adjacency(), partition_.patches, partition_.loops, joined_.cuts, rungs_.is_forced},
+        {prepared_.surface(), adjacency(), partition_.patches, partition_.loops, joined_.cuts, rungs_.is_forced},
         choices_.offsets, curved(), *joined_.with_cuts, control_);
     if (!are_any_moved) joined_.outside.reset();
   }
@@ -131,7 +131,7 @@ class FacetJoiner {
     // Two legs of a right angle enclose the smallest angle that is allowed.
     const double max_length_per_width =
         measures_.min_angle_deg > 0 ? 1 / std::tan(measures_.min_angle_deg * std::numbers::pi / 180) : HUGE_VAL;
-    joined_.cuts = cut_curves({prepared_.surface, prepared_.adjacency(control_), partition_.patches, partition_.loops,
+    joined_.cuts = cut_curves({prepared_.surface(), prepared_.adjacency(control_), partition_.patches, partition_.loops,
                                partition_.essential, rungs_.is_forced, prepared_.pinched(control_)},
                               surfaces,
                               {kRecognitionTolerance * prepared_.rounding_tolerance,
@@ -139,7 +139,7 @@ class FacetJoiner {
                               control_);
     partition_.essential = joined_.cuts.essential;
     leave_room_for_boundaries();
-    joined_.with_cuts = prepared_.surface;
+    joined_.with_cuts = prepared_.surface();
     joined_.with_cuts->positions.change([&](std::vector<Vec3>& all) {
       all.insert(all.end(), joined_.cuts.positions.begin(), joined_.cuts.positions.end());
     });
@@ -209,7 +209,7 @@ class FacetJoiner {
 
 RecognisedSurfaces recognise_facets(const Partition& partition, Prepared& prepared, const Options& options,
                                     double plane_tolerance, RunControl& control) {
-  const Surface& surface = prepared.surface;
+  const Surface& surface = prepared.surface();
   const Adjacency& adjacency = prepared.adjacency(control);
   std::optional<EssentialVertices> unforced;
   if (options.keep_boundary_vertices)

@@ -24,7 +24,7 @@ std::vector<PatchId> find_patches_with_thin_faces(const FaceGeometries& geometry
 
 Partition make_partition(Prepared& prepared, double plane_tolerance, const Options& options, const SurfaceRungs& rungs,
                          Regions& regions, Stopwatch& watch, RunControl& control) {
-  const Surface& surface = prepared.surface;
+  const Surface& surface = prepared.surface();
   const double tolerance = plane_tolerance / surface.unit;
   const Adjacency& adjacency = prepared.adjacency(control);
   Partition result;
@@ -40,7 +40,7 @@ Partition make_partition(Prepared& prepared, double plane_tolerance, const Optio
   const std::vector<double> areas = patch_areas(result.patches, prepared.geometry(control), control);
   result.with_thin_faces = find_patches_with_thin_faces(prepared.geometry(control), result.patches, tolerance, control);
   // Most runs do not come back here, and the geometry is as large as all the rest of the surface.
-  prepared.release_geometry();
+  prepared.free_geometry();
   // Section 4: find their boundaries, and the vertices on these that cannot be left out.
   watch.enter(Stage::kLoops);
   result.loops = boundary_loops(surface, adjacency, result.patches, control);
@@ -54,7 +54,7 @@ Partition make_partition(Prepared& prepared, double plane_tolerance, const Optio
 
 PatchSet take_joined_patches(Partition& partition, Prepared& prepared, CurvedPatches& joined, double plane_tolerance,
                              const SurfaceRungs& rungs, RunControl& control) {
-  const Surface& surface = prepared.surface;
+  const Surface& surface = prepared.surface();
   const Adjacency& adjacency = prepared.adjacency(control);
   const double tolerance = plane_tolerance / surface.unit;
   PatchSet before = std::exchange(partition.patches, std::move(joined.patches));
