@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "core/base/number_text.h"
 #include "core/base/work_bound.h"
 
 namespace remesh {
@@ -149,8 +150,15 @@ Effort for_another_surface(const Effort& before) {
 }
 
 std::string line_of_trace(const Decisions& now, const Outcome& outcome, const std::optional<Decisions>& next) {
+  const RefinementFacts& facts = outcome.facts;
   std::string line = name(outcome.end);
-  if (outcome.faces) line += ", " + std::to_string(*outcome.faces) + " faces";
+  if (outcome.faces)
+    line += ", " + std::to_string(*outcome.faces) + " faces";
+  else if (outcome.end == Outcome::End::kFloorTooLow || outcome.end == Outcome::End::kTooManyMade)
+    line += ", about " + number_text(facts.predicted, 2) + " faces predicted";
+  if (next && facts.is_floor_automatic && outcome.faces)
+    line += " where " + std::to_string(facts.faces_without_floor) + " are in proportion";
+  if (outcome.are_angles_worse) line += ", angles are worse than before refinement";
   if (!outcome.failed.empty()) line += ", " + std::to_string(outcome.failed.size()) + " patches failed";
   if (!outcome.faults.empty()) line += ", " + std::to_string(outcome.faults.size()) + " curved patches may be at fault";
   if (!outcome.reason.empty()) line += ": " + outcome.reason;
