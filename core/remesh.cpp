@@ -13,6 +13,7 @@
 #include "core/output/run/attempts.h"
 #include "core/output/run/learn.h"
 #include "core/output/run/run_report.h"
+#include "core/output/run/trace.h"
 
 namespace remesh {
 namespace {
@@ -22,11 +23,11 @@ namespace {
 Result remesh_by_attempts(Attempts attempts, const RunSettings& settings) {
   Decisions decisions = attempts.first_decisions();
   Effort effort;
-  for (;;) {
+  for (int number = 1;; ++number) {
     const Outcome outcome = attempts.attempt(decisions, effort);
     effort = spent(effort, decisions, outcome);
     std::optional<Decisions> next = learn(decisions, outcome, effort);
-    if (settings.trace) settings.trace(line_of_trace(decisions, outcome, next));
+    if (settings.trace) settings.trace(line_of_trace(number, decisions, outcome, next));
     if (!next && outcome.end != Outcome::End::kVerified) throw attempts.failure(outcome);
     if (!next) return make_result(attempts.take_products(), settings);
     if (next->mending != decisions.mending) effort = for_another_surface(effort);

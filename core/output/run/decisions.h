@@ -1,7 +1,6 @@
 /// All that a run decides about how its surface is remeshed. There is no geometry here.
 #pragma once
 
-#include <string>
 #include <vector>
 
 #include "core/mending/preparation.h"
@@ -32,8 +31,5 @@ struct Decisions {
 
   explicit Decisions(const FloorSearch& floors) : refinement(floors) {}
 };
-
-/// Returns in one line, in words, what is decided differently in `next`. The line is empty if nothing is.
-std::string difference(const Decisions& now, const Decisions& next);
 
 }  // namespace remesh

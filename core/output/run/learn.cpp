@@ -148,25 +148,4 @@ Effort for_another_surface(const Effort& before) {
   return after;
 }
 
-std::string line_of_trace(const Decisions& now, const Outcome& outcome, const std::optional<Decisions>& next) {
-  const RefinementFacts& facts = outcome.facts;
-  std::string line = name(outcome.end);
-  if (outcome.end == Outcome::End::kTooManyFaces && facts.is_floor_automatic &&
-      *outcome.faces <= facts.faces_without_floor)
-    line = outcome.are_angles_worse ? "angles_worse" : "lower_floor_possible";
-  if (outcome.faces)
-    line += ", " + std::to_string(*outcome.faces) + " faces";
-  else if (outcome.end == Outcome::End::kFloorTooLow || outcome.end == Outcome::End::kTooManyMade)
-    line +=
-        ", about " + std::to_string(static_cast<std::uint64_t>(std::min(facts.predicted, 1e15))) + " faces predicted";
-  if (next && facts.is_floor_automatic && outcome.faces)
-    line += " where " + std::to_string(facts.faces_without_floor) + " are in proportion";
-  if (outcome.are_angles_worse) line += ", with worse angles than before refinement";
-  if (!outcome.failed.empty()) line += ", " + std::to_string(outcome.failed.size()) + " patches failed";
-  if (!outcome.faults.empty()) line += ", " + std::to_string(outcome.faults.size()) + " curved patches may be at fault";
-  if (!outcome.reason.empty()) line += ": " + outcome.reason;
-  if (next) return line + " -> " + difference(now, *next);
-  return line + (outcome.end == Outcome::End::kVerified ? "" : " -> nothing is left to be tried");
-}
-
 }  // namespace remesh

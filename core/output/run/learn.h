@@ -2,7 +2,6 @@
 #pragma once
 
 #include <optional>
-#include <string>
 
 #include "core/output/run/decisions.h"
 #include "core/output/run/outcome.h"
@@ -23,8 +22,5 @@ Effort spent(const Effort& before, const Decisions& now, const Outcome& outcome)
 
 /// Returns the work that counts after the input was mended anew.
 Effort for_another_surface(const Effort& before);
-
-/// Returns what an attempt has shown and what was decided after it, in one line for people.
-std::string line_of_trace(const Decisions& now, const Outcome& outcome, const std::optional<Decisions>& next);
 
 }  // namespace remesh

@@ -59,7 +59,4 @@ struct Outcome {
   std::optional<std::uint64_t> max_in_vain;  ///< see Effort
 };
 
-/// The stable name of an end.
-std::string name(Outcome::End end);
-
 }  // namespace remesh

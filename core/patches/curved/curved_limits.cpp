@@ -87,8 +87,9 @@ std::vector<CurvedLimits> curved_limits(const Surface& surface, const PatchSet& 
     const double own = std::max(s.input_chord_height, plane_tolerance);
     const double excused = std::max(s.explained_height, plane_tolerance);
     const double turn = elements ? 2 * kHalfTurn / *elements : kMaxTurn;
-    double tolerance = asked.value_or(excused);
-    if (elements) tolerance += radii[i] * (1 - std::cos(turn / 2));
+    // A chord of the number of edges that is asked for. Its ends may be corners of the input that are off the surface.
+    const double chord = elements ? radii[i] * (1 - std::cos(turn / 2)) : 0;
+    double tolerance = asked.value_or(excused) + chord;
     if (tolerance < own) continue;
     CurvedLimits& of_surface = limits[i];
     of_surface.tolerance = tolerance;
@@ -120,7 +121,7 @@ std::vector<CurvedLimits> curved_limits(const Surface& surface, const PatchSet& 
     // bound is the root of the sum of their squares. Boundaries that stay are as deep as the input's facets.
     // Pieces that are finer than the facets are as far from them as the facets are deep.
     const double of_circles =
-        std::max({kDepthShare * tolerance, tolerance - asked.value_or(excused), std::min(own, tolerance)});
+        std::max({kDepthShare * tolerance, std::min(chord + off, tolerance), std::min(own, tolerance)});
     const double depth = std::max(below * of_circles, std::min(own, kDepthShare * tolerance));
     const double sideways = std::sqrt(tolerance * tolerance - depth * depth);
     of_surface.max_height = std::min(of_surface.max_height, depth + plane_tolerance);

@@ -36,6 +36,7 @@ RefinementChoices after_too_many_made(const RefinementChoices& now, const Refine
     next.floors.note_too_many();
   } else {
     next.has_budget = next.is_thinning_quick = true;
+    next.budget = budget_of(now, facts.max_faces);
   }
   return next;
 }
@@ -62,6 +63,7 @@ AfterFaces after_faces(const RefinementChoices& now, std::uint64_t faces, bool a
   if (!now.has_budget) {
     // The attempt failed by its number of faces alone. The next one may make all faces that are allowed.
     next.has_budget = true;
+    next.budget = budget_of(now, facts.max_faces);
     next.is_thinning_quick = now.is_thinning_quick || static_cast<double>(facts.max_faces) > kFewFaces;
     after.counts = false;
     return after;

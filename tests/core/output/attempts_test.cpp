@@ -9,6 +9,7 @@
 
 #include "core/output/run/learn.h"
 #include "core/output/run/run_report.h"
+#include "core/output/run/trace.h"
 #include "core/remesh.h"
 #include "tests/support/hostile_families.h"
 #include "tests/support/shapes.h"
@@ -51,7 +52,7 @@ std::pair<Decisions, Effort> decide(const Case& of, std::vector<std::string>& tr
     const Outcome outcome = attempts.attempt(decisions, effort);
     const Effort after = spent(effort, decisions, outcome);
     const std::optional<Decisions> next = learn(decisions, outcome, after);
-    trace.push_back(line_of_trace(decisions, outcome, next));
+    trace.push_back(line_of_trace(static_cast<int>(trace.size()) + 1, decisions, outcome, next));
     if (!next) return {decisions, effort};
     effort = next->mending == decisions.mending ? after : for_another_surface(after);
     decisions = *next;
@@ -86,8 +87,9 @@ TEST(attempts, a_run_tells_each_attempt_in_a_line) {
   RunControl control;
   const Result result = remesh_surface(mesh, options, settings, control);
   ASSERT_GE(lines.size(), 2u);
-  EXPECT_EQ(lines.front(), "details_removed -> the surface without these details is divided");
-  EXPECT_EQ(lines.back(), "verified, " + std::to_string(result.mesh.faces.size()) + " faces");
+  EXPECT_EQ(lines.front(), "attempt 1: details were removed -> next: divide the surface without them");
+  EXPECT_EQ(lines.back(), "attempt " + std::to_string(lines.size()) + ": verified, " +
+                              std::to_string(result.mesh.faces.size()) + " faces");
 }
 
 }  // namespace

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/output/run/trace.h"
 #include "core/patches/planar/coplanar_regions.h"
 
 namespace remesh {
@@ -88,33 +89,33 @@ std::vector<Row> rows() {
   Outcome whole = with_failure(outcome_of(End::kCheckFailed), 2);
   whole.is_whole_wrong = true;
   return {
-      {"details", first(), outcome_of(End::kSurfaceReplaced), "the surface without these details is divided"},
+      {"details", first(), outcome_of(End::kSurfaceReplaced), "divide the surface without them"},
       {"triangulation", first(), with_failure(outcome_of(End::kPatchesFailed), 2),
-       "2 input faces are divided by a tighter tolerance"},
-      {"in_vain", first(), outcome_of(End::kWorkInVain), "nothing is refined until a result passes"},
-      {"floor_predicted", first(), outcome_of(End::kFloorTooLow), "min_edge_length is 0.000976562"},
-      {"floor_made", first(), too_many, "min_edge_length is 0.000976562"},
-      {"floor_made_soon", first(), outcome_of(End::kTooManyMade), "min_edge_length is 0.000976562"},
-      {"budget", first(), far_too_many, "the faces get a budget"},
-      {"gaps", first(), gaps, "gaps ask for no size below 0.5"},
-      {"coarser", first(), coarser, "3 input faces stay facets because these are coarser"},
+       "divide 2 input faces into smaller patches"},
+      {"in_vain", first(), outcome_of(End::kWorkInVain), "refine nothing until a result passes the check"},
+      {"floor_predicted", first(), outcome_of(End::kFloorTooLow), "min_edge_length 0.000976562"},
+      {"floor_made", first(), too_many, "min_edge_length 0.000976562"},
+      {"floor_made_soon", first(), outcome_of(End::kTooManyMade), "min_edge_length 0.000976562"},
+      {"budget", first(), far_too_many, "stop refining at 999024 faces, apart from edges that must be cut"},
+      {"gaps", first(), gaps, "no sizes below 0.5 because of gaps"},
+      {"coarser", first(), coarser, "keep 3 input faces as flat facets"},
       {"fault", first(), with_fault(with_failure(outcome_of(End::kCheckFailed), 2), 3),
-       "1 input faces are joined within finer limits"},
+       "remesh 1 input face of curved surfaces more finely"},
       {"fault_again", tightened, with_fault(with_failure(outcome_of(End::kCheckFailed), 2), 3),
-       "1 input faces become facets"},
-      {"fault_by_default", first(), by_default, "1 input faces become facets"},
-      {"offsets", first(), offsets, "surfaces are moved outwards by better offsets"},
-      {"offsets_impossible", first(), impossible, "1 input faces are joined within finer limits"},
-      {"freeze", first(), with_failure(outcome_of(End::kCheckFailed), 2), "2 input faces stay unrefined"},
+       "keep 1 input face as flat facets"},
+      {"fault_by_default", first(), by_default, "keep 1 input face as flat facets"},
+      {"offsets", first(), offsets, "correct the offsets of curved surfaces (round 1)"},
+      {"offsets_impossible", first(), impossible, "remesh 1 input face of curved surfaces more finely"},
+      {"freeze", first(), with_failure(outcome_of(End::kCheckFailed), 2), "leave 2 input faces unrefined"},
       {"frozen_in_vain", first(), with_failure(outcome_of(End::kCheckFailed), 2, true),
-       "2 input faces are divided by a tighter tolerance"},
-      {"whole", first(), whole, "2 input faces are divided by a tighter tolerance"},
+       "divide 2 input faces into smaller patches"},
+      {"whole", first(), whole, "divide 2 input faces into smaller patches"},
       {"passes_unrefined", nothing_yet, outcome_of(End::kVerified),
-       "what has never failed is refined, 1 input faces stay unrefined"},
+       "refine what has never failed, leave 1 input face unrefined"},
       {"rest_failed", rest, with_failure(outcome_of(End::kCheckFailed), 2, true),
-       "nothing is refined, 2 input faces stay unrefined"},
+       "refine nothing, leave 2 input faces unrefined"},
       {"exhausted", on_last_rung, with_failure(outcome_of(End::kPatchesFailed), 2),
-       "2 input faces are copied verbatim, all else begins anew"},
+       "copy 2 input faces as they are, begin anew"},
   };
 }
 
