@@ -108,8 +108,8 @@ TEST_F(store_pressure, a_call_waits_for_a_lock_until_its_deadline_and_not_longer
   EXPECT_THROW(store->claim("worker", kAnyMemory), StoreError);
   EXPECT_FALSE(store->is_well());
   EXPECT_EQ(state(*store, id), JobState::kQueued) << "reading goes on";
-  // It would wait for 20 s each time without deadlines. The rest is for other work on the machine.
-  EXPECT_LT(Clock::now() - start, std::chrono::seconds(10));
+  // They take 3 s. It would wait for 20 s each time without deadlines.
+  test::expect_sooner_than(std::chrono::seconds(20), Clock::now() - start);
   other->roll_back();
   EXPECT_EQ(work(*store), id);
 }
@@ -123,7 +123,8 @@ TEST_F(store_pressure, the_calls_of_one_request_share_a_deadline) {
     const SharedStoreDeadline deadline(start + milliseconds(200));
     for (int i = 0; i < 40; ++i) EXPECT_THROW(submit(*store), StoreError);
   }
-  EXPECT_LT(Clock::now() - start, std::chrono::seconds(5)) << "40 calls with 5 s each would take 200 s";
+  // 40 calls with 5 s each would take 200 s.
+  test::expect_sooner_than(std::chrono::minutes(2), Clock::now() - start);
   other->roll_back();
 }
 
