@@ -13,6 +13,7 @@
 #include "server/jobs/sql_store.h"
 #include "server/work/request_registry.h"
 #include "tests/jobs/store_fixture.h"
+#include "tests/support/time_limit.h"
 
 namespace remesh::server::jobs {
 namespace {
