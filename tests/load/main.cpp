@@ -9,7 +9,8 @@
 
 int main(int argc, char** argv) {
   const std::string scenario = argc > 1 ? argv[1] : "";
-  std::map<std::string, double> options{{"--connections", 512}, {"--seconds", 60}, {"--requests", 100'000}, {"--judge-times", 1}};
+  std::map<std::string, double> options{
+      {"--connections", 512}, {"--seconds", 60}, {"--requests", 100'000}, {"--judge-times", 1}};
   for (int i = 2; i + 1 < argc; i += 2) {
     if (options.count(argv[i]) == 0) {
       std::fprintf(stderr, "unknown option %s\n", argv[i]);

@@ -2,8 +2,9 @@
 ///
 /// A test must pass on a machine that is slow or busy, so what must be fast is held by time of the processor, which
 /// other programs do not lengthen (`expect_within`, `processor_time`). Where it may be too much once by accident, the
-/// least of ten attempts counts (`expect_best_within`). Elapsed time is bounded only where a fault makes the work wait
-/// for something else, such as a time limit, which takes half a minute longer at least (`expect_sooner_than`).
+/// least of ten attempts counts (`expect_best_within`). Elapsed time is compared only with what the same test has
+/// measured, or where a fault makes the work wait for something else, such as a time limit, which takes half a minute
+/// longer (`expect_sooner_than`).
 #pragma once
 
 #include <gtest/gtest.h>
@@ -55,7 +56,7 @@ void expect_within(Seconds bound, Work&& work, const std::string& what = {}, con
 }
 
 /// Expects that the shortest of at most ten attempts takes less than `bound`. It stops at the first one that does.
-/// Input:  `attempt` returns the processor's time that it took.
+/// Input:  `attempt` returns the time that it took: the processor's, unless the bound was measured in the same test.
 template <std::invocable Attempt>
 void expect_best_within(Seconds bound, Attempt&& attempt, const std::string& what = {},
                         const char* file = __builtin_FILE(), int line = __builtin_LINE()) {
