@@ -26,7 +26,8 @@ inline std::string code_of(const Answer& answer) {
 
 /// Does what the body says. "block" blocks until the stub is released or told to stop, and "deaf" blocks until it is
 /// released only. "hungry" takes 512 MiB the first time, a little at a time, and ends when it is told to stop. "throw",
-/// "no memory", "line 3" and an empty body end with an error each. For any other body, the answer describes the request.
+/// "no memory", "line 3" and an empty body end with an error each. For any other body, the answer describes the
+/// request.
 class Stub {
  public:
   api::Response operator()(const api::Request& request, const api::Limits&, RunControl& control) {
