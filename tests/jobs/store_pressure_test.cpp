@@ -235,14 +235,14 @@ TEST_F(store_pressure, a_size_that_its_pieces_contradict_is_noticed) {
 
 TEST_F(store_pressure, results_that_take_longer_to_delete_than_a_call_may_take_are_deleted) {
   StoreRules rules;
+  rules.timeout = milliseconds(1500);
   rules.result_ttl = milliseconds(0);
   rules.history = milliseconds(0);
-  constexpr int kJobs = 12;
-  const auto patient = open(rules);
-  for (int i = 0; i < kJobs; ++i) submit(*patient);
-  for (int i = 0; i < kJobs; ++i) EXPECT_FALSE(work(*patient).empty());
-  rules.timeout = milliseconds(1500);
+  submit(*open());
   const auto store = open(rules);
+  constexpr int kJobs = 12;
+  for (int i = 1; i < kJobs; ++i) submit(*store);
+  for (int i = 0; i < kJobs; ++i) EXPECT_FALSE(work(*store).empty());
   std::this_thread::sleep_for(milliseconds(5));
   burden("blob", "DELETE", 0.2);
   int expired = 0, forgotten = 0;
