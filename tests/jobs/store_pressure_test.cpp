@@ -103,6 +103,7 @@ TEST_F(store_pressure, a_call_waits_for_a_lock_until_its_deadline_and_not_longer
   rules.timeout = milliseconds(1000);
   const std::string id = submit(*open());  // by a store that has time enough to make the tables, as in other tests
   const auto store = open(rules);
+  store->probe();
   const auto other = locked_by_another();
   const Clock::time_point start = Clock::now();
   EXPECT_THROW(submit(*store), StoreError);
