@@ -27,10 +27,10 @@ from daemons import (CONTINUE, ENDLESS, FINAL, LONG_S, QUICK, SECOND, SHORT, SQU
 from hostile_meshes import families
 
 # No request may take longer than this, whatever the store does. The short forms, which run beside other tests, ask only
-# that it comes, as the trouble goes on until then.
+# for an answer.
 ANSWER_S = 10
 DRAIN_S = 2
-# A daemon ends this long after its drain time at the latest; so do the short forms ask only that it ends.
+# A daemon ends this long after its drain time at the latest. The short forms ask only that it ends, while the trouble lasts.
 END_S = 2
 
 
