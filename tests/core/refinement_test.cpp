@@ -92,7 +92,7 @@ TEST_P(hard_input, ends_soon_and_says_what_is_left) {
   Options options = with_angle(degrees);
   options.max_output_faces = hard.max_faces;
   Result result;
-  // The promise is 10 s, and it takes a few seconds on an idle machine.
+  // The promise is 10 s. It takes a few seconds of two threads together.
   test::expect_within(test::Seconds(30), [&] { result = refined(mesh, options); });
   expect_promises(mesh, options, result);
   if (hard.max_faces) {
@@ -586,7 +586,7 @@ TEST(refinement, a_stop_while_refining_is_obeyed_soon) {
       const auto took = test::time_to_stop(std::chrono::milliseconds(wait_ms), [&](RunControl& control) {
         remesh_surface(one.first, one.second, {2, false}, control);
       });
-      // The promise is 100 ms on an idle machine.
+      // The promise is 100 ms, which are 200 ms of two threads.
       if (took) test::expect_within(test::Seconds(1), *took, "asked after " + std::to_string(wait_ms) + " ms");
     }
 }

@@ -25,7 +25,7 @@ TEST(stops, they_are_obeyed_soon_whatever_the_surface) {
       });
       if (!took) continue;
       ++stopped;
-      // The promise is 0.2 s on an idle machine.
+      // The promise is 0.2 s, which are 0.4 s of two threads.
       test::expect_within(test::Seconds(1), *took);
     }
   EXPECT_GT(stopped, 10);

@@ -16,6 +16,16 @@ for variable in "${!REMESHD_@}"; do unset "$variable"; done
 # Where jobs go by default, and nobody else's.
 export XDG_STATE_HOME=$work/state
 
+# eventually COMMAND [ARGUMENT]...: tries it until it succeeds, for minutes, so that a busy machine is not mistaken for a
+# fault.
+eventually() {
+  local end=$((SECONDS + 120))
+  until "$@"; do
+    [ "$SECONDS" -lt "$end" ] || return 1
+    sleep 0.05
+  done
+}
+
 clean_up() {
   [ -z "$daemon" ] || kill "$daemon" 2>/dev/null || true
   rm -rf "$work"
@@ -31,19 +41,19 @@ fail() {
   exit 1
 }
 
+# Whether the daemon has told where it listens; sets `address`.
+listens() {
+  address=$(sed -n 's/.*"address": *"\(127\.0\.0\.1:[0-9]*\)".*/\1/p' "$work/log" | head -n 1)
+  [ -n "$address" ] || ! kill -0 "$daemon" 2>/dev/null
+}
+
 # start_daemon [OPTION]...: on a free port; sets `daemon` (the process) and `address`.
 start_daemon() {
   : >"$work/log" # it is looked into before the daemon may have opened it
   "$remeshd" --bind 127.0.0.1:0 --log-format json "$@" 2>"$work/log" &
   daemon=$!
-  address=
-  for _ in $(seq 200); do
-    address=$(sed -n 's/.*"address": *"\(127\.0\.0\.1:[0-9]*\)".*/\1/p' "$work/log" | head -n 1)
-    [ -z "$address" ] || return 0
-    kill -0 "$daemon" 2>/dev/null || fail "the daemon ended at its start"
-    sleep 0.05
-  done
-  fail "the daemon does not say where it listens"
+  eventually listens || fail "the daemon does not say where it listens"
+  [ -n "$address" ] || fail "the daemon ended at its start"
 }
 
 # Stops it as an orchestrator does; its exit code must be 0.

@@ -26,11 +26,11 @@ grep -q http_port "$work/Caddyfile" || fail "the Caddyfile has no global options
 REMESHD_DOMAIN=https://localhost:$port REMESHD_UPSTREAM=$address XDG_DATA_HOME=$work/data XDG_CONFIG_HOME=$work/config \
   "$caddy" run --adapter caddyfile --config "$work/Caddyfile" 2>"$work/proxy.log" &
 proxy=$!
-for _ in $(seq 200); do
-  curl -ksSf -o /dev/null "https://localhost:$port/livez" 2>/dev/null && break
-  kill -0 "$proxy" 2>/dev/null || fail "the proxy ended at its start: $(tail -n 3 "$work/proxy.log")"
-  sleep 0.1
-done
+answers_or_has_ended() {
+  curl -ksSf -o /dev/null "https://localhost:$port/livez" 2>/dev/null || ! kill -0 "$proxy" 2>/dev/null
+}
+eventually answers_or_has_ended || fail "the proxy does not answer"
+kill -0 "$proxy" 2>/dev/null || fail "the proxy ended at its start: $(tail -n 3 "$work/proxy.log")"
 
 # [input=FILE] ask STATUS [CURL OPTION]...: the body goes to $work/body
 ask() {
@@ -38,9 +38,9 @@ ask() {
   shift
   # Caddy (Go) closes half a second after an answer to a body that is still being sent, or ends the stream of HTTP/2
   # there: a client that was not given the time to read it before sees a reset or a part of it, and asks again.
-  for _ in $(seq 15); do
+  for _ in $(seq 60); do
     code=0
-    got=$(curl -ksS -m 100 -o "$work/body" -w '%{http_code}' -H 'X-API-Key: the-key-behind-the-proxy' "$@" <"$input") ||
+    got=$(curl -ksS -m 600 -o "$work/body" -w '%{http_code}' -H 'X-API-Key: the-key-behind-the-proxy' "$@" <"$input") ||
       code=$?
     [[ "$status/$code" =~ ^413/(18|55|92)$ ]] || break
     sleep 1

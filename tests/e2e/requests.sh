@@ -81,11 +81,8 @@ ask 404 /nowhere
 # what it says of itself
 trace=4bf92f3577b34da6a3ce929d0e0e4736
 ask 200 -H "Traceparent: 00-$trace-00f067aa0ba902b7-01" -H 'X-Request-Id: requests-sh-0123456789' --data-binary "@$mesh" /v1/remesh
-for _ in $(seq 50); do
-  line=$(grep requests-sh-0123456789 "$work/log" || true)
-  [ -z "$line" ] || break
-  sleep 0.02
-done
+eventually grep -q requests-sh-0123456789 "$work/log" || fail 'the request is not in the log'
+line=$(grep requests-sh-0123456789 "$work/log")
 for part in "\"trace_id\":\"$trace\"" '"bytes_in"' '"bytes_out"' '"work_ms"' '"queue_ms"' '"triangulation"' '"input_faces":4800'; do
   [[ $line == *"$part"* ]] || fail "the log has no $part: $line"
 done
@@ -108,10 +105,7 @@ ask 200 -H 'X-API-Key: the-first-key-of-requests' /v1/capabilities
 ask 200 -H 'Authorization: Bearer the-first-key-of-requests' --data-binary "@$mesh" /v1/remesh
 printf 'the-second-key-of-requests\n' >"$work/keys"
 kill -HUP "$daemon"
-for _ in $(seq 50); do
-  grep -q 'keys read again' "$work/log" && break
-  sleep 0.02
-done
+eventually grep -q 'keys read again' "$work/log" || fail 'the keys are not read again'
 ask 401 -H 'X-API-Key: the-first-key-of-requests' /v1/capabilities
 ask 200 -H 'X-API-Key: the-second-key-of-requests' /v1/capabilities
 ! grep -q 'key-of-requests' "$work/log" || fail 'a key is in the log'

@@ -148,7 +148,7 @@ class Daemon:
     def stop(self):
         """Output: its exit code."""
         self.process.terminate()
-        code = self.process.wait(timeout=40)
+        code = self.process.wait(timeout=LONG_S)
         self.reader.join()
         return code
 
@@ -191,7 +191,7 @@ class Store:
         if self.postgres:
             return self.postgres.query(sql)
         import sqlite3  # pylint: disable=import-outside-toplevel
-        with contextlib.closing(sqlite3.connect(os.path.join(self.folder, "jobs.sqlite"), timeout=30,
+        with contextlib.closing(sqlite3.connect(os.path.join(self.folder, "jobs.sqlite"), timeout=LONG_S,
                                                 isolation_level=None)) as database:  # what it changes stays changed
             return [[str(value) for value in row] for row in database.execute(sql)]
 
@@ -201,7 +201,7 @@ class Store:
             self.postgres.change(statements)
             return
         import sqlite3  # pylint: disable=import-outside-toplevel
-        with contextlib.closing(sqlite3.connect(os.path.join(self.folder, "jobs.sqlite"), timeout=30,
+        with contextlib.closing(sqlite3.connect(os.path.join(self.folder, "jobs.sqlite"), timeout=LONG_S,
                                                 isolation_level=None)) as database:
             database.execute("BEGIN IMMEDIATE")
             for statement in statements:

@@ -35,11 +35,19 @@ def expect(condition, text):
 def expect_sooner_than(seconds, start, text):
     """Expects that less time has passed since `start`, which is a value of time.monotonic().
 
-    All bounds on time in this file stand here. They hold on a busy machine, because the work takes some tenths of a
-    second, and a fault makes it wait for seconds or minutes.
+    All bounds on time in this file stand here. They hold on a busy machine, because the work takes little, and a fault
+    makes it wait for half a minute or more beyond it.
     """
     took = time.monotonic() - start
     expect(took < seconds, f"{text}: it took {took:.1f} s, and the bound is {seconds:.1f} s")
+
+
+def expect_soon_after_the_lease(lease_s, start):
+    """Expects that the lease of a worker that died at `start` was judged by its own length, and not by the default of 30 s.
+
+    It takes the lease and a quarter of it. The rest, in which a job is claimed, is for others on the machine.
+    """
+    expect_sooner_than(lease_s * 1.25 + 20, start, "the job of a dead worker is claimed")
 
 
 def expect_equal(got, wanted, text):
@@ -134,11 +142,11 @@ def test_the_contract_of_a_job_that_runs(store):
         cancelled = result_of(first.port, job)
         expect_equal((cancelled.status, cancelled.code()), (409, "cancelled"), "the result of a cancelled job")
         expect_equal(cancelled.json()["request_id"], job, "its request_id")
-        # Its worker is free soon.
+        # Its worker is free soon. Otherwise it would compute for minutes.
         quick = [accepted(submit(first.port)) for _ in range(4)]
         for other in quick:
             wait_for_state(first.port, other, "succeeded")
-        expect_sooner_than(15, start, "a cancelled job frees its worker")
+        expect_sooner_than(60, start, "a cancelled job frees its worker")
 
 
 def test_refusals(store):
@@ -353,8 +361,7 @@ def test_a_dead_worker_s_job_runs_again(store):
         others = [daemon for daemon in fleet if daemon is not dead]
         start = time.monotonic()
         wait_for(lambda: any(daemon.logged("job claimed", job=job) for daemon in others))
-        # To claim a job takes no work. The five seconds are for others on the machine.
-        expect_sooner_than(LEASE_S * 1.25 + 5, start, "within the lease and a quarter of it")
+        expect_soon_after_the_lease(LEASE_S, start)
         done = wait_for_state(others[0].port, job, "succeeded")
         expect_equal(done["attempts"], 2, "attempts")
         expect(result_of(others[1].port, job).body == direct.body, "the result")
@@ -389,15 +396,13 @@ def test_a_stopping_daemon_gives_its_job_back(store):
 
 
 def test_who_watches_a_job_does_not_hold_up_a_stop(store):
-    with daemons(store, 1, "--role", "serve") as (daemon,):
+    # If it waited for the stream, that would be for the drain time, which is longer than the patience of `stop`.
+    with daemons(store, 1, "--role", "serve", "--drain-time", f"{3 * LONG_S}s") as (daemon,):
         job = accepted(submit(daemon.port))
         stream = events(daemon.port, job)
         version, kind, _ = next(stream)
         expect_equal(kind, "progress", "the first event")
-        start = time.monotonic()
         expect_equal(daemon.stop(), 0, "its exit code")
-        # If it waited for the stream, that would be the drain time, which is 25 s.
-        expect_sooner_than(10, start, "it stops at once")
         expect_equal(list(stream), [], "the stream ends, without an end of the job")
         daemon.start()
         expect_equal(ask(daemon.port, "DELETE", f"/v1/jobs/{job}").status, 204, "cancel")
@@ -461,7 +466,7 @@ def test_clocks_that_differ_by_an_hour_do_no_harm(store):
         others = [daemon for daemon in fleet if daemon is not dead]
         start = time.monotonic()
         wait_for(lambda: any(daemon.logged("job claimed", job=job) for daemon in others))
-        expect_sooner_than(lease_s * 1.25 + 5, start, "within the lease and a quarter of it")
+        expect_soon_after_the_lease(lease_s, start)
         ask(others[0].port, "DELETE", f"/v1/jobs/{job}")
 
 

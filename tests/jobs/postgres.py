@@ -91,7 +91,7 @@ class Postgres:
         self.wait_until_ready()
 
     def wait_until_ready(self):
-        for _ in range(600):
+        for _ in range(3000):  # minutes: the machine may be busy
             if self.process.poll() is not None:  # the lock of a killed one may still be held for a moment
                 time.sleep(0.2)
                 return self.start()

@@ -74,12 +74,17 @@ class Neighbours {
 /// Prints each claim with its figures, and remembers whether all of them held.
 class Verdict {
  public:
+  /// Input: `judges_times` - whether claims about time are judged, or only printed.
+  explicit Verdict(bool judges_times) : judges_times_(judges_times) {}
+
   void expect(bool holds, const std::string& claim);
-  /// Judges a claim about time. If it does not hold while the neighbours take much of the machine, it is printed only.
+  /// Judges a claim about time, if this verdict judges any. If it does not hold while the neighbours take much of the
+  /// machine, it is printed only.
   void expect_in_time(bool holds, const std::string& claim, const Neighbours& neighbours);
   int exit_code() const { return holds_ ? 0 : 1; }
 
  private:
+  bool judges_times_;
   bool holds_ = true;
 };
 

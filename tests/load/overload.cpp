@@ -28,7 +28,7 @@ double peak_throughput(int port, const std::string& request, double seconds) {
 
 }  // namespace
 
-int overload(double seconds) {
+int overload(double seconds, bool judges_times) {
   const server::Daemon daemon({"--memory-budget", std::to_string(kBudget), "--max-connections-per-address", "512",
                                // Small requests wait for a fifth of it, so that some of these are refused.
                                "--request-timeout", "500ms", "--ops-bind", "127.0.0.1:0"});
@@ -45,6 +45,7 @@ int overload(double seconds) {
   std::atomic<std::size_t> next = 0;
   std::atomic<std::size_t> served = 0;
   std::atomic<std::size_t> rejected = 0;
+  std::atomic<std::size_t> expired = 0;
   std::atomic<std::size_t> lost = 0;
   std::atomic<std::size_t> other = 0;
   Times rejections;
@@ -69,7 +70,8 @@ int overload(double seconds) {
       if (outcome.status == 503) ++rejected;
       if (outcome.status == 0) ++lost;
       if (outcome.status == 503) rejections.add(outcome.ms);
-      if (outcome.status != 0 && outcome.status != 200 && outcome.status != 503) ++other;
+      if (outcome.status == 504) ++expired;
+      if (outcome.status != 0 && outcome.status != 200 && outcome.status != 503 && outcome.status != 504) ++other;
     }
   });
   const double took = std::chrono::duration<double>(Clock::now() - start).count();
@@ -79,7 +81,7 @@ int overload(double seconds) {
   // by more than is asked here.
   const double peak = (peak_before + peak_throughput(port, request, peak_seconds)) / 2;
 
-  Verdict verdict;
+  Verdict verdict(judges_times);
   const double throughput = static_cast<double>(served) / took;
   std::printf("peak %.1f a second; %.1f a second asked for %.0f s: %zu served, %zu rejected\n", peak,
               static_cast<double>(total) / took, took, served.load(), rejected.load());
@@ -98,6 +100,7 @@ int overload(double seconds) {
                              with_unit(rejections.quantile(1), "ms"),
                          neighbours);
   verdict.expect(lost == 0 && other == 0, "no request without an answer, none with a wrong one");
+  verdict.expect_in_time(expired == 0, "none was begun and not ended in its time", neighbours);
   verdict.expect(memory < kBudget, "memory at most " + with_unit(static_cast<double>(memory) / (1 << 20), "MiB"));
   verdict.expect_in_time(live.quantile(neighbours.without_stolen(1)) < 50,
                          "/livez on the operations port within " +

@@ -14,7 +14,7 @@ struct TryLimits {
   double time_s = 20;      ///< a run that takes longer is stopped
   double busy_s = 10;      ///< a run that takes more processor time is a finding
   double stop_ms = 200;    ///< longest time that a run may live after a stop
-  double patience_s = 10;  ///< after this time since a stop, a run counts as one that never ends
+  double patience_s = 60;  ///< after this time since a stop, a run counts as one that never ends
   std::uint64_t max_faces = 200'000;
 };
 

@@ -1,10 +1,9 @@
 // The page as a person uses it, in a real browser against the real daemon.
 import assert from "node:assert/strict";
-import { existsSync, readFileSync } from "node:fs";
+import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, test } from "node:test";
 import {
-  assertSoonerThan,
   bracket,
   chosenPart,
   difference,
@@ -122,8 +121,7 @@ onPage("every format is downloaded, and reads back", async ({ page, open, run, t
     await page.click(`#download [data-format="${format}"]`);
     await waitForText("#download section p", new RegExp(`Saved as bracket-remeshed\\.${format}`));
     const path = join(folder.path, `bracket-remeshed.${format}`);
-    for (let i = 0; i < 100 && !existsSync(path); ++i) await pause(50);
-    const got = readFileSync(path);
+    const got = await eventually(() => readFileSync(path));
     const expected = await set.daemon.remesh(bracket, { format });
     if (format === "json") assert.deepEqual(JSON.parse(got).mesh, JSON.parse(expected).mesh);
     else assert.ok(got.equals(expected), `${format} differs from what curl gets`);
@@ -182,7 +180,7 @@ onPage("a run that would be large says how many faces are expected, and asks", a
   await open(bracket, /^4,800 faces$/);
   await type("#option-max_edge_length", "0.12");
   await page.click("#run");
-  await page.waitForSelector("#large-dialog[open]", { timeout: 30_000 });
+  await page.waitForSelector("#large-dialog[open]");
   const options = { max_edge_length: "0.12" };
   const analysis = await fetch(`${set.daemon.origin}/v1/analyze?${new URLSearchParams(options)}`, {
     method: "POST",
@@ -198,7 +196,7 @@ onPage("a run that would be large says how many faces are expected, and asks", a
   // A run that is not large is not asked about.
   await type("#option-max_edge_length", "50");
   await page.click("#run");
-  await waitForText("#status", /^Remeshed in/, 30_000);
+  await waitForText("#status", /^Remeshed in/);
 });
 
 onPage(
@@ -207,16 +205,14 @@ onPage(
     await open(bracket, /^4,800 faces$/);
     await type("#option-max_edge_length", "0.12");
     await page.click("#run");
-    await page.waitForSelector("#large-dialog[open]", { timeout: 30_000 });
+    await page.waitForSelector("#large-dialog[open]");
     await page.click("#large-run");
-    await waitForText("#stages .current", /^Refinement$/, 30_000);
+    await waitForText("#stages .current", /^Refinement$/);
     const passed = await page.$$eval("#stages .done", (stages) => stages.map((stage) => stage.textContent));
     assert.deepEqual(passed.slice(0, 4), ["Send", "Queued", "Read", "Weld"]);
     assert.match(await text("#progress-time"), /s$/);
-    const start = Date.now();
     await page.click("#cancel");
-    await waitForText("#status", /^Cancelled$/, 10_000);
-    assertSoonerThan(8_000, start);
+    await waitForText("#status", /^Cancelled$/);
     assert.equal(await page.$eval("#progress", (element) => element.hidden), true);
     await eventually(async () => {
       const metrics = await (await fetch(`${set.daemon.origin}/metrics`)).text();
@@ -225,7 +221,7 @@ onPage(
     // And the page goes on.
     await type("#option-max_edge_length", "");
     await page.click("#run");
-    await waitForText("#status", /^Remeshed in/, 30_000);
+    await waitForText("#status", /^Remeshed in/);
   },
   { mayComplain: true },
 );
@@ -411,7 +407,10 @@ onPage(
       document.head.append(script);
       document.body.setAttribute("style", "color: red");
       await fetch("http://127.0.0.1:9/").catch(() => {});
-      await new Promise((resolve) => setTimeout(resolve, 100));
+      // They are told one by one, later; what nobody forbids is never told, and then the test fails.
+      const pause = () => new Promise((resolve) => setTimeout(resolve, 100));
+      for (let i = 0; i < 600 && found.length < 3; ++i) await pause();
+      await pause();
       return [globalThis.wasRun === true, ...found.sort()];
     });
     assert.deepEqual(refused, [false, "connect-src", "script-src-elem", "style-src-attr"]);

@@ -22,7 +22,7 @@ let daemon;
 let page;
 
 before(async () => {
-  [daemon, page] = await Promise.all([startDaemon("--request-timeout", "20s"), pageModules(folder, kModules)]);
+  [daemon, page] = await Promise.all([startDaemon(), pageModules(folder, kModules)]);
 });
 after(() => {
   daemon?.stop();

@@ -26,8 +26,8 @@ export function sharedMesh(t, name) {
 const kRestMs = 260;
 /** So that both views have the same whole number of pixels. */
 const kWidth = 1281;
-/** How long a view may take to show what it should: long, so that a busy machine is not taken for a fault. */
-const kPatienceMs = 20_000;
+/** How long to wait for what must happen: minutes, so that a busy machine is not taken for a fault. */
+const kPatienceMs = 120_000;
 export const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
 /** What `check` gives once it no longer throws. It is asked again and again; in the end what it throws is thrown. */
@@ -41,15 +41,6 @@ export async function eventually(check) {
     }
     await pause(100);
   }
-}
-
-/**
- * Expects that less time has passed since `start`, a value of Date.now(). All bounds on time of these tests stand here.
- * They hold on a busy machine, because the work takes some tenths of a second, and a fault makes it take far longer.
- */
-export function assertSoonerThan(ms, start) {
-  const took = Date.now() - start;
-  assert.ok(took < ms, `it took ${took} ms, and the bound is ${ms} ms`);
 }
 
 /** The real daemon on a free port, of 127.0.0.1 unless an option says another address. */
@@ -128,7 +119,8 @@ export async function startBrowser(...options) {
       "--hide-scrollbars",
       ...options,
     ],
-    protocolTimeout: 120_000,
+    timeout: kPatienceMs,
+    protocolTimeout: 2 * kPatienceMs,
   });
 }
 
@@ -173,6 +165,7 @@ export function pageTests(set) {
 export async function openPage(browser, origin, { width = kWidth, height = 800, scheme = "light", downloads } = {}) {
   const context = await browser.createBrowserContext();
   const page = await context.newPage();
+  page.setDefaultTimeout(kPatienceMs);
   await page.setViewport({ width, height });
   // Without flights of the camera: what is seen is then there at once.
   await page.emulateMediaFeatures([
@@ -212,7 +205,7 @@ export async function openPage(browser, origin, { width = kWidth, height = 800, 
       for (const type of ["dragEnter", "dragOver", "drop"])
         await session.send("Input.dispatchDragEvent", { type, x: 200, y: 300, data });
     },
-    async waitForText(selector, pattern, timeout = 60_000) {
+    async waitForText(selector, pattern, timeout = kPatienceMs) {
       try {
         await page.waitForFunction(
           (s, source) => new RegExp(source).test(document.querySelector(s)?.textContent ?? ""),
@@ -237,7 +230,7 @@ export async function openPage(browser, origin, { width = kWidth, height = 800, 
     },
     async run() {
       await page.click("#run");
-      await self.waitForText("#status", /^Remeshed in/, 60_000);
+      await self.waitForText("#status", /^Remeshed in/);
     },
     async tab(name) {
       await page.click(`#tab-${name}`);

@@ -7,7 +7,9 @@
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <cstdio>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <mutex>
@@ -73,6 +75,14 @@ class Daemon {
       if (line.rfind(what + ":", 0) == 0) return std::stoull(line.substr(what.size() + 1)) * 1024;
     }
     return 0;
+  }
+  /// Returns the time that all threads of the daemon have spent on processors. Other programs do not lengthen it.
+  std::chrono::duration<double> processor_time() const {
+    clockid_t clock{};
+    timespec spent{};
+    if (::clock_getcpuclockid(child_, &clock) != 0 || ::clock_gettime(clock, &spent) != 0)
+      throw std::runtime_error("the daemon has ended");
+    return std::chrono::seconds(spent.tv_sec) + std::chrono::nanoseconds(spent.tv_nsec);
   }
   void forget_peak() const { std::ofstream("/proc/" + std::to_string(child_) + "/clear_refs") << 5; }
   std::size_t descriptors() const {

@@ -16,7 +16,6 @@
 #include "server/observe/log.h"
 #include "tests/server/raw_client.h"
 #include "tests/support/tcp_segments.h"
-#include "tests/support/time_limit.h"
 
 namespace remesh::server {
 namespace {
@@ -259,7 +258,7 @@ class kept_connection : public http_server {
     return "GET " + path + " HTTP/1.1\r\nHost: localhost\r\n" + fields + "\r\n";
   }
   /// Returns whether the server closes the connection without sending anything more.
-  static bool is_closed(RawClient& client) { return client.receive().empty(); }
+  static bool is_closed(RawClient& client) { return client.receive().empty() && client.is_ended(); }
 
   static std::unique_ptr<HttpServer> start(const HttpSettings& settings) {
     const std::vector<Route> routes{{"GET", "/", named("root")}};
@@ -368,8 +367,6 @@ TEST_F(kept_connection, it_waits_so_long_and_no_longer) {
   EXPECT_EQ(client.answer().status, 200);
   EXPECT_TRUE(is_closed(client));
   EXPECT_GE(Clock::now() - began, std::chrono::milliseconds(100));
-  // A client that gives up does so after a minute, so it was the server that closed the connection.
-  test::expect_sooner_than(test::Seconds(40), Clock::now() - began);
 
   settings.connections.idle_timeout = std::chrono::milliseconds(0);
   const auto other = start(settings);
@@ -382,7 +379,7 @@ TEST_F(kept_connection, it_waits_so_long_and_no_longer) {
 TEST_F(kept_connection, those_that_wait_take_no_place_of_others) {
   HttpSettings settings;
   settings.connections.max_connections = settings.connections.max_connections_per_address = 4;
-  settings.connections.idle_timeout = std::chrono::seconds(60);
+  settings.connections.idle_timeout = 2 * kPatience;
   const auto server = start(settings);
   std::vector<std::unique_ptr<RawClient>> clients;
   for (int i = 0; i < 20; ++i) {
@@ -437,15 +434,13 @@ TEST_F(kept_connection, clients_are_told_less_than_the_time_in_force) {
 
 TEST_F(kept_connection, a_drain_ends_those_that_wait_and_those_that_come) {
   HttpSettings settings;
-  settings.connections.idle_timeout = std::chrono::seconds(40);  // less than a test's patience
+  settings.connections.idle_timeout = 2 * kPatience;  // so that it is the drain that ends them
   const auto server = start(settings);
   RawClient waiting(server->port());
   waiting.send(get_text("/"));
   EXPECT_EQ(waiting.answer().header("Connection"), "keep-alive");
-  const auto began = Clock::now();
   server->begin_drain();
   EXPECT_TRUE(is_closed(waiting));
-  test::expect_sooner_than(settings.connections.idle_timeout, Clock::now() - began);
   RawClient client(server->port());
   client.send(get_text("/"));
   EXPECT_EQ(client.answer().header("Connection"), "close");

@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <chrono>
 #include <stdexcept>
 #include <string>
@@ -20,7 +21,7 @@ namespace remesh::server {
 
 /// How long a test waits for an event that must happen. The time is long, so that a busy machine is not mistaken for a
 /// fault.
-constexpr std::chrono::seconds kPatience{60};
+constexpr std::chrono::seconds kPatience{120};
 
 /// An answer, split into its parts.
 struct Answer {
@@ -124,6 +125,9 @@ class RawClient {
     return ::poll(&entry, 1, 0) > 0;
   }
 
+  /// Returns whether the server has ended the connection, and all that it sent before was received.
+  bool is_ended() const { return is_ended_; }
+
   int socket() const { return socket_; }
   void close_sending() { ::shutdown(socket_, SHUT_WR); }
   void close() {
@@ -138,6 +142,7 @@ class RawClient {
     std::array<char, 4096> buffer;
     const ssize_t got = ::recv(socket_, buffer.data(), buffer.size(), 0);
     if (got > 0) arrived_.append(buffer.data(), static_cast<std::size_t>(got));
+    if (got == 0 || (got < 0 && errno != EAGAIN)) is_ended_ = true;
     return got > 0;
   }
   std::string take(std::size_t size) {
@@ -155,6 +160,7 @@ class RawClient {
   }
 
   int socket_;
+  bool is_ended_ = false;
   std::string arrived_;  ///< bytes that were received and not taken yet
 };
 

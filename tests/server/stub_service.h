@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 #include <thread>
+#include <vector>
 
 #include "server/service.h"
 #include "tests/server/raw_client.h"
@@ -24,8 +25,9 @@ inline std::string code_of(const Answer& answer) {
 }
 
 /// Does what the body says. "block" blocks until the stub is released or told to stop, and "deaf" blocks until it is
-/// released only. "hungry" takes 512 MiB the first time, and ends when it is told to stop. "throw", "no memory",
-/// "line 3" and an empty body end with an error each. For any other body, the answer describes the request.
+/// released only. "hungry" takes 512 MiB the first time, a little at a time, and ends when it is told to stop. "throw",
+/// "no memory", "line 3" and an empty body end with an error each. For any other body, the answer describes the
+/// request.
 class Stub {
  public:
   api::Response operator()(const api::Request& request, const api::Limits&, RunControl& control) {
@@ -47,9 +49,10 @@ class Stub {
       }
     }
     if (body == "hungry" && hungry++ == 0) {
-      const std::string much(512 << 20, 'x');  // once, as if the work took it
+      std::vector<std::string> much;
       while (!released) {
-        std::this_thread::sleep_for(milliseconds(2));
+        if (much.size() < 512) much.emplace_back(1 << 20, 'x');
+        if (much.size() == 512) std::this_thread::sleep_for(milliseconds(2));
         if (!control.is_stopped()) continue;
         ++stopped;
         control.check();

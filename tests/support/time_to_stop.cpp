@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <condition_variable>
 #include <mutex>
 #include <thread>
@@ -12,16 +11,15 @@
 namespace remesh::test {
 
 std::optional<Seconds> time_to_stop(Seconds stop_after, const std::function<void(RunControl&)>& run) {
-  using Clock = std::chrono::steady_clock;
   RunControl control;
   std::mutex mutex;
   std::condition_variable has_ended;
   bool is_over = false;
-  Clock::time_point asked;
+  Seconds asked{0};
   std::thread watcher([&] {
     std::unique_lock lock(mutex);
     if (has_ended.wait_for(lock, stop_after, [&] { return is_over; })) return;
-    asked = Clock::now();
+    asked = processor_time();
     control.cancel();
   });
   bool is_stopped = false;
@@ -31,7 +29,7 @@ std::optional<Seconds> time_to_stop(Seconds stop_after, const std::function<void
     EXPECT_EQ(error.code, Code::kCancelled) << error.what();
     is_stopped = error.code == Code::kCancelled;
   }
-  const Clock::time_point ended = Clock::now();
+  const Seconds ended = processor_time();
   {
     const std::lock_guard lock(mutex);
     is_over = true;

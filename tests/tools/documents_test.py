@@ -91,14 +91,14 @@ def code_spans(cell):
 
 
 def get(daemon, path):
-    with urllib.request.urlopen(f"http://127.0.0.1:{daemon.port}{path}", timeout=30) as answer:
+    with urllib.request.urlopen(f"http://127.0.0.1:{daemon.port}{path}", timeout=120) as answer:
         return json.load(answer)
 
 
 def refusal_of(daemon, path, body):
     """What the daemon has against a request, or "" if it answers with a result."""
     try:
-        with urllib.request.urlopen(f"http://127.0.0.1:{daemon.port}{path}", data=body, timeout=30):
+        with urllib.request.urlopen(f"http://127.0.0.1:{daemon.port}{path}", data=body, timeout=120):
             return ""
     except urllib.error.HTTPError as error:
         return json.load(error)["detail"]

@@ -216,7 +216,7 @@ def with_gmsh(labelled, _):
 def with_tetgen(labelled, _):
     """TetGen fills the solid that the OFF file bounds, with the surface as it is (-Y), and writes both again."""
     expected, path = labelled
-    run = subprocess.run(["tetgen", "-pYQ", path["off"]], capture_output=True, text=True, timeout=60)
+    run = subprocess.run(["tetgen", "-pYQ", path["off"]], capture_output=True, text=True, timeout=600)
     check(run.returncode == 0, f"tetgen, off: exit code {run.returncode}: {run.stdout}{run.stderr}")
 
     def rows(ending):
@@ -245,7 +245,7 @@ def remesh_to_all(remesh, folder, part):
     for kind in FORMATS + ["stl_ascii", "json"]:
         path[kind] = os.path.join(folder, "out." + kind)
         command = [remesh, source, "-o", path[kind], "--format", kind, "--max-edge-length", "0.3"]
-        subprocess.run(command, check=True, timeout=60)
+        subprocess.run(command, check=True, timeout=600)
     with open(path["json"], encoding="utf-8") as file:
         answer = json.load(file)
     expected = Expected(answer["mesh"], answer["report"])

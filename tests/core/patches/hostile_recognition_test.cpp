@@ -80,17 +80,17 @@ std::vector<Named> surfaces(std::size_t faces) {
 /// Waits without taking time from the run that is watched.
 void wait_a_moment() { std::this_thread::sleep_for(std::chrono::microseconds(200)); }
 
-/// Returns the time of the stage alone. The run is stopped when the next one begins, which may take far longer.
+/// Returns the processor's time of the stage alone. The run is stopped when the next one begins, which may take far
+/// longer.
 test::Seconds time_of_recognition(const PolygonMesh& mesh) {
-  using Clock = std::chrono::steady_clock;
   RunControl control;
   std::atomic<bool> is_over = false;
-  Clock::time_point began, ended;
+  test::Seconds began{0}, ended{0};
   std::thread watcher([&] {
     while (control.stage() != Stage::kSurfaces && !is_over) wait_a_moment();
-    began = Clock::now();
+    began = test::processor_time();
     while (control.stage() == Stage::kSurfaces && !is_over) wait_a_moment();
-    ended = Clock::now();
+    ended = test::processor_time();
     control.cancel();
   });
   try {
@@ -107,7 +107,7 @@ TEST(hostile_recognition, it_takes_microseconds_a_face) {
   const std::size_t faces = unless_sanitized(30'000, 5'000);
   for (const Named& surface : surfaces(faces)) {
     // Any mesh may take some tenths of a second in vain.
-    // `./dev recognition` holds the stage to 1.5 microseconds; a busy machine takes a few times that. The best of few
+    // `./dev recognition` holds the stage to 1.5 microseconds; a slow machine takes a few times that. The best of few
     // attempts counts, so that a surface that takes far too long does not hold up the other tests.
     const test::Seconds bound =
         test::Seconds(1) + static_cast<double>(surface.mesh.face_count()) * test::Seconds(10e-6);
@@ -135,16 +135,16 @@ TEST(hostile_recognition, no_claim_is_refuted_by_a_corner_of_a_facet) {
   }
 }
 
-/// Asks a run to stop a while after the stage began, and returns how long it goes on. It is 0 if the run ended first.
+/// Asks a run to stop a while after the stage began, and returns how much of the processor's time it takes until its
+/// end. It is 0 if the run ended first.
 test::Seconds time_to_stop_recognition(const PolygonMesh& mesh, test::Seconds after) {
-  using Clock = std::chrono::steady_clock;
   RunControl control;
   std::atomic<bool> is_over = false;
-  Clock::time_point asked;
+  test::Seconds asked{0};
   std::thread watcher([&] {
     while (control.stage() != Stage::kSurfaces && !is_over) wait_a_moment();
     std::this_thread::sleep_for(after);
-    asked = Clock::now();
+    asked = test::processor_time();
     control.cancel();
   });
   bool is_stopped = false;
@@ -153,10 +153,10 @@ test::Seconds time_to_stop_recognition(const PolygonMesh& mesh, test::Seconds af
   } catch (const Error& error) {
     is_stopped = error.code == Code::kCancelled;
   }
-  const Clock::time_point ended = Clock::now();
+  const test::Seconds ended = test::processor_time();
   is_over = true;
   watcher.join();
-  return is_stopped ? test::Seconds(ended - asked) : test::Seconds(0);
+  return is_stopped ? ended - asked : test::Seconds(0);
 }
 
 TEST(hostile_recognition, it_stops_within_a_tenth_of_a_second) {

@@ -107,7 +107,7 @@ TEST_F(submission, a_check_takes_the_place_of_a_small_request_however_large_its_
 }
 
 TEST_F(submission, a_check_that_finds_no_thread_in_time_is_refused_and_makes_no_job) {
-  config_.limits.request_timeout = milliseconds(2000);
+  config_.limits.request_timeout = milliseconds(4000);  // long enough to keep both threads busy first
   start_busy();
   const Answer late = submit(kMesh);
   EXPECT_EQ(late.status, 503);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <atomic>
 #include <future>
 #include <thread>
@@ -90,7 +91,7 @@ TEST(worker_pool, a_long_job_does_not_hold_up_short_ones_while_a_thread_is_free)
   std::atomic<int> finished = 0;
   for (int i = 0; i < 50; ++i) ASSERT_TRUE(pool.try_submit([&] { ++finished; }));
   EXPECT_TRUE(eventually([&] { return finished == 50; }));
-  EXPECT_EQ(pool.running(), 1u);
+  EXPECT_TRUE(eventually([&] { return pool.running() == 1; }));
   gate.set_value();
 }
 
@@ -104,7 +105,7 @@ TEST(worker_pool, small_jobs_pass_while_large_ones_hold_every_place) {
   ASSERT_TRUE(eventually([&] { return pool.running() == 2; }));
   for (int i = 0; i < 3; ++i) ASSERT_TRUE(pool.try_submit([&] { ++small; }));
   EXPECT_TRUE(eventually([&] { return small == 3; }));
-  EXPECT_EQ(pool.running(), 2u);
+  EXPECT_TRUE(eventually([&] { return pool.running() == 2; }));
   gate.set_value();
   EXPECT_TRUE(eventually([&] { return pool.running() == 0 && pool.queued() == 0; }));
 }
@@ -135,24 +136,31 @@ TEST(worker_pool, each_one_that_runs_for_long_lets_another_pass) {
 }
 
 TEST(worker_pool, a_place_that_opens_earlier_than_was_known_is_taken_then) {
-  std::promise<void> gate;
-  const std::shared_future<void> open(gate.get_future());
-  std::promise<Clock::time_point> ran;
-  const auto wait = [&] { open.wait(); };
-  WorkerPool pool(2, queue_of(8), 1);
-  const auto start = Clock::now();
-  ASSERT_TRUE(pool.try_submit(wait));
-  std::this_thread::sleep_until(start + WorkerPool::kLong * 95 / 100);
-  // A short one, during which a large one and a small one come: the large one takes its place, and so the small one may
-  // pass when the first has run for long, not when the short one would have.
-  ASSERT_TRUE(pool.try_submit([&] { std::this_thread::sleep_until(start + WorkerPool::kLong * 97 / 100); }));
-  ASSERT_TRUE(pool.try_submit(wait, kLarge));
-  ASSERT_TRUE(pool.try_submit([&] { ran.set_value(Clock::now()); }));
-  const auto took = ran.get_future().get() - start;
-  EXPECT_GE(took, WorkerPool::kLong);
-  // It takes little more than kLong. If the pool waited for the short one to have run for long, it would be 1.97 kLong.
-  test::expect_sooner_than(WorkerPool::kLong * 19 / 10, took);
-  gate.set_value();
+  const auto time_until_it_is_taken = [] {
+    std::promise<void> gate;
+    const std::shared_future<void> open(gate.get_future());
+    std::promise<Clock::time_point> ran;
+    const auto wait = [&] { open.wait(); };
+    WorkerPool pool(2, queue_of(8), 1);
+    const auto start = Clock::now();
+    EXPECT_TRUE(pool.try_submit(wait));
+    std::this_thread::sleep_until(start + WorkerPool::kLong * 95 / 100);
+    // A short one, during which a large one and a small one come: the large one takes its place, and so the small one
+    // may pass when the first has run for long, not when the short one would have.
+    EXPECT_TRUE(pool.try_submit([&] { std::this_thread::sleep_until(start + WorkerPool::kLong * 97 / 100); }));
+    EXPECT_TRUE(pool.try_submit(wait, kLarge));
+    EXPECT_TRUE(pool.try_submit([&] { ran.set_value(Clock::now()); }));
+    const auto took = ran.get_future().get() - start;
+    EXPECT_GE(took, WorkerPool::kLong);
+    gate.set_value();
+    return took;
+  };
+  // It takes little more than kLong. If the pool waited for the short one to have run for long, it would be 1.95 kLong
+  // at least, however often it is tried. A busy machine may hold up one attempt, but not all of them.
+  auto best = time_until_it_is_taken();
+  for (int more = 9; more > 0 && best >= WorkerPool::kLong * 19 / 10; --more)
+    best = std::min(best, time_until_it_is_taken());
+  test::expect_sooner_than(WorkerPool::kLong * 19 / 10, best);
 }
 
 TEST(worker_pool, none_of_many_jobs_from_many_threads_is_forgotten) {
