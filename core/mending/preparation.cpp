@@ -46,7 +46,7 @@ class Preparation {
     choose_tolerance();
     mend();
     summary_.statistics.mended_euler = is_as_measured_ ? summary_.statistics.euler : euler();
-    tell_of_open_edges();
+    report_open_edges();
     return std::move(prepared_);
   }
 
@@ -117,11 +117,11 @@ class Preparation {
       automatic = tolerance.if_bent;
     if (!options_.plane_tolerance && tolerance.is_capped &&
         (is_noisy || are_bent_by(automatic, tolerance.explained, kBendsOfNoise)))
-      tell_of_cap(rounding, tolerance.explained, automatic);
+      report_cap(rounding, tolerance.explained, automatic);
     return automatic;
   }
 
-  void tell_of_cap(const Rounding& rounding, double explained, double automatic) {
+  void report_cap(const Rounding& rounding, double explained, double automatic) {
     const std::string are = rounding.steps == rounding.possible_steps ? "are" : "may be";
     summary_.diagnostics.push_back(
         {DiagnosticCode::kRoundingCapped,
@@ -146,7 +146,7 @@ class Preparation {
     };
     // Faces without area are dropped.
     if_changed(repair.degenerate && !are_clearly_sound() &&
-               clean_faces(surface(), limits_.keep_verbatim, Mend::kYes, found, control_));
+               clean_faces(surface(), limits_.keep_verbatim, MendMode::kYes, found, control_));
     // Faces that repeat other faces are dropped.
     const std::size_t place = found.size();
     std::vector<Diagnostic> repeated;
@@ -160,24 +160,24 @@ class Preparation {
     // another body's edges, and would be split there on one side only. Then edges are split at the vertices that lie on
     // them, so that each edge of the other seams gets its partner, and these seams are closed.
     Seams seams({std::min(rounding_, summary_.plane_tolerance) / surface().unit, repair.winding});
-    const Mend mend_seams = mend_if(repair.seams && limits_.is_joining_allowed);
-    const bool is_joined = mend_seams == Mend::kYes && seams.close(surface(), adjacency(), mend_seams, control_);
+    const MendMode mend_seams = mend_if(repair.seams && limits_.is_joining_allowed);
+    const bool is_joined = mend_seams == MendMode::kYes && seams.close(surface(), adjacency(), mend_seams, control_);
     if_changed(is_joined);
-    const Mend mend_t_junctions = mend_if(repair.t_junctions && limits_.is_joining_allowed);
+    const MendMode mend_t_junctions = mend_if(repair.t_junctions && limits_.is_joining_allowed);
     bool is_split = split_at_vertices(tolerance, mend_t_junctions);
     if_changed(is_split);
     // If vertices are welded within a tolerance, vertices within it of an edge belong on that edge, too. The smaller
     // tolerance comes first, because it also splits thin faces.
     if (const double near = options_.weld_tolerance / surface().unit;
-        near > tolerance && mend_t_junctions == Mend::kYes) {
+        near > tolerance && mend_t_junctions == MendMode::kYes) {
       const bool is_split_again = split_at_vertices(near, mend_t_junctions);
       if_changed(is_split_again);
       is_split = is_split || is_split_again;
     }
     const bool is_joined_again =
-        (is_split || mend_seams == Mend::kNo) && seams.close(surface(), adjacency(), mend_seams, control_);
+        (is_split || mend_seams == MendMode::kNo) && seams.close(surface(), adjacency(), mend_seams, control_);
     if_changed(is_joined_again);
-    seams.tell(found);
+    seams.report(found);
     // Faces on both sides of a seam, or of edges that were split, may repeat each other now, because only since then do
     // they have the same vertices.
     if ((is_joined || is_split || is_joined_again) && repair.duplicates &&
@@ -197,7 +197,7 @@ class Preparation {
     if (is_mended) prepared_.without_area = faces_without_area(surface(), control_);
     // Neighbours get the same orientation. Closed shells get the right orientation if that is asked for.
     if_changed(unify_winding(surface(), adjacency(), input_.labels, mend_if(repair.winding), found, control_));
-    const Mend mend_holes = mend_if(repair.holes && limits_.is_joining_allowed);
+    const MendMode mend_holes = mend_if(repair.holes && limits_.is_joining_allowed);
     const HoleRules rules{mend_holes, options_.max_hole_edges, options_.defeature_size.value_or(0),
                           summary_.statistics.bounding_box.diagonal(), summary_.plane_tolerance};
     const bool are_closed = close_holes(surface(), adjacency(), input_.labels, rules, found, holes_left_, control_);
@@ -215,7 +215,7 @@ class Preparation {
            static_cast<std::int64_t>(surface().face_count());
   }
 
-  bool split_at_vertices(double tolerance, Mend mend) {
+  bool split_at_vertices(double tolerance, MendMode mend) {
     std::vector<Diagnostic> told;
     const bool is_changed =
         split_t_junctions(surface(), adjacency(), tolerance, limits_.keep_verbatim, mend, told, control_);
@@ -230,10 +230,10 @@ class Preparation {
   /// Output:  whether the surface changed. If it did, `told` has the diagnostics on both passes.
   bool drop_new_duplicates(std::vector<Diagnostic>& told, std::size_t dropped) {
     std::vector<Diagnostic> all, again;
-    drop_duplicate_faces(surface(), adjacency(), input_.labels, Mend::kNo, all, control_);
+    drop_duplicate_faces(surface(), adjacency(), input_.labels, MendMode::kNo, all, control_);
     if (all.empty()) return false;
     Surface without = surface();
-    if (!drop_duplicate_faces(without, adjacency(), input_.labels, Mend::kYes, again, control_)) return false;
+    if (!drop_duplicate_faces(without, adjacency(), input_.labels, MendMode::kYes, again, control_)) return false;
     const Adjacency edges(without.vertex_count(), without.face_begin, without.corners, control_);
     if (edges.odd_edges().size() > adjacency().odd_edges().size()) return false;
     surface() = std::move(without);
@@ -253,7 +253,7 @@ class Preparation {
   }
 
   /// Adds to the diagnostic on open edges which holes and cracks mending has left.
-  void tell_of_open_edges() {
+  void report_open_edges() {
     std::vector<Diagnostic>& found = summary_.diagnostics;
     const auto open = std::find_if(found.begin(), found.end(),
                                    [](const Diagnostic& d) { return d.code == DiagnosticCode::kOpenBoundary; });

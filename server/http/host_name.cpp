@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "api/text.h"
+#include "api/quoting.h"
 
 namespace remesh::server {
 namespace {

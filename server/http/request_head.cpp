@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <charconv>
 
-#include "api/text.h"
+#include "api/quoting.h"
+#include "server/http/header_lists.h"
 #include "server/http/hex.h"
-#include "server/http/text.h"
 
 namespace remesh::server {
 namespace {

@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/server/daemon.h"
+#include "tests/server/daemon_process.h"
 #include "tests/server/raw_client.h"
 #include "tests/support/sanitizer.h"
 #include "tests/support/time_limit.h"
@@ -148,7 +148,7 @@ class attack : public ::testing::Test {
     expect_unmoved(attack.name);
   }
 
-  Daemon daemon_;
+  DaemonProcess daemon_;
   std::uint64_t idle_ = 0;
 };
 

@@ -61,7 +61,8 @@ void compare_curved(const CurvedChoices& now, const CurvedChoices& next, Differe
 }
 
 void compare_refinement(const RefinementChoices& now, const RefinementChoices& next, Differences& found) {
-  if (next.floors.floor() != now.floors.floor()) found.add("min_edge_length is " + number_text(next.floors.floor()));
+  if (next.min_edge.min_edge_length() != now.min_edge.min_edge_length())
+    found.add("min_edge_length is " + number_text(next.min_edge.min_edge_length()));
   if (next.coarsest != now.coarsest) found.add("gaps ask for no size below " + number_text(next.coarsest));
   if (next.has_budget && !now.has_budget) found.add("the faces get a budget");
   if (next.budget != now.budget && next.budget) found.add("the budget is " + std::to_string(*next.budget) + " faces");

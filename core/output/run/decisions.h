@@ -20,8 +20,8 @@ struct DetailChoices {
   bool operator==(const DetailChoices&) const = default;
 };
 
-/// The decisions of a run. An attempt is a function of the input, the options and these. Each step reads a part of them,
-/// and its result is used again as long as that part is the same.
+/// The decisions of a run. An attempt is a function of the input, the options and these. Each step reads a part of
+/// them, and its result is used again as long as that part is the same.
 struct Decisions {
   MendingLimits mending;
   DetailChoices details;
@@ -30,7 +30,7 @@ struct Decisions {
   RefinementChoices refinement;
   bool operator==(const Decisions&) const = default;
 
-  explicit Decisions(const FloorSearch& floors) : refinement(floors) {}
+  explicit Decisions(const MinEdgeSearch& min_edge) : refinement(min_edge) {}
 };
 
 /// Returns in one line, in words, what is decided differently in `next`. The line is empty if nothing is.

@@ -7,7 +7,7 @@ std::string name(Outcome::End end) {
     case Outcome::End::kSurfaceReplaced: return "details_removed";
     case Outcome::End::kPatchesFailed: return "patches_failed";
     case Outcome::End::kWorkInVain: return "work_in_vain";
-    case Outcome::End::kFloorTooLow: return "floor_too_low";
+    case Outcome::End::kMinEdgeTooShort: return "floor_too_low";
     case Outcome::End::kGapsTooFine: return "gaps_too_fine";
     case Outcome::End::kTooManyMade: return "too_many_made";
     case Outcome::End::kFacetsCoarser: return "facets_coarser";

@@ -9,8 +9,9 @@
 
 namespace remesh {
 
-/// The result of a stage that puts another surface in the place of the last one. All steps after it take the surface, whoever made it. Its faces know which input
-/// faces they cover, so that marks and reasons go through them to the input.
+/// The result of a stage that puts another surface in the place of the last one. All steps after it take the surface,
+/// whoever made it. Its faces know which input faces they cover, so that marks and reasons go through them to the
+/// input.
 struct Replaced {
   Surface surface;
   std::vector<FaceId> without_area;  ///< the surface's faces without area, which stay as they are

@@ -25,8 +25,8 @@
 
 namespace remesh {
 
-/// Holds the products of the steps of a run. They belong to one owner at a time: to the attempts, and then to the report.
-/// This class is larger than the bound because it has a member for each step.
+/// Holds the products of the steps of a run. They belong to one owner at a time: to the attempts, and then to the
+/// report. This class is larger than the bound because it has a member for each step.
 struct RunProducts {
   RunProducts(const PolygonMesh& input, const Options& options, RunControl& control)
       : input(input), options(options), control(control), watch(control) {
@@ -47,8 +47,8 @@ struct RunProducts {
   RecognisedSurfaces recognised;  ///< the surfaces of the facets
   JoinedFacets joined;
   std::optional<SurfaceRefinement> refinement;
-  RefinementChoices choices{FloorSearch(Goals{})};  ///< those of the last attempt
-  std::uint64_t size_steps = 0;                     ///< of all searches for gaps
+  RefinementChoices choices{MinEdgeSearch(Goals{})};  ///< those of the last attempt
+  std::uint64_t size_steps = 0;                       ///< of all searches for gaps
   Candidate candidate;
 
   const Surface& surface() const { return prepared.surface; }

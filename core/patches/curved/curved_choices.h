@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <optional>
 #include <span>
 #include <utility>
@@ -13,8 +12,8 @@
 
 namespace remesh {
 
-/// By how much curved surfaces are moved outwards, so that the result keeps volumes. The offsets are estimates at first;
-/// what a result shows to be missing corrects them.
+/// By how much curved surfaces are moved outwards, so that the result keeps volumes. The offsets are estimates at
+/// first; what a result shows to be missing corrects them.
 struct OffsetChoices {
   std::vector<SurfaceId> left;                       ///< surfaces that stay where they are, ascending
   IdVector<SurfaceId, std::optional<double>> known;  ///< offsets in local units, or empty: all are estimated
@@ -71,10 +70,10 @@ struct CurvedChoices {
   bool may_leave_facets() const;
 };
 
-/// Takes curved patches a rung up: first they get finer limits, and then they become facets again. If their surfaces are
-/// moved outwards, finer limits come first, then the surfaces stay where they are, and then all begins anew. A chain of
-/// neighbours that fail one after the other must not cost a step for each of them. So after some steps, patches become
-/// facets at once, and after some more, all curved patches do.
+/// Takes curved patches a rung up: first they get finer limits, and then they become facets again. If their surfaces
+/// are moved outwards, finer limits come first, then the surfaces stay where they are, and then all begins anew. A
+/// chain of neighbours that fail one after the other must not cost a step for each of them. So after some steps,
+/// patches become facets at once, and after some more, all curved patches do.
 /// Input: `is_patient` tells whether finer limits are worth an attempt; `are_any_moved` whether surfaces are moved
 ///        outwards; `count` is the number of all input faces.
 CurvedChoices after_faults(CurvedChoices now, std::span<const CurvedFault> faults, bool is_patient, bool are_any_moved,
