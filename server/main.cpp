@@ -11,6 +11,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/base/version.h"
 #include "server/config.h"
 #include "server/daemon.h"
 #include "server/http_server.h"

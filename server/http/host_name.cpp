@@ -9,8 +9,6 @@ namespace {
 
 constexpr std::string_view kLocalhost = "localhost";
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
 /// True if browsers read a name as an IPv4 address: its last part is a number (URL Standard, "ends in a number").
 bool ends_in_number(std::string_view name) {
   const std::string_view last = name.substr(name.rfind('.') + 1);

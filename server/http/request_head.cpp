@@ -12,9 +12,7 @@ namespace {
 
 [[noreturn]] void malformed(const std::string& detail) { throw HttpError(400, "malformed_request", detail); }
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
-bool is_alphanumeric(char c) { return is_digit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+bool is_alphanumeric(char c) { return is_digit(c) || is_letter(c); }
 
 bool is_token_char(char c) {
   if (is_alphanumeric(c)) return true;
