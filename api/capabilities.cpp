@@ -1,9 +1,9 @@
 // Answers GET /v1/capabilities and GET /openapi.json.
 #include "api/json_writer.h"
 #include "api/negotiation.h"
+#include "api/operations.h"
 #include "api/options.h"
 #include "api/report_json.h"
-#include "api/service.h"
 #include "core/base/coordinate_range.h"
 #include "core/remesh.h"
 

@@ -1,7 +1,7 @@
 // The only table that maps the codes of errors to HTTP, and the writer of problem+json.
 #include "api/json_writer.h"
+#include "api/operations.h"
 #include "api/request_code.h"
-#include "api/service.h"
 
 namespace remesh::api {
 namespace {

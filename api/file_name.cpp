@@ -1,8 +1,7 @@
 #include "api/file_name.h"
 
-#include "api/text.h"
+#include "api/quoting.h"
 #include "core/io/format_spec.h"
-#include "core/io/gzip.h"
 
 namespace remesh::api {
 namespace {
@@ -10,9 +9,7 @@ namespace {
 constexpr std::size_t kMaxCharacters = 100;
 constexpr std::string_view kHexDigits = "0123456789ABCDEF";
 
-bool is_letter_or_digit(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'); }
-
-bool is_plain(char c) { return is_letter_or_digit(c) || c == '.' || c == '_' || c == '-'; }
+bool is_plain(char c) { return is_letter(c) || is_digit(c) || c == '.' || c == '_' || c == '-'; }
 
 /// True for characters that control how text is shown instead of being shown: U+0080 to U+009F, and the marks that
 /// change its direction, with which a name could pretend to have another ending.

@@ -5,11 +5,9 @@
 #include <limits>
 #include <stdexcept>
 #include <utility>
-#include <vector>
 
 #include "api/json_reader.h"
-#include "api/negotiation.h"
-#include "api/text.h"
+#include "api/quoting.h"
 #include "core/base/error.h"
 #include "core/io/gzip.h"
 #include "core/io/mesh_files.h"
@@ -36,7 +34,7 @@ RequestOptions bounded(RequestOptions options, const Limits& limits) {
   std::optional<std::uint64_t>& faces = options.core.max_output_faces;
   if (faces && *faces > limits.max_output_faces) {
     throw Error(Code::kInvalidOption, Stage::kRead,
-                "max_output_faces is above the limit of " + number_text(limits.max_output_faces))
+                "max_output_faces is above the limit of " + std::to_string(limits.max_output_faces))
         .for_option("max_output_faces")
         .with_limit(limits.max_output_faces);
   }

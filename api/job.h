@@ -5,12 +5,11 @@
 #include <optional>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "api/negotiation.h"
+#include "api/operations.h"
 #include "api/options.h"
 #include "api/report_json.h"
-#include "api/service.h"
 #include "api/summary.h"
 #include "core/base/run_control.h"
 #include "core/remesh.h"

@@ -8,7 +8,7 @@
 #include <system_error>
 
 #include "core/io/common/digits.h"
-#include "core/io/common/text.h"
+#include "core/io/common/number_parsing.h"
 
 namespace remesh::api {
 namespace {

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include "api/json_arrays.h"
+#include "api/quoting.h"
 #include "api/request_code.h"
-#include "api/text.h"
 #include "core/base/error.h"
 
 namespace remesh::api {
@@ -74,7 +74,7 @@ struct Number {
     return {value, true, value < 0, static_cast<std::uint64_t>(std::fabs(value)), {}};
   }
   std::string text() const {
-    return is_integer ? (is_negative ? "-" : "") + number_text(magnitude) : std::string(token);
+    return is_integer ? (is_negative ? "-" : "") + std::to_string(magnitude) : std::string(token);
   }
 };
 
@@ -200,11 +200,11 @@ void Handler::fail_value() const {
     case Place::kVertices:
     case Place::kVertex:
       fail_at(Code::kInvalidMesh, vertex_count(),
-              "vertex " + number_text(vertex_count()) + " must be an array of three numbers");
+              "vertex " + std::to_string(vertex_count()) + " must be an array of three numbers");
     case Place::kFaces:
     case Place::kFace:
       fail_at(Code::kInvalidMesh, face_count(),
-              "face " + number_text(face_count()) + " must be an array of vertex numbers");
+              "face " + std::to_string(face_count()) + " must be an array of vertex numbers");
     case Place::kFaceGroups: fail_shape("face_groups must be an array of whole numbers");
     case Place::kOptions:
     case Place::kOptionList: break;
@@ -281,7 +281,7 @@ bool Handler::number(const Number& number) {
 bool Handler::start(bool is_object) {
   tick();
   if (stack_.size() + skipped_depth_ >= kMaxDepth) {
-    fail_json("nested deeper than " + number_text(std::uint64_t{kMaxDepth}) + " levels");
+    fail_json("nested deeper than " + std::to_string(kMaxDepth) + " levels");
   }
   if (skipped_depth_ > 0) {
     ++skipped_depth_;
@@ -358,7 +358,7 @@ bool Handler::end() {
 
 void Handler::open_vertex() {
   if (vertex_count() >= limits_.max_vertices) {
-    throw Error(Code::kMeshTooLarge, Stage::kRead, "more than " + number_text(limits_.max_vertices) + " vertices")
+    throw Error(Code::kMeshTooLarge, Stage::kRead, "more than " + std::to_string(limits_.max_vertices) + " vertices")
         .with_limit(limits_.max_vertices);
   }
   coordinate_count_ = 0;
@@ -372,7 +372,7 @@ void Handler::close_vertex() {
 
 void Handler::open_face() {
   if (face_count() >= limits_.max_faces) {
-    throw Error(Code::kMeshTooLarge, Stage::kRead, "more than " + number_text(limits_.max_faces) + " faces")
+    throw Error(Code::kMeshTooLarge, Stage::kRead, "more than " + std::to_string(limits_.max_faces) + " faces")
         .with_limit(limits_.max_faces);
   }
   stack_.push_back(Place::kFace);
@@ -384,11 +384,11 @@ void Handler::add_corner(const Number& read) {
   const Number number = read.as_integer();
   if (!number.is_integer || number.is_negative || number.magnitude > kMaxIndex) {
     fail_at(Code::kIndexOutOfRange, face_count(),
-            "face " + number_text(face_count()) + " names vertex " + shortened(number.text()));
+            "face " + std::to_string(face_count()) + " names vertex " + shortened(number.text()));
   }
   if (mesh_.corners.size() >= PolygonMesh::kMaxCorners) {
     throw Error(Code::kMeshTooLarge, Stage::kRead,
-                "the faces have more than " + number_text(PolygonMesh::kMaxCorners) + " corners")
+                "the faces have more than " + std::to_string(PolygonMesh::kMaxCorners) + " corners")
         .with_limit(PolygonMesh::kMaxCorners);
   }
   mesh_.corners.push_back(VertexId(static_cast<std::uint32_t>(number.magnitude)));
@@ -398,7 +398,7 @@ void Handler::close_face() {
   const std::size_t corners = mesh_.corners.size() - mesh_.face_begin.back();
   if (corners < 3) {
     fail_at(Code::kInvalidMesh, face_count(),
-            "face " + number_text(face_count()) + " has " + number_text(std::uint64_t{corners}) +
+            "face " + std::to_string(face_count()) + " has " + std::to_string(corners) +
                 " corners; a face must have at least 3");
   }
   if (building_ == Building::kNothing) return mesh_.corners.clear();
@@ -433,7 +433,7 @@ bool Handler::parse_error(std::size_t, const std::string& token, const Json::exc
     const Place place = stack_.back();
     if (place == Place::kVertex) {
       fail_at(Code::kNonfiniteCoordinate, vertex_count(),
-              "vertex " + number_text(vertex_count()) + " has a coordinate that is not a finite number");
+              "vertex " + std::to_string(vertex_count()) + " has a coordinate that is not a finite number");
     }
     if (is_overflow && place == Place::kFace) fail_value();
     if (is_overflow && place == Place::kOptions) options_.add(option_name_, token, ValueKind::kNumber);
@@ -444,7 +444,7 @@ bool Handler::parse_error(std::size_t, const std::string& token, const Json::exc
   const std::string_view what = error.what();
   const std::size_t prefix = what.find("] ");
   const std::string words = shortened(prefix == std::string_view::npos ? what : what.substr(prefix + 2), kLongest);
-  fail_json(words + " (byte " + number_text(static_cast<std::uint64_t>(at_ - text_.data())) + ")");
+  fail_json(words + " (byte " + std::to_string(static_cast<std::uint64_t>(at_ - text_.data())) + ")");
 }
 
 void Handler::check_indices() const {
@@ -452,8 +452,8 @@ void Handler::check_indices() const {
     for (const VertexId v : mesh_.face(FaceId(f))) {
       if (v.value < mesh_.positions.size()) continue;
       throw Error(Code::kIndexOutOfRange, Stage::kRead,
-                  "face " + number_text(std::uint64_t{f}) + " names vertex " + number_text(std::uint64_t{v.value}) +
-                      "; there are " + number_text(vertex_count()) + ", counted from 0")
+                  "face " + std::to_string(f) + " names vertex " + std::to_string(v.value) + "; there are " +
+                      std::to_string(vertex_count()) + ", counted from 0")
           .at_element(f);
     }
   }
@@ -465,8 +465,8 @@ ReadResult Handler::take_mesh() {
   if (!has(Key::kFaces)) fail_shape("the mesh has no \"faces\"");
   if (face_count() == 0) throw Error(Code::kEmptyMesh, Stage::kRead, "the mesh has no face");
   if (has(Key::kFaceGroups) && mesh_.labels.group.of_face.size() != face_count()) {
-    fail_shape("face_groups has " + number_text(std::uint64_t{mesh_.labels.group.of_face.size()}) + " entries for " +
-               number_text(face_count()) + " faces");
+    fail_shape("face_groups has " + std::to_string(mesh_.labels.group.of_face.size()) + " entries for " +
+               std::to_string(face_count()) + " faces");
   }
   check_indices();
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "core/io/common/text.h"
+#include "core/io/common/number_parsing.h"
 
 namespace remesh::api {
 

@@ -1,8 +1,8 @@
 #include "api/multipart.h"
 
 #include "api/file_name.h"
+#include "api/quoting.h"
 #include "api/request_code.h"
-#include "api/text.h"
 #include "core/base/error.h"
 
 namespace remesh::api {

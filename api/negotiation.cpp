@@ -1,11 +1,10 @@
 #include "api/negotiation.h"
 
 #include <algorithm>
-#include <string>
 #include <tuple>
 #include <vector>
 
-#include "api/text.h"
+#include "api/quoting.h"
 #include "core/base/error.h"
 #include "core/io/format_spec.h"
 

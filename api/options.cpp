@@ -9,9 +9,10 @@
 #include <type_traits>
 #include <utility>
 
+#include "api/quoting.h"
 #include "api/request_code.h"
-#include "api/text.h"
 #include "core/base/error.h"
+#include "core/base/number_text.h"
 #include "core/refinement/goals/goals.h"
 #include "core/remesh.h"
 
@@ -406,7 +407,7 @@ std::string axis_text(const Options& options) {
     case ReferenceAxis::kGiven: break;
   }
   const Vec3& d = options.reference_direction;
-  return number_text(d.x) + "," + number_text(d.y) + "," + number_text(d.z);
+  return shortest_text(d.x) + "," + shortest_text(d.y) + "," + shortest_text(d.z);
 }
 
 /// Finds the value that a word stands for.
@@ -578,8 +579,10 @@ std::string option_text(const OptionSpec& spec, const RequestOptions& options) {
           return value ? "true" : "false";
         } else if constexpr (std::is_same_v<V, std::string>) {
           return value;
+        } else if constexpr (std::is_floating_point_v<V>) {
+          return shortest_text(value);
         } else {
-          return number_text(value);
+          return std::to_string(value);
         }
       },
       option_value(spec, options));

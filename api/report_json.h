@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <optional>
 
 #include "api/json_writer.h"
 #include "api/options.h"

@@ -195,8 +195,8 @@ void unpack(Unpacker& in, Summary& summary) {
 /// The numbers of the goals in a fixed order, used by both packing and unpacking.
 template <class TheGoals>
 auto reals_of(TheGoals& goals) {
-  return std::array{&goals.min_angle_deg, &goals.max_edge_length,  &goals.max_area,  &goals.min_edge_length,
-                    &goals.proximity,     &goals.floor_of_storage, &goals.gradation, &goals.feature_angle_deg};
+  return std::array{&goals.min_angle_deg, &goals.max_edge_length,     &goals.max_area,  &goals.min_edge_length,
+                    &goals.proximity,     &goals.min_edge_of_storage, &goals.gradation, &goals.feature_angle_deg};
 }
 
 template <class Labels>
@@ -204,14 +204,14 @@ auto numbers_of(Labels& labels) {
   return std::array{&labels.set_of, &labels.begin, &labels.labels};
 }
 
-void pack(const OutputBasis& basis, Packer& out) {
+void pack(const RoundingInput& basis, Packer& out) {
   out.array(basis.normals.items());
   out.array(basis.is_curved.items());
   out.real(basis.allowed_move);
   out.number(basis.is_refined);
   for (const double* value : reals_of(basis.goals)) out.real(*value);
   out.number(basis.goals.max_faces);
-  out.number(basis.goals.faces_without_floor);
+  out.number(basis.goals.faces_without_min_edge);
   out.number(basis.goals.split_boundaries);
   out.ids(basis.unrefined.faces);
   for (const UnrefinedReason reason : basis.unrefined.reasons) out.number(static_cast<std::uint64_t>(reason));
@@ -223,14 +223,14 @@ void pack(const OutputBasis& basis, Packer& out) {
   for (const auto* numbers : numbers_of(basis.patch_labels)) out.ids(*numbers);
 }
 
-void unpack(Unpacker& in, OutputBasis& basis) {
+void unpack(Unpacker& in, RoundingInput& basis) {
   in.array(basis.normals.items());
   in.array(basis.is_curved.items());
   basis.allowed_move = in.real();
   basis.is_refined = in.flag();
   for (double* value : reals_of(basis.goals)) *value = in.real();
   basis.goals.max_faces = in.number();
-  basis.goals.faces_without_floor = in.number();
+  basis.goals.faces_without_min_edge = in.number();
   basis.goals.split_boundaries = in.flag();
   in.ids(basis.unrefined.faces);
   for (std::size_t i = 0; i < basis.unrefined.faces.size(); ++i) basis.unrefined.reasons.push_back(in.reason());
@@ -272,7 +272,7 @@ std::string pack_result(const KeptResult& kept) {
   out.ids(result.report.surfaces.of_patch.items());
   out.ids(result.face_source.items());
   out.ids(result.input_face_patch.items());
-  pack(result.basis, out);
+  pack(result.rounding_input, out);
   return out.take();
 }
 
@@ -304,7 +304,7 @@ KeptResult unpack_result(std::string_view bytes) {
   in.ids(result.report.surfaces.of_patch.items());
   in.ids(result.face_source.items());
   in.ids(result.input_face_patch.items());
-  unpack(in, result.basis);
+  unpack(in, result.rounding_input);
   in.expect_end();
   return kept;
 }

@@ -4,7 +4,6 @@
 
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "api/summary.h"
 #include "core/io/formats.h"

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 
-#include "api/text.h"
+#include "api/quoting.h"
+#include "core/base/number_text.h"
 #include "core/remesh.h"
 
 namespace remesh::api {
@@ -18,9 +19,9 @@ std::string in_one_line(std::string text) {
 /// Formats the bound on the distance as a sentence.
 std::string distance_text(const DistanceBound& bound) {
   if (bound.output_to_input == bound.input_to_output)
-    return "proven: input and result are nowhere more than " + number_text(bound.output_to_input) + " apart";
-  return "proven: no point of the result is more than " + number_text(bound.output_to_input) +
-         " from the input, and no point of the input more than " + number_text(bound.input_to_output) +
+    return "proven: input and result are nowhere more than " + shortest_text(bound.output_to_input) + " apart";
+  return "proven: no point of the result is more than " + shortest_text(bound.output_to_input) +
+         " from the input, and no point of the input more than " + shortest_text(bound.input_to_output) +
          " from the result";
 }
 
@@ -38,7 +39,7 @@ Summary summary_of(const Report& report) {
   summary.is_verified = report.verified.all_true();
   for (const Diagnostic& diagnostic : report.diagnostics) {
     summary.warnings.push_back(in_one_line(std::string(diagnostic_name(diagnostic.code)) + ": " +
-                                           number_text(diagnostic.count) + ": " + diagnostic.message));
+                                           std::to_string(diagnostic.count) + ": " + diagnostic.message));
   }
   for (const Unrefined& left : report.unrefined) summary.unrefined.emplace_back(left.reason, left.count);
   summary.distance_bound = report.distance_bound;
@@ -47,14 +48,14 @@ Summary summary_of(const Report& report) {
 }
 
 std::string origin_text(const Vec3& origin) {
-  return number_text(origin.x) + " " + number_text(origin.y) + " " + number_text(origin.z);
+  return shortest_text(origin.x) + " " + shortest_text(origin.y) + " " + shortest_text(origin.z);
 }
 
 std::string summary_line(const Summary& summary) {
-  return "input_faces=" + number_text(summary.input_faces) + ", output_faces=" + number_text(summary.output_faces) +
-         ", patches=" + number_text(summary.patches) + ", kept=" + number_text(summary.kept) +
-         ", min_angle_deg=" + number_text(summary.min_angle_deg) + ", verified=" + (summary.is_verified ? "1" : "0") +
-         ", warnings=" + number_text(std::uint64_t{summary.warnings.size()}) +
+  return "input_faces=" + std::to_string(summary.input_faces) +
+         ", output_faces=" + std::to_string(summary.output_faces) + ", patches=" + std::to_string(summary.patches) +
+         ", kept=" + std::to_string(summary.kept) + ", min_angle_deg=" + shortest_text(summary.min_angle_deg) +
+         ", verified=" + (summary.is_verified ? "1" : "0") + ", warnings=" + std::to_string(summary.warnings.size()) +
          (summary.origin ? ", origin=" + origin_text(*summary.origin) : "");
 }
 
@@ -64,7 +65,7 @@ std::vector<std::string> summary_comments(const Summary& summary) {
   if (summary.distance_bound) comments.push_back(distance_text(*summary.distance_bound));
   for (const std::string& warning : summary.warnings) comments.push_back("warning: " + warning);
   for (const auto& [reason, count] : summary.unrefined)
-    comments.push_back("unrefined: " + std::string(unrefined_name(reason)) + ": " + number_text(count));
+    comments.push_back("unrefined: " + std::string(unrefined_name(reason)) + ": " + std::to_string(count));
   return comments;
 }
 

@@ -7,10 +7,10 @@
 #include <map>
 #include <numbers>
 #include <span>
-#include <tuple>
 #include <utility>
 
-#include "api/text.h"
+#include "api/quoting.h"
+#include "core/base/number_text.h"
 #include "core/output/report/surface_words.h"
 
 namespace remesh::api {
@@ -43,7 +43,7 @@ double rounded(double value, int digits) {
 std::string measure_text(const Measure& measure) {
   int digits = 1;
   while (digits < kMaxDigits && std::fabs(rounded(measure.value, digits) - measure.value) > measure.error) ++digits;
-  return number_text(rounded(measure.value, digits));
+  return shortest_text(rounded(measure.value, digits));
 }
 
 /// Returns the max ratio of a radius's error to the error of the points on its arc.
@@ -197,7 +197,7 @@ std::string reason_text(const RecognisedSurface& region) {
   const std::string nearest = ": " + with_article(region.nearest_kind);
   if (region.reason == FreeReason::kUnevenFacets)
     return nearest + " fits, but the facets are too uneven to be meant as one";
-  return nearest + " comes nearest, " + number_text(rounded(region.nearest_deviation, 2)) + " away";
+  return nearest + " comes nearest, " + shortest_text(rounded(region.nearest_deviation, 2)) + " away";
 }
 
 /// Says how many facets free regions have, and why no surface was found for them.

@@ -20,7 +20,7 @@ int thread_count(const PolygonMesh& input, const Options& options, const RunSett
 /// vertices.
 /// Input:   a mesh that satisfies what PolygonMesh promises; the `diagnostics` of its reader, which are passed on into
 ///          the report.
-/// Output:  vertices with their input coordinates, bit for bit, or rounded to the settings' storage (round_output);
+/// Output:  vertices with their input coordinates, bit for bit, or rounded to the settings' storage (round_for_format);
 ///          triangles by patch; the report, with a verdict in which all is true.
 /// Holds:   the six promises of README.md; the same bytes for any number of workers.
 /// Errors:  kEmptyMesh, kInvalidMesh - see prepare; kInvalidOption - see check_options; kOutputTooLarge - there are

@@ -6,12 +6,10 @@
 #include <algorithm>
 #include <cstdlib>
 #include <functional>
-#include <memory>
 #include <stdexcept>
-#include <vector>
 
 #include "api/machine_limits.h"
-#include "api/text.h"
+#include "api/quoting.h"
 #include "core/remesh.h"
 #include "server/http/api_keys.h"
 #include "server/jobs/database.h"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "api/service.h"
+#include "api/operations.h"
 #include "server/http/allowed_hosts.h"
 #include "server/http/client_address.h"
 #include "server/http/connection_limits.h"

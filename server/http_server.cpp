@@ -8,12 +8,10 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
-#include <condition_variable>
 #include <cstring>
 #include <ctime>
 #include <map>
 #include <mutex>
-#include <optional>
 #include <set>
 #include <stdexcept>
 #include <thread>
@@ -25,7 +23,6 @@
 #include "server/http/exchange.h"
 #include "server/http/large_answer.h"
 #include "server/observe/log.h"
-#include "server/work/memory_wait.h"
 #include "server/work/request_registry.h"
 
 namespace remesh::server {

@@ -1,4 +1,4 @@
-/// The program remeshd: configuration, service and signals. Everything else is in the library.
+/// The program remeshd: configuration, the daemon and signals. Everything else is in the library.
 #include <sys/resource.h>
 #include <sys/stat.h>
 #include <tbb/global_control.h>
@@ -11,12 +11,12 @@
 #include <optional>
 #include <vector>
 
-#include "core/remesh.h"
+#include "core/base/version.h"
 #include "server/config.h"
+#include "server/daemon.h"
 #include "server/http_server.h"
 #include "server/observe/heap_tops.h"
 #include "server/observe/log.h"
-#include "server/service.h"
 
 namespace remesh::server {
 namespace {
@@ -40,9 +40,9 @@ void raise_descriptor_limit() {
   ::setrlimit(RLIMIT_NOFILE, &files);
 }
 
-void reload_keys(Service& service) {
+void reload_keys(Daemon& daemon) {
   try {
-    service.reload_keys();
+    daemon.reload_keys();
     log::write(log::Level::kInfo, "keys read again");
   } catch (const std::exception& error) {
     log::write(log::Level::kError, "API keys cannot be read again, so the old ones stay in use",
@@ -65,15 +65,15 @@ int wait_for_signal(const sigset_t& signals, std::optional<std::chrono::millisec
 }
 
 /// Adds the settings in force that help to understand a failure.
-void add_settings(const Config& config, const Service& service, std::vector<log::Field>& fields) {
+void add_settings(const Config& config, const Daemon& daemon, std::vector<log::Field>& fields) {
   fields.push_back({"workers", std::int64_t{config.limits.workers}});
   fields.push_back({"max_running", std::int64_t{config.max_running}});
   fields.push_back({"queue_size", static_cast<std::int64_t>(config.limits.queue.max_large)});
   fields.push_back({"memory_budget", format_bytes(config.memory_budget)});
-  fields.push_back({"keys", static_cast<std::int64_t>(service.key_count())});
+  fields.push_back({"keys", static_cast<std::int64_t>(daemon.key_count())});
   fields.push_back({"role", role_name(config.jobs.role)});
-  fields.push_back({"store", service.keeps_jobs() ? jobs::without_password(config.jobs.store) : "none"});
-  if (!service.keeps_jobs()) return;
+  fields.push_back({"store", daemon.keeps_jobs() ? jobs::without_password(config.jobs.store) : "none"});
+  if (!daemon.keeps_jobs()) return;
   if (config.jobs.store == "sqlite") fields.push_back({"state_dir", jobs::find_state_dir(config.jobs.state_dir)});
   if (!config.jobs.blob_dir.empty()) fields.push_back({"blob_dir", config.jobs.blob_dir});
 }
@@ -91,25 +91,25 @@ int serve(const Config& config) {
   raise_descriptor_limit();
   log::set_up(config.log_format, config.log_level);
 
-  Service service(config, Operations{});
-  service.start();
-  std::vector<log::Field> fields{{"address", Address{config.bind.host, service.port()}.text()}};
-  if (config.ops_bind) fields.push_back({"ops_address", Address{config.ops_bind->host, service.ops_port()}.text()});
+  Daemon daemon(config, Operations{});
+  daemon.start();
+  std::vector<log::Field> fields{{"address", Address{config.bind.host, daemon.port()}.text()}};
+  if (config.ops_bind) fields.push_back({"ops_address", Address{config.ops_bind->host, daemon.ops_port()}.text()});
   fields.push_back({"version", std::string(remesh::version())});
-  add_settings(config, service, fields);
+  add_settings(config, daemon, fields);
   log::write(log::Level::kInfo, "listening", fields);
   for (const std::string& name : unknown_variables())
     log::write(log::Level::kWarning, "no setting has this variable", {{"variable", name}});
 
-  while (wait_for_signal(signals, std::nullopt) == SIGHUP) reload_keys(service);
+  while (wait_for_signal(signals, std::nullopt) == SIGHUP) reload_keys(daemon);
   log::write(log::Level::kInfo, "draining", {{"at_most", format_duration(config.drain_time)}});
-  service.begin_drain();
+  daemon.begin_drain();
   const Clock::time_point deadline = Clock::now() + config.drain_time;
-  while (!service.is_idle() && Clock::now() < deadline) {
+  while (!daemon.is_idle() && Clock::now() < deadline) {
     const int again = wait_for_signal(stop_signals(), std::chrono::milliseconds(20));
     if (again != 0) break;  // a second signal ends the wait at once
   }
-  service.stop();
+  daemon.stop();
   log::write(log::Level::kInfo, "stopped");
   return EXIT_SUCCESS;
 }

@@ -1,7 +1,6 @@
 #include "server/web_page.h"
 
 #include <string>
-#include <utility>
 
 #include "core/io/gzip.h"
 #include "server/http/content_coding.h"

@@ -1,13 +1,11 @@
 // Converts openapi.yaml to a C++ source that contains it as JSON. Usage: openapi_to_cpp IN.yaml OUT.cpp
 #include <yaml-cpp/yaml.h>
 
-#include <algorithm>
 #include <exception>
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <string>
-#include <string_view>
 
 namespace {
 

@@ -8,16 +8,11 @@
 #include <vector>
 
 #include "api/surface_list.h"
+#include "core/base/number_text.h"
 #include "core/output/report/surface_words.h"
 
 namespace remesh::cli {
 namespace {
-
-std::string rounded_text(double value) {
-  std::array<char, 32> text{};
-  std::snprintf(text.data(), text.size(), "%.6g", value);
-  return text.data();
-}
 
 std::string percent_text(double part, double whole) {
   std::array<char, 32> text{};
@@ -28,7 +23,7 @@ std::string percent_text(double part, double whole) {
 std::string size_text(const Box3& box) {
   if (box.is_empty()) return "";
   const Vec3 size = box.max - box.min;
-  return ", " + rounded_text(size.x) + " x " + rounded_text(size.y) + " x " + rounded_text(size.z);
+  return ", " + number_text(size.x) + " x " + number_text(size.y) + " x " + number_text(size.z);
 }
 
 /// Appends blanks in front of the text, so that it ends at the column.
@@ -80,7 +75,7 @@ std::string analysis_text(const Report& report, const std::string& name) {
     text += "warning: " + std::string(diagnostic_name(diagnostic.code)) + ": " + grouped_digits(diagnostic.count) +
             ": " + diagnostic.message + "\n";
   }
-  if (report.smallest_gap) text += "smallest gap between facets: " + rounded_text(*report.smallest_gap) + "\n";
+  if (report.smallest_gap) text += "smallest gap between facets: " + number_text(*report.smallest_gap) + "\n";
   text += "a remeshing with these options makes about " + grouped_digits(report.predicted_faces) + " faces\n";
   return text + predictions_text(report.predicted_faces_by_elements_per_circle);
 }

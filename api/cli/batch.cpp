@@ -18,15 +18,15 @@
 #include "api/cli/progress_bar.h"
 #include "api/job.h"
 #include "api/negotiation.h"
-#include "api/text.h"
+#include "api/quoting.h"
 #include "core/base/error.h"
+#include "core/base/number_text.h"
 #include "core/io/formats.h"
 
 namespace remesh::cli {
 namespace {
 
 namespace fs = std::filesystem;
-using api::number_text;
 
 struct File {
   std::string name;  ///< the path within the folder
@@ -125,11 +125,10 @@ std::string row_of(const File& file, const Report& report, double seconds) {
                                   [](const PatchSummary& patch) { return patch.status == PatchStatus::kKept; });
   std::string row = field(file.name) + ",ok,";
   for (const std::string& value :
-       {number_text(report.input.faces), number_text(report.output.faces),
-        number_text(std::uint64_t{report.patches.size()}), number_text(static_cast<std::uint64_t>(kept)),
-        number_text(report.output.quality.min_angle_deg), number_text(report.output.quality.max_angle_deg),
-        std::string(report.verified.all_true() ? "true" : "false"),
-        number_text(std::uint64_t{report.diagnostics.size()}), seconds_text(seconds)}) {
+       {std::to_string(report.input.faces), std::to_string(report.output.faces), std::to_string(report.patches.size()),
+        std::to_string(static_cast<std::uint64_t>(kept)), shortest_text(report.output.quality.min_angle_deg),
+        shortest_text(report.output.quality.max_angle_deg), std::string(report.verified.all_true() ? "true" : "false"),
+        std::to_string(report.diagnostics.size()), seconds_text(seconds)}) {
     row += "," + value;
   }
   if (report.output_origin)

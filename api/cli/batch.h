@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "api/service.h"
+#include "api/operations.h"
 #include "core/base/run_control.h"
 
 namespace remesh::cli {

@@ -9,12 +9,11 @@
 #include <cstdio>
 #include <cstring>
 #include <filesystem>
-#include <optional>
 #include <span>
 #include <vector>
 
-#include "core/base/pages.h"
 #include "core/base/parallel.h"
+#include "core/base/prefault_pages.h"
 
 namespace remesh::cli {
 namespace {
@@ -52,7 +51,7 @@ std::size_t read_blocks(int fd, off_t from, std::span<char> bytes, const std::st
   std::vector<std::size_t> got((bytes.size() + kBlock - 1) / kBlock, 0);
   for_all(std::size_t{0}, got.size(), [&](std::size_t i) {
     const std::span<char> block = bytes.subspan(i * kBlock, std::min(kBlock, bytes.size() - i * kBlock));
-    take_pages(block);
+    prefault_pages(block);
     while (got[i] < block.size()) {
       control.check();
       const std::span<char> rest = block.subspan(got[i]);

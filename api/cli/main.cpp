@@ -14,7 +14,6 @@
 #include <map>
 #include <string>
 #include <string_view>
-#include <vector>
 
 #include "api/cli/analysis_text.h"
 #include "api/cli/batch.h"
@@ -183,7 +182,7 @@ void stop_on_signals(RunControl& control) {
 }
 
 /// Prints the origin, because the coordinates in the output are relative to it.
-void tell_origin(const std::string& origin) {
+void report_origin(const std::string& origin) {
   std::cerr << "remesh: the written coordinates are relative to the origin " << origin << "\n";
 }
 
@@ -214,7 +213,7 @@ void remesh_one(const Arguments& arguments, api::Job job, RunControl& control) {
   }
   write_file(arguments.output, answer.body);
   if (!arguments.report.empty()) write_file(arguments.report, report);
-  if (answer.report.output_origin) tell_origin(api::origin_text(*answer.report.output_origin));
+  if (answer.report.output_origin) report_origin(api::origin_text(*answer.report.output_origin));
   for (const Diagnostic& told : answer.report.diagnostics)
     if (told.code == DiagnosticCode::kOutputAsText) std::cerr << "remesh: " << told.message << "\n";
 }
@@ -260,7 +259,7 @@ void remesh_one_remotely(const Arguments& arguments, RunControl& control) {
   }
   write_file(arguments.output, answer.mesh);
   if (!arguments.report.empty()) write_file(arguments.report, answer.report);
-  if (!answer.origin.empty()) tell_origin(answer.origin);
+  if (!answer.origin.empty()) report_origin(answer.origin);
 }
 
 int remesh_folder(const Arguments& arguments, RunControl& control) {

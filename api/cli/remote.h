@@ -8,7 +8,7 @@
 #include <string>
 #include <string_view>
 
-#include "api/service.h"
+#include "api/operations.h"
 #include "core/base/run_control.h"
 
 namespace remesh::cli {

@@ -5,7 +5,6 @@
 #include <cmath>
 #include <cstddef>
 #include <span>
-#include <vector>
 
 #include "core/base/blocks.h"
 #include "core/base/run_control.h"

@@ -14,4 +14,10 @@ inline std::string number_text(double value, int digits = 6) {
   return {text.data(), std::to_chars(text.data(), end, value, std::chars_format::general, digits).ptr};
 }
 
+/// Returns the shortest text that reads back to the same number. It does not depend on the locale.
+inline std::string shortest_text(double value) {
+  std::array<char, 32> text{};
+  return {text.data(), std::to_chars(text.data(), text.data() + text.size(), value).ptr};
+}
+
 }  // namespace remesh

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
-#include <string>
 #include <type_traits>
 
 #include "core/base/error.h"
+#include "core/base/number_text.h"
 
 namespace remesh {
 namespace {
@@ -37,12 +36,6 @@ constexpr std::array<NumberOption, 18> kNumberOptions{{
     {"weld_tolerance", &Options::weld_tolerance, kNotNegative},
     {"max_hole_edges", &Options::max_hole_edges, {.minimum = 3, .maximum = 1'000'000}},
 }};
-
-std::string shortest_text(double value) {
-  std::array<char, 32> text{};
-  const std::to_chars_result end = std::to_chars(text.data(), text.data() + text.size(), value);
-  return {text.data(), end.ptr};
-}
 
 /// Returns the value of an option; nothing if it is not set.
 std::optional<double> value_of(const NumberOption& option, const Options& options) {

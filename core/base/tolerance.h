@@ -1,7 +1,6 @@
 /// Every tolerance of the pipeline, with its purpose and what breaks when it changes.
 #pragma once
 
-#include <cstdint>
 #include <span>
 
 #include "core/base/run_control.h"

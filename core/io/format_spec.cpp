@@ -4,7 +4,7 @@
 #include <array>
 #include <cstddef>
 
-#include "core/io/common/text.h"
+#include "core/io/common/number_parsing.h"
 #include "core/io/msh/msh.h"
 #include "core/io/obj/obj.h"
 #include "core/io/off/off.h"

@@ -4,8 +4,7 @@
 #include <array>
 #include <cstddef>
 
-#include "core/base/options.h"
-#include "core/io/common/text.h"
+#include "core/io/common/number_parsing.h"
 #include "core/io/format_spec.h"
 #include "core/io/stl/stl.h"
 

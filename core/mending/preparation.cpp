@@ -49,7 +49,7 @@ class Preparation {
     choose_tolerance();
     mend();
     summary_.statistics.mended_euler = is_as_measured_ ? summary_.statistics.euler : euler();
-    tell_of_open_edges();
+    report_open_edges();
     return std::move(prepared_);
   }
 
@@ -120,11 +120,11 @@ class Preparation {
       automatic = tolerance.if_bent;
     if (!options_.plane_tolerance && tolerance.is_capped &&
         (is_noisy || are_bent_by(automatic, tolerance.explained, kBendsOfNoise)))
-      tell_of_cap(rounding, tolerance.explained, automatic);
+      report_cap(rounding, tolerance.explained, automatic);
     return automatic;
   }
 
-  void tell_of_cap(const Rounding& rounding, double explained, double automatic) {
+  void report_cap(const Rounding& rounding, double explained, double automatic) {
     const std::string are = rounding.steps == rounding.possible_steps ? "are" : "may be";
     summary_.diagnostics.push_back(
         {DiagnosticCode::kRoundingCapped,
@@ -143,7 +143,7 @@ class Preparation {
     std::vector<Diagnostic>& found = summary_.diagnostics;
     // Faces without area are dropped.
     if (repair.degenerate && !are_clearly_sound())
-      change([&](Surface& s) { return clean_faces(s, limits_.keep_verbatim, Mend::kYes, found, control_); });
+      change([&](Surface& s) { return clean_faces(s, limits_.keep_verbatim, MendMode::kYes, found, control_); });
     // Faces that repeat other faces are dropped.
     const std::size_t place = found.size();
     std::vector<Diagnostic> repeated;
@@ -157,20 +157,20 @@ class Preparation {
     // another body's edges, and would be split there on one side only. Then edges are split at the vertices that lie on
     // them, so that each edge of the other seams gets its partner, and these seams are closed.
     Seams seams({std::min(rounding_, summary_.plane_tolerance) / surface().unit, repair.winding});
-    const Mend mend_seams = mend_if(repair.seams && limits_.is_joining_allowed);
+    const MendMode mend_seams = mend_if(repair.seams && limits_.is_joining_allowed);
     const auto close_seams = [&](Surface& s) { return seams.close(s, adjacency(), mend_seams, control_); };
-    const bool is_joined = mend_seams == Mend::kYes && change(close_seams);
-    const Mend mend_t_junctions = mend_if(repair.t_junctions && limits_.is_joining_allowed);
+    const bool is_joined = mend_seams == MendMode::kYes && change(close_seams);
+    const MendMode mend_t_junctions = mend_if(repair.t_junctions && limits_.is_joining_allowed);
     bool is_split = split_at_vertices(tolerance, mend_t_junctions);
     // If vertices are welded within a tolerance, vertices within it of an edge belong on that edge, too. The smaller
     // tolerance comes first, because it also splits thin faces.
     if (const double near = options_.weld_tolerance / surface().unit;
-        near > tolerance && mend_t_junctions == Mend::kYes) {
+        near > tolerance && mend_t_junctions == MendMode::kYes) {
       const bool is_split_again = split_at_vertices(near, mend_t_junctions);
       is_split = is_split || is_split_again;
     }
-    const bool is_joined_again = (is_split || mend_seams == Mend::kNo) && change(close_seams);
-    seams.tell(found);
+    const bool is_joined_again = (is_split || mend_seams == MendMode::kNo) && change(close_seams);
+    seams.report(found);
     // Faces on both sides of a seam, or of edges that were split, may repeat each other now, because only since then do
     // they have the same vertices.
     if ((is_joined || is_split || is_joined_again) && repair.duplicates)
@@ -193,7 +193,7 @@ class Preparation {
     change([&](Surface& s) {
       return unify_winding(s, adjacency(), input_.labels, mend_if(repair.winding), found, control_);
     });
-    const Mend mend_holes = mend_if(repair.holes && limits_.is_joining_allowed);
+    const MendMode mend_holes = mend_if(repair.holes && limits_.is_joining_allowed);
     const HoleRules rules{mend_holes, options_.max_hole_edges, options_.defeature_size.value_or(0),
                           summary_.statistics.bounding_box.diagonal(), summary_.plane_tolerance};
     const bool are_closed = change(
@@ -222,7 +222,7 @@ class Preparation {
            static_cast<std::int64_t>(surface().face_count());
   }
 
-  bool split_at_vertices(double tolerance, Mend mend) {
+  bool split_at_vertices(double tolerance, MendMode mend) {
     std::vector<Diagnostic> told;
     const bool is_changed = change([&](Surface& s) {
       return split_t_junctions(s, adjacency(), tolerance, limits_.keep_verbatim, mend, told, control_);
@@ -239,10 +239,10 @@ class Preparation {
   void drop_new_duplicates(std::vector<Diagnostic>& told, std::size_t dropped) {
     std::vector<Diagnostic> all, again;
     prepared_.change(
-        [&](Surface& s) { return drop_duplicate_faces(s, adjacency(), input_.labels, Mend::kNo, all, control_); });
+        [&](Surface& s) { return drop_duplicate_faces(s, adjacency(), input_.labels, MendMode::kNo, all, control_); });
     if (all.empty()) return;
     Surface without = surface();
-    if (!drop_duplicate_faces(without, adjacency(), input_.labels, Mend::kYes, again, control_)) return;
+    if (!drop_duplicate_faces(without, adjacency(), input_.labels, MendMode::kYes, again, control_)) return;
     const Adjacency edges(without.vertex_count(), without.face_begin, without.corners, control_);
     if (edges.odd_edges().size() > adjacency().odd_edges().size()) return;
     change([&](Surface& s) {
@@ -264,7 +264,7 @@ class Preparation {
   }
 
   /// Adds to the diagnostic on open edges which holes and cracks mending has left.
-  void tell_of_open_edges() {
+  void report_open_edges() {
     std::vector<Diagnostic>& found = summary_.diagnostics;
     const auto open = std::find_if(found.begin(), found.end(),
                                    [](const Diagnostic& d) { return d.code == DiagnosticCode::kOpenBoundary; });

@@ -1,18 +1,14 @@
 #include "core/mesh/adjacency.h"
 
-#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cstddef>
 #include <numeric>
-#include <utility>
 
 #include "core/base/blocks.h"
 #include "core/base/grouping.h"
-#include "core/base/pages.h"
-#include "core/base/parallel.h"
-#include "core/base/put_in_order.h"
-#include "core/base/run_control.h"
+#include "core/base/prefault_pages.h"
+#include "core/base/sort_few.h"
 
 namespace remesh {
 namespace {
@@ -62,7 +58,7 @@ Adjacency::Adjacency(std::size_t vertex_count, std::span<const std::uint32_t> fa
   twin_.resize(corners.size());
   constexpr std::size_t kManyItems = std::size_t{1} << 18;
   for_blocks(corners.size(), kManyItems, control,
-             [&](std::size_t begin, std::size_t end) { take_pages(std::span(twin_).subspan(begin, end - begin)); });
+             [&](std::size_t begin, std::size_t end) { prefault_pages(std::span(twin_).subspan(begin, end - begin)); });
   std::vector<std::uint32_t> edges_before(parts + 1, 0);
   for_blocks(parts, 1, control, [&](std::size_t part, std::size_t) {
     const std::uint32_t begin = by_part.begin[part], end = by_part.begin[part + 1];
@@ -114,8 +110,8 @@ std::uint32_t Adjacency::sort_part(std::size_t first, std::size_t vertices, std:
     control.check();
     const std::size_t middle = place[2 * v], end = place[2 * v + 1];
     const auto forward = sorted.subspan(begin, middle - begin), backward = sorted.subspan(middle, end - middle);
-    put_in_order(all.subspan(begin, forward.size()), forward, control);
-    put_in_order(all.subspan(middle, backward.size()), backward, control);
+    sort_few(all.subspan(begin, forward.size()), forward, control);
+    sort_few(all.subspan(middle, backward.size()), backward, control);
     if (are_pairs(forward, backward)) {  // the usual case
       for (std::size_t i = 0; i < forward.size(); ++i) {
         const auto g = static_cast<std::uint32_t>(forward[i]), h = static_cast<std::uint32_t>(backward[i]);
@@ -127,7 +123,7 @@ std::uint32_t Adjacency::sort_part(std::size_t first, std::size_t vertices, std:
       edges += static_cast<std::uint32_t>(forward.size());
     } else {
       const auto both = sorted.subspan(begin, end - begin);
-      put_in_order(all.subspan(begin, end - begin), both, control);
+      sort_few(all.subspan(begin, end - begin), both, control);
       for (std::size_t i = 0, next; i < both.size(); i = next, ++edges) {
         for (next = i + 1; next < both.size() && both[next] >> 32 == both[i] >> 32;) ++next;
         join_edge(both.subspan(i, next - i), &half_edges[begin + i]);

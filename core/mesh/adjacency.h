@@ -53,6 +53,11 @@ class Adjacency {
     const std::uint32_t f = face_of_[half_edge].value;
     return half_edge + 1 == face_begin_[f + 1] ? face_begin_[f] : half_edge + 1;
   }
+  /// The previous corner of the same face.
+  std::uint32_t previous(std::uint32_t half_edge) const {
+    const std::uint32_t f = face_of(half_edge).value;
+    return half_edge == face_begin_[f] ? face_begin_[f + 1] - 1 : half_edge - 1;
+  }
   /// The other half-edge of an edge that has exactly two, in opposite directions; otherwise kNone.
   std::uint32_t twin(std::uint32_t half_edge) const { return twin_[half_edge]; }
 

@@ -2,12 +2,11 @@
 
 #include <tbb/blocked_range.h>
 
-#include <algorithm>
 #include <cmath>
 #include <span>
 
-#include "core/base/pages.h"
 #include "core/base/parallel.h"
+#include "core/base/prefault_pages.h"
 
 namespace remesh {
 namespace {
@@ -24,7 +23,7 @@ FaceGeometries face_geometry(const Surface& surface, RunControl& control) {
   FaceGeometries result = FaceGeometries::of_size(surface.face_count());
   for_all(tbb::blocked_range<std::size_t>(0, surface.face_count(), 8192), [&](const auto& range) {
     control.check();
-    take_pages(std::span(result.items()).subspan(range.begin(), range.size()));
+    prefault_pages(std::span(result.items()).subspan(range.begin(), range.size()));
     for (std::size_t f = range.begin(); f < range.end(); ++f) {
       const auto loop = surface.face(FaceId(f));
       const Vec3 origin = surface.local[loop[0]];

@@ -28,6 +28,16 @@ inline Vec3 face_centre(const Surface& surface, FaceId f) {
   return origin + (1.0 / static_cast<double>(loop.size())) * sum;
 }
 
+/// Six times the volume between a face and a point, in local units.
+inline double six_volumes_below(const Surface& surface, FaceId f, const Vec3& from) {
+  const auto loop = surface.face(f);
+  const Vec3 a = surface.local[loop[0]] - from;
+  double sum = 0;
+  for (std::size_t i = 1; i + 1 < loop.size(); ++i)
+    sum += dot(a, cross(surface.local[loop[i]] - from, surface.local[loop[i + 1]] - from));
+  return sum;
+}
+
 /// Measures every face.
 /// Output:  one entry for each face. A polygon is measured by the sum of the cross products around it.
 /// Holds:   the result has the same bits for any number of threads.

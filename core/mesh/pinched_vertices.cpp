@@ -55,19 +55,14 @@ class PinchSearch {
     });
   }
 
-  std::uint32_t before(std::uint32_t h) const {
-    const std::uint32_t f = edges_.face_of(h).value;
-    return h == surface_.face_begin[f] ? surface_.face_begin[f + 1] - 1 : h - 1;
-  }
-
   /// Counts the corners at a vertex that can be reached from one of them over edges that have two faces with the same
   /// orientation.
   std::uint32_t walk(std::size_t vertex, StopCheck& check) const {
     const std::uint32_t start = some_[vertex];
     if (start == kNone) return 0;
     std::uint32_t count = 1;
-    std::uint32_t h = edges_.twin(before(start));
-    for (; h != kNone && h != start; h = edges_.twin(before(h))) {
+    std::uint32_t h = edges_.twin(edges_.previous(start));
+    for (; h != kNone && h != start; h = edges_.twin(edges_.previous(h))) {
       check();
       ++count;
     }

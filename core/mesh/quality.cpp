@@ -1,12 +1,10 @@
 #include "core/mesh/quality.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cfloat>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -15,7 +13,6 @@
 #include "core/base/largest_coordinate.h"
 #include "core/base/stoppable.h"
 #include "core/base/union_find.h"
-#include "core/mesh/adjacency.h"
 #include "core/mesh/triangle_corners.h"
 
 namespace remesh {

@@ -1,7 +1,6 @@
 /// Measures a surface: counts, areas, and the quality of its triangles.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 

@@ -5,8 +5,8 @@
 
 #include "core/base/run_control.h"
 #include "core/triangulation/constraint_recovery.h"
-#include "core/triangulation/outcome.h"
 #include "core/triangulation/triangulation_2d.h"
+#include "core/triangulation/triangulation_outcome.h"
 
 namespace remesh {
 

@@ -48,9 +48,9 @@ class Recovery {
     bool is_segment = false;
   };
 
-  /// A chain is one side of the cavity, from u to v. Chain edge i runs from vertex[i] to vertex[i+1]. Before the cavity
+  /// A side of the cavity, from u to v. Its edge i runs from vertex[i] to vertex[i+1]. Before the cavity
   /// was made, inner[i] was its half-edge inside the cavity.
-  struct Chain {
+  struct CavitySide {
     std::vector<std::uint32_t> vertex, inner;
   };
 
@@ -120,11 +120,11 @@ class Recovery {
 
   void fill() {
     for (const std::uint32_t t : cavity_) in_cavity_[t] = 1;
-    // An edge with the cavity on both its sides hangs in the cavity. Such an edge occurs twice in the chains, once for
+    // An edge with the cavity on both its sides hangs in the cavity. Such an edge occurs twice in the sides, once for
     // each side.
     outer_.clear();
-    for (const Chain* chain : {&left_, &right_})
-      for (const std::uint32_t inner : chain->inner) {
+    for (const CavitySide* cavity_side : {&left_, &right_})
+      for (const std::uint32_t inner : cavity_side->inner) {
         const std::uint32_t outer = mesh_.twin(inner);
         outer_.push_back({outer, mesh_.is_constrained(inner), outer != kNoHalfEdge && in_cavity_[outer / 3] != 0});
       }
@@ -156,30 +156,30 @@ class Recovery {
     }
   }
 
-  /// This is the neighbour of a new triangle along one edge: either a chain edge that waits for its slot, or an
-  /// existing half-edge.
+  /// This is the neighbour of a new triangle along one edge: either an edge of the cavity that waits for its slot, or
+  /// an existing half-edge.
   struct Side {
-    bool is_chain_edge;
+    bool is_cavity_edge;
     std::uint32_t index;
   };
 
   void attach(Side side, std::uint32_t half_edge) {
-    if (side.is_chain_edge)
+    if (side.is_cavity_edge)
       slot_[side.index] = half_edge;
     else
       mesh_.join(side.index, half_edge);
   }
 
-  /// Triangulates the area between a chain and the segment. Returns the half-edge along the segment. Every chain vertex
-  /// sees the segment, so it is enough to cut off each convex corner as it is met: at the end of the chain only the
-  /// segment is left. (Toussaint and Avis, On a convex hull algorithm for polygons and its application to triangulation
-  /// problems, 1982.)
-  std::uint32_t scan(const Chain& chain, std::size_t first_slot, bool is_right) {
+  /// Triangulates the area between a side of the cavity and the segment. Returns the half-edge along the segment. Every
+  /// vertex of the side sees the segment, so it is enough to cut off each convex corner as it is met: at its end only
+  /// the segment is left. (Toussaint and Avis, On a convex hull algorithm for polygons and its application to
+  /// triangulation problems, 1982.)
+  std::uint32_t scan(const CavitySide& cavity_side, std::size_t first_slot, bool is_right) {
     stack_.clear();
-    stack_.push_back({chain.vertex[0], {}});
+    stack_.push_back({cavity_side.vertex[0], {}});
     std::uint32_t base = kNoHalfEdge;
-    for (std::size_t i = 1; i < chain.vertex.size(); ++i) {
-      const std::uint32_t p = chain.vertex[i];
+    for (std::size_t i = 1; i < cavity_side.vertex.size(); ++i) {
+      const std::uint32_t p = cavity_side.vertex[i];
       Side to_p{true, static_cast<std::uint32_t>(first_slot + i - 1)};
       while (stack_.size() >= 2) {
         const std::uint32_t s1 = stack_.back().vertex, s2 = stack_[stack_.size() - 2].vertex;
@@ -220,7 +220,7 @@ class Recovery {
   std::vector<std::uint8_t> in_cavity_;
   // This is the scratch memory of one insertion. It stays allocated for the next one.
   std::vector<std::uint32_t> cavity_, changed_, slot_;
-  Chain left_, right_;
+  CavitySide left_, right_;
   std::vector<Outer> outer_;
   std::vector<std::pair<std::uint32_t, std::size_t>> slot_of_inner_;
   std::vector<Entry> stack_;

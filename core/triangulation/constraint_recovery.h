@@ -7,8 +7,8 @@
 
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
-#include "core/triangulation/outcome.h"
 #include "core/triangulation/triangulation_2d.h"
+#include "core/triangulation/triangulation_outcome.h"
 
 namespace remesh {
 

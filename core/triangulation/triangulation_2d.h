@@ -1,7 +1,6 @@
 /// A triangulation of points in the plane, stored in flat arrays: three corners and three twins per triangle.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <vector>
 

@@ -1,7 +1,6 @@
 #include "core/verify/verify.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cfloat>
 #include <cmath>
 #include <cstddef>
@@ -21,11 +20,11 @@
 #include "core/verify/goals/goal_check.h"
 #include "core/verify/goals/varying_sizes.h"
 #include "core/verify/model/edge_table.h"
-#include "core/verify/model/exact.h"
-#include "core/verify/model/model.h"
+#include "core/verify/model/fixed_width_integers.h"
+#include "core/verify/model/numbered_claim.h"
 #include "core/verify/patches/patch_shape.h"
 #include "core/verify/polygons/caps.h"
-#include "core/verify/polygons/polygons.h"
+#include "core/verify/polygons/polygon_cover_check.h"
 
 namespace remesh {
 namespace {
@@ -35,8 +34,8 @@ using namespace verification;
 /// Tests the edges inside patches on the stored plane coordinates.
 class DelaunayCheck {
  public:
-  DelaunayCheck(const Model& model, const EdgeTable& edges, const std::vector<std::uint8_t>& is_positive)
-      : model_(model), edges_(edges), is_positive_(is_positive) {}
+  DelaunayCheck(const NumberedClaim& numbered, const EdgeTable& edges, const std::vector<std::uint8_t>& is_positive)
+      : numbered_(numbered), edges_(edges), is_positive_(is_positive) {}
 
   void run(FoundFaults& faults, RunControl& control) const {
     const auto blocks = map_blocks<std::vector<FoundFault>>(edges_.vertex_count(), kItemsPerBlock, control,
@@ -66,20 +65,20 @@ class DelaunayCheck {
     // Triangles without sound coordinates have been reported, or are triangles of the input and exempt.
     if (!is_positive_[left.face] || !is_positive_[right.face]) return;
     const PatchId patch = edge.uses[0].patch();
-    const auto& uv = model_.corner_uv;
+    const auto& uv = numbered_.corner_uv;
     if (uv[left.from] != uv[right.to] || uv[left.to] != uv[right.from]) {
       found.push_back({patch, Fault::kPlaneCoordinates, left.face});
       return;
     }
-    const double grid = model_.frames[patch.value].grid;
+    const double grid = numbered_.frames[patch.value].grid;
     if (!is_inside_circle(uv[left.from], uv[left.to], uv[left.apex], uv[right.apex], grid)) return;
     // The chord rule: a flip must not make an edge that exists already, in this patch or another.
-    const auto& corners = model_.output.corners;
+    const auto& corners = numbered_.output.corners;
     if (edges_.find(corners[left.apex], corners[right.apex]).empty())
       found.push_back({patch, Fault::kNotDelaunay, left.face});
   }
 
-  const Model& model_;
+  const NumberedClaim& numbered_;
   const EdgeTable& edges_;
   const std::vector<std::uint8_t>& is_positive_;
 };
@@ -95,14 +94,14 @@ std::int64_t count_set(std::size_t n, RunControl& control, const IsSet& is_set) 
   return std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
 }
 
-void check_whole(const Model& model, const EdgeCounts& input, std::int64_t input_vertices, const EdgeCounts& output,
-                 const ShapeSums& shapes, FoundFaults& faults, RunControl& control) {
+void check_whole(const NumberedClaim& numbered, const EdgeCounts& input, std::int64_t input_vertices,
+                 const EdgeCounts& output, const ShapeSums& shapes, FoundFaults& faults, RunControl& control) {
   const auto euler = [](std::int64_t vertices, const Faces& faces, const EdgeCounts& counts) {
     return vertices - static_cast<std::int64_t>(counts.edges) + static_cast<std::int64_t>(faces.count());
   };
   const std::int64_t output_vertices =
-      count_set(model.is_in_output.size(), control, [&](std::size_t v) { return model.is_in_output[v] != 0; });
-  if (euler(input_vertices, model.input, input) != euler(output_vertices, model.output, output))
+      count_set(numbered.is_in_output.size(), control, [&](std::size_t v) { return numbered.is_in_output[v] != 0; });
+  if (euler(input_vertices, numbered.input, input) != euler(output_vertices, numbered.output, output))
     faults.add(PatchId(), Fault::kEuler);
   if (input.is_closed && !output.is_closed) faults.add(PatchId(), Fault::kOpened);
   if (input.is_closed && input.is_consistent && !(std::fabs(shapes.volume_change) <= shapes.volume_bound))
@@ -198,47 +197,47 @@ class Verification::Tests {
  private:
   void test_surface() {
     // Output vertices get the surface's vertex numbers by exact coordinates.
-    model_.emplace(make_model(claim_, faults_, control_));
-    const Model& model = *model_;
+    numbered_.emplace(number_claim(claim_, faults_, control_));
+    const NumberedClaim& numbered = *numbered_;
     control_.progress(0.2);
 
     // Checks the faces that were made of the input's polygons.
-    check_polygons(claim_, model, faults_, control_);
+    check_polygons(claim_, numbered, faults_, control_);
 
     // Finds the faces that use each edge, in the input and in the output.
     std::optional<EdgeTable> edges_before;
     std::optional<BoundaryGraph> seams_before, seams_after;
     const auto look_at = [&](const Faces& faces, std::span<const std::uint32_t> order, std::optional<EdgeTable>& edges,
                              std::optional<BoundaryGraph>& seams) {
-      edges.emplace(model.points.size(), faces, order, control_);
-      seams.emplace(model.points.size(), edges->take_bounding(), control_);
+      edges.emplace(numbered.points.size(), faces, order, control_);
+      seams.emplace(numbered.points.size(), edges->take_bounding(), control_);
     };
     // In most cases the input is the larger one. It is read on this thread, whose memory is near all other memory of
     // the run.
-    do_all([&] { look_at(model.output, {}, output_edges_, seams_after); },
-           [&] { look_at(model.input, claim_.surface_edge_order, edges_before, seams_before); });
+    do_all([&] { look_at(numbered.output, {}, output_edges_, seams_after); },
+           [&] { look_at(numbered.input, claim_.surface_edge_order, edges_before, seams_before); });
     seams_.emplace(*std::move(seams_before), *std::move(seams_after));
-    check_caps(claim_, model, *edges_before, faults_, control_);
+    check_caps(claim_, numbered, *edges_before, faults_, control_);
     control_.progress(0.6);
 
     // Checks that loops are preserved and edges conform.
-    const Boundary boundary = check_boundary(model, *seams_, faults_, control_);
+    const Boundary boundary = check_boundary(numbered, *seams_, faults_, control_);
     control_.progress(0.8);
 
     // Checks that each patch is the same piece of surface and that its triangles are sound.
     std::vector<std::uint8_t> is_positive;
     const ShapeSums shapes =
-        check_shapes(model, *edges_before, *seams_, boundary, is_positive, verdict_.patch_bounds, faults_, control_);
-    verdict_.deviation = shapes.deviation / model.scale;
-    for (double& bound : verdict_.patch_bounds) bound /= model.scale;
+        check_shapes(numbered, *edges_before, *seams_, boundary, is_positive, verdict_.patch_bounds, faults_, control_);
+    verdict_.deviation = shapes.deviation / numbered.scale;
+    for (double& bound : verdict_.patch_bounds) bound /= numbered.scale;
     verdict_.distance_bound = {verdict_.deviation, verdict_.deviation};
     // The minimum keeps the bound finite for a model near the largest double, as its volume is.
-    verdict_.volume_bound = std::min(std::ldexp(shapes.volume_bound, -3 * std::ilogb(model.scale)), DBL_MAX);
+    verdict_.volume_bound = std::min(std::ldexp(shapes.volume_bound, -3 * std::ilogb(numbered.scale)), DBL_MAX);
     control_.progress(0.9);
 
-    DelaunayCheck(model, *output_edges_, is_positive).run(faults_, control_);
+    DelaunayCheck(numbered, *output_edges_, is_positive).run(faults_, control_);
     check_intersections(claim_, is_positive, faults_, verdict_, control_);
-    check_whole(model, edges_before->counts(), boundary.input_vertices, output_edges_->counts(), shapes, faults_,
+    check_whole(numbered, edges_before->counts(), boundary.input_vertices, output_edges_->counts(), shapes, faults_,
                 control_);
   }
 
@@ -249,8 +248,8 @@ class Verification::Tests {
       return;
     }
     std::optional<VaryingSizes> sizes;
-    if (do_sizes_vary) sizes.emplace(claim_, *model_, seams_->input, seams_->output, control_);
-    check_goals(refinement, *model_, *output_edges_, seams_->output, sizes ? &*sizes : nullptr, faults_, control_);
+    if (do_sizes_vary) sizes.emplace(claim_, *numbered_, seams_->input, seams_->output, control_);
+    check_goals(refinement, *numbered_, *output_edges_, seams_->output, sizes ? &*sizes : nullptr, faults_, control_);
   }
 
   const Claim& claim_;
@@ -258,7 +257,7 @@ class Verification::Tests {
   FoundFaults faults_;
   Verdict verdict_;
   bool is_well_formed_ = false;
-  std::optional<Model> model_;
+  std::optional<NumberedClaim> numbered_;
   std::optional<EdgeTable> output_edges_;
   std::optional<Seams> seams_;
 };

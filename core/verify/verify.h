@@ -23,7 +23,7 @@ namespace remesh {
 ///   allows, and keeps to the planes there.
 /// - Input and output lie within plane_tolerance of each other, in both directions, patch by patch.
 /// - Every patch retains its boundary loops: each output loop is the input loop without some vertices, each of which
-///   is within the tolerance of the chord that replaces it.
+///   is within the tolerance of the span that replaces it.
 /// - Where a patch is curved, `plane_tolerance` is replaced by the claimed tolerance plus `plane_tolerance`. Both sides
 ///   of the patch lie that close to the claimed surface, look the same way as it does, and cover it equally often
 ///   (curved_patch.h). The claimed tolerance is explained by the turns between the input's facets and by the options

@@ -7,8 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
-#include "api/text.h"
-#include "server/http/text.h"
+#include "api/quoting.h"
+#include "server/http/header_lists.h"
 
 namespace remesh::server {
 namespace {

@@ -7,7 +7,6 @@
 #include <cerrno>
 #include <filesystem>
 #include <system_error>
-#include <utility>
 
 #include "server/http/http_message.h"
 #include "server/http/memory_files.h"
@@ -34,7 +33,7 @@ int open_file() {
 
 Body::~Body() {
   unmap();
-  note_unmapped(0);
+  record_unmapped(0);
   if (file_ >= 0) ::close(file_);
 }
 
@@ -66,7 +65,7 @@ void Body::write_to_file(std::string_view bytes) {
   while (!bytes.empty()) {
     const ssize_t put = ::write(file_, bytes.data(), bytes.size());
     if (put >= 0) {
-      note_unmapped(unmapped_ + static_cast<std::uint64_t>(put));
+      record_unmapped(unmapped_ + static_cast<std::uint64_t>(put));
       bytes.remove_prefix(static_cast<std::size_t>(put));
     } else if (errno != EINTR) {
       no_room();
@@ -74,7 +73,7 @@ void Body::write_to_file(std::string_view bytes) {
   }
 }
 
-void Body::note_unmapped(std::uint64_t bytes) {
+void Body::record_unmapped(std::uint64_t bytes) {
   if (!is_in_memory_) return;
   add_memory_file_bytes(static_cast<std::int64_t>(bytes) - static_cast<std::int64_t>(unmapped_));
   unmapped_ = bytes;
@@ -86,7 +85,7 @@ void Body::unmap() {
   if (mapped_ == nullptr) return;
   ::munmap(const_cast<char*>(mapped_), size_);
   mapped_ = nullptr;
-  note_unmapped(size_);
+  record_unmapped(size_);
 }
 
 void Body::seal() {
@@ -94,7 +93,7 @@ void Body::seal() {
   void* const mapped = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file_, 0);
   if (mapped == MAP_FAILED) no_room();
   mapped_ = static_cast<const char*>(mapped);
-  note_unmapped(0);
+  record_unmapped(0);
 }
 
 }  // namespace remesh::server

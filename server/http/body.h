@@ -45,7 +45,7 @@ class Body {
  private:
   void write_to_file(std::string_view bytes);
   void unmap();
-  void note_unmapped(std::uint64_t bytes);
+  void record_unmapped(std::uint64_t bytes);
 
   std::size_t size_ = 0;
   std::string text_;  ///< the whole body if it is small

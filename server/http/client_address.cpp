@@ -9,7 +9,7 @@
 #include <stdexcept>
 
 #include "api/multipart.h"
-#include "server/http/text.h"
+#include "server/http/header_lists.h"
 
 namespace remesh::server {
 namespace {

@@ -6,8 +6,8 @@
 #include <array>
 #include <new>
 
-#include "api/text.h"
-#include "server/http/text.h"
+#include "api/quoting.h"
+#include "server/http/header_lists.h"
 
 namespace remesh::server {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "server/http/header_lists.h"
 #include "server/http/host_name.h"
-#include "server/http/text.h"
 
 namespace remesh::server {
 namespace {

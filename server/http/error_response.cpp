@@ -6,7 +6,6 @@
 #include <string>
 #include <system_error>
 
-#include "server/http/http_message.h"
 #include "server/observe/log.h"
 
 namespace remesh::server {

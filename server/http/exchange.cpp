@@ -3,10 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <string>
-#include <vector>
 
-#include "server/observe/log.h"
 #include "server/observe/trace_context.h"
 
 namespace remesh::server {

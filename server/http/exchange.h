@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "api/service.h"
+#include "api/operations.h"
 #include "server/http/address_counts.h"
 #include "server/http/connection.h"
 #include "server/http/gate.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "api/text.h"
+#include "api/quoting.h"
 #include "server/http/chunked_decoder.h"
 
 namespace remesh::server {

@@ -2,14 +2,12 @@
 
 #include <algorithm>
 
-#include "api/text.h"
+#include "api/quoting.h"
 
 namespace remesh::server {
 namespace {
 
 constexpr std::string_view kLocalhost = "localhost";
-
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 /// True if browsers read a name as an IPv4 address: its last part is a number (URL Standard, "ends in a number").
 bool ends_in_number(std::string_view name) {

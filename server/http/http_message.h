@@ -10,7 +10,7 @@
 #include <string_view>
 #include <utility>
 
-#include "api/service.h"
+#include "api/operations.h"
 #include "server/http/body.h"
 #include "server/http/connection.h"
 

@@ -41,7 +41,7 @@ void send_slowly(Connection& connection, std::uint64_t size, Spool::Reader& read
     const Clock::time_point deadline = std::min(kSlowest.deadline(start, sent), start + kLongest);
     const std::size_t put = send_some(sent);
     sent += put;
-    reader.note_sent(put);
+    reader.record_sent(put);
     const bool has_time = Clock::now() < deadline && (put > 0 || connection.wait_until_writable(deadline));
     if (sent < size && !has_time) throw ConnectionLost("the client reads too slowly");
   }

@@ -6,8 +6,8 @@
 #include <optional>
 #include <string_view>
 
-#include "api/text.h"
-#include "server/http/text.h"
+#include "api/quoting.h"
+#include "server/http/header_lists.h"
 
 namespace remesh::server {
 namespace {

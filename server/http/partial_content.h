@@ -2,8 +2,6 @@
 /// result need not fetch it again, and a client that has a part of it can fetch the rest.
 #pragma once
 
-#include <string>
-
 #include "server/http/http_message.h"
 
 namespace remesh::server {

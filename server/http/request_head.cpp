@@ -3,18 +3,16 @@
 #include <algorithm>
 #include <charconv>
 
-#include "api/text.h"
+#include "api/quoting.h"
+#include "server/http/header_lists.h"
 #include "server/http/hex.h"
-#include "server/http/text.h"
 
 namespace remesh::server {
 namespace {
 
 [[noreturn]] void malformed(const std::string& detail) { throw HttpError(400, "malformed_request", detail); }
 
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-
-bool is_alphanumeric(char c) { return is_digit(c) || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+bool is_alphanumeric(char c) { return is_digit(c) || is_letter(c); }
 
 bool is_token_char(char c) {
   if (is_alphanumeric(c)) return true;

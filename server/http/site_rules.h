@@ -3,9 +3,6 @@
 /// does not know the key.
 #pragma once
 
-#include <optional>
-#include <string>
-
 #include "server/http/allowed_hosts.h"
 #include "server/http/cors.h"
 #include "server/http/http_message.h"

@@ -35,7 +35,7 @@ class Spool {
     /// Errors: ConnectionLost - this is the slowest reader.
     bool place(std::string_view rest);
     int fd() const { return fd_; }
-    void note_sent(std::uint64_t bytes) { sent_ += bytes; }
+    void record_sent(std::uint64_t bytes) { sent_ += bytes; }
 
    private:
     friend class Spool;

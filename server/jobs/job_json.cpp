@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/json_writer.h"
-#include "api/text.h"
+#include "api/quoting.h"
 
 namespace remesh::server::jobs {
 namespace {

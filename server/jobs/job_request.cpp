@@ -6,7 +6,7 @@
 #include "api/json_writer.h"
 #include "api/multipart.h"
 #include "api/negotiation.h"
-#include "api/text.h"
+#include "api/quoting.h"
 #include "server/http/digest.h"
 
 namespace remesh::server::jobs {

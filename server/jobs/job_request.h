@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "api/service.h"
+#include "api/operations.h"
 
 namespace remesh::server::jobs {
 

@@ -4,11 +4,10 @@
 #include <charconv>
 #include <utility>
 
-#include "api/text.h"
+#include "api/quoting.h"
 #include "server/http/content_coding.h"
+#include "server/http/header_lists.h"
 #include "server/http/partial_content.h"
-#include "server/http/text.h"
-#include "server/jobs/job_json.h"
 #include "server/jobs/job_request.h"
 #include "server/jobs/store_deadline.h"
 #include "server/observe/log.h"

@@ -1,8 +1,6 @@
 /// The HTTP endpoints for jobs, under /v1/jobs.
 #pragma once
 
-#include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 

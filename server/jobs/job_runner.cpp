@@ -1,7 +1,6 @@
 #include "server/jobs/job_runner.h"
 
 #include <algorithm>
-#include <exception>
 #include <utility>
 
 #include "server/http/error_response.h"

@@ -1,18 +1,52 @@
 #include "server/jobs/job_service.h"
 
 #include <algorithm>
+#include <chrono>
+#include <cstdint>
 #include <filesystem>
-#include <stdexcept>
+#include <string_view>
 #include <system_error>
 #include <utility>
 
+#include "server/http/connection.h"
 #include "server/http/memory_files.h"
-#include "server/jobs/outage_log.h"
 #include "server/jobs/sql_store.h"
 #include "server/observe/log.h"
 
 namespace remesh::server::jobs {
 namespace {
+
+/// Logs when the store stops answering and when it answers again, without filling the log meanwhile.
+class OutageLog {
+ public:
+  /// At most one warning is written in this period.
+  static constexpr std::chrono::minutes kPeriod{1};
+
+  /// Records the outcome of a call of the store.
+  /// Input: `error` - null if the call succeeded.
+  void record(std::string_view op, const StoreError* error);
+
+ private:
+  std::mutex mutex_;
+  bool is_away_ = false;     ///< a warning was written, and the store has not answered since then
+  std::int64_t failed_ = 0;  ///< number of calls that failed since the last warning
+  Clock::time_point next_warning_{};
+};
+
+void OutageLog::record(std::string_view op, const StoreError* error) {
+  const std::lock_guard lock(mutex_);
+  if (error == nullptr) {
+    if (std::exchange(is_away_, false)) log::write(log::Level::kInfo, "the job store answers again");
+    return;
+  }
+  ++failed_;
+  const Clock::time_point now = Clock::now();
+  if (now < next_warning_) return;
+  is_away_ = true;
+  next_warning_ = now + kPeriod;
+  log::write(log::Level::kWarning, "the job store fails",
+             {{"op", std::string(op)}, {"error", std::string(error->what())}, {"failed", std::exchange(failed_, 0)}});
+}
 
 constexpr std::chrono::milliseconds kLookAtJobs{1000};
 constexpr std::chrono::milliseconds kMaxBetweenUpkeeps{5000};
@@ -53,7 +87,7 @@ std::unique_ptr<JobStore> open_store(const JobSettings& settings, Metrics& metri
       std::move(driver), settings.rules, std::move(folder),
       [&metrics, outage = std::make_shared<OutageLog>()](std::string_view op, double seconds, const StoreError* error) {
         metrics.count_store(op, seconds, error != nullptr);
-        outage->note(op, error);
+        outage->record(op, error);
       });
 }
 
@@ -124,7 +158,7 @@ void JobService::look_after() {
     if (now >= next_sum_) {
       next_sum_ = now + kBetweenSums;
       stored_bytes_ = store_->stored_bytes();
-      memory_.note_stored(bytes_in_memory());
+      memory_.record_stored(bytes_in_memory());
     }
     const QueueStatistics statistics = store_->statistics();
     const std::lock_guard lock(mutex_);

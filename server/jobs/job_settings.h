@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <string>
 
-#include "api/service.h"
+#include "api/operations.h"
 #include "server/jobs/job_store.h"
 
 namespace remesh::server::jobs {

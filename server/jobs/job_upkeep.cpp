@@ -1,10 +1,9 @@
 #include "server/jobs/job_upkeep.h"
 
 #include <array>
-#include <functional>
 #include <optional>
 
-#include "api/service.h"
+#include "api/operations.h"
 #include "server/jobs/row_values.h"
 #include "server/jobs/schema.h"
 
@@ -44,7 +43,7 @@ void JobUpkeep::run(LeaseJudge& judge) {
   const Clock::time_point asked = Clock::now();
   const auto end_damaged_first = [&] {
     end_damaged();
-    judge.note_reached(asked, Clock::now());  // this time counts for the leases that are judged next
+    judge.record_reached(asked, Clock::now());  // this time counts for the leases that are judged next
   };
   const std::array<std::function<void()>, 6> steps{end_damaged_first,         [&] { end_abandoned(judge); },
                                                    [this] { end_waiting(); }, [this] { expire_results(); },

@@ -1,7 +1,6 @@
 /// The changes of jobs that are due with time, as statements on a database.
 #pragma once
 
-#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>

@@ -12,7 +12,7 @@ constexpr std::chrono::seconds kPrompt{1};
 
 }  // namespace
 
-void LeaseJudge::note_reached(Clock::time_point asked, Clock::time_point answered) {
+void LeaseJudge::record_reached(Clock::time_point asked, Clock::time_point answered) {
   const std::lock_guard lock(mutex_);
   if (std::exchange(is_reached_, true)) {
     const Clock::time_point until = answered - asked <= kPrompt ? answered : asked;
@@ -21,14 +21,14 @@ void LeaseJudge::note_reached(Clock::time_point asked, Clock::time_point answere
   last_answer_ = std::max(last_answer_, answered);
 }
 
-void LeaseJudge::note_failed() {
+void LeaseJudge::record_failed() {
   const std::lock_guard lock(mutex_);
   is_reached_ = false;
 }
 
 void LeaseJudge::see(const Sign& sign) {
   const std::lock_guard lock(mutex_);
-  note_locked(sign);
+  record_locked(sign);
 }
 
 std::vector<LeaseJudge::Sign> LeaseJudge::judge(const std::vector<Sign>& running) {
@@ -38,12 +38,12 @@ std::vector<LeaseJudge::Sign> LeaseJudge::judge(const std::vector<Sign>& running
   std::vector<Sign> over;
   for (const Sign& sign : running) {
     if (auto known = before.extract(sign.id)) seen_.insert(std::move(known));
-    if (note_locked(sign)) over.push_back(sign);
+    if (record_locked(sign)) over.push_back(sign);
   }
   return over;
 }
 
-bool LeaseJudge::note_locked(const Sign& sign) {
+bool LeaseJudge::record_locked(const Sign& sign) {
   const Seen now{sign.token, sign.version, sign.lease, counted_};
   const auto [found, is_new] = seen_.try_emplace(sign.id, now);
   Seen& seen = found->second;

@@ -33,9 +33,9 @@ class LeaseJudge {
 
   /// Records that a write reached the store.
   /// Input: the times of the question and of the answer.
-  void note_reached(Clock::time_point asked, Clock::time_point answered);
+  void record_reached(Clock::time_point asked, Clock::time_point answered);
   /// Records that a write did not reach the store.
-  void note_failed();
+  void record_failed();
   /// Records a sign of life that this process itself caused.
   void see(const Sign& sign);
   /// Judges all running jobs.
@@ -51,7 +51,7 @@ class LeaseJudge {
     Clock::duration at;  ///< the time, as `counted_` counts it
   };
   /// Output: true if the sign is older than its lease.
-  bool note_locked(const Sign& sign);
+  bool record_locked(const Sign& sign);
 
   const std::chrono::milliseconds max_pause_;
   std::mutex mutex_;

@@ -1,8 +1,6 @@
 #include "server/jobs/schema.h"
 
-#include <array>
 #include <chrono>
-#include <string>
 #include <vector>
 
 #include "server/jobs/row_values.h"

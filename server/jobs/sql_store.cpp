@@ -165,10 +165,10 @@ void SqlStore::note(std::string_view op, Access access, Clock::time_point start,
     const bool is_full = dynamic_cast<const StoreFull*>(error) != nullptr;
     if (!is_full) is_well_ = false;
     if (is_full && access == Access::kProbe) is_well_ = true;
-    if (access != Access::kRead) judge_.note_failed();
+    if (access != Access::kRead) judge_.record_failed();
   } else {
     if (access == Access::kProbe || access == Access::kWrite) is_well_ = true;
-    if (reaches_jobs) judge_.note_reached(start, end);
+    if (reaches_jobs) judge_.record_reached(start, end);
   }
   if (observer_) observer_(op, std::chrono::duration<double>(end - start).count(), error);
 }
@@ -288,7 +288,7 @@ Submission SqlStore::submit(const NewJob& job) {
     return with_database("submit", Access::kWrite,
                          [&](Database& database) { return insert(database, job, is_uncertain); });
   } catch (const StoreError&) {
-    if (is_uncertain && !job.idempotency) uncertain_.note_submission(job.id);
+    if (is_uncertain && !job.idempotency) uncertain_.record_submission(job.id);
     throw;
   }
 }
@@ -310,7 +310,7 @@ std::optional<Claim> SqlStore::claim_next(Database& database, std::string_view w
     rows = database.run(sql.c_str(),
                         {std::string_view(attempt), std::int64_t{rules_.lease.count()}, signed_bytes(max_memory)});
   } catch (const StoreError&) {
-    uncertain_.note_claim(attempt);
+    uncertain_.record_claim(attempt);
     throw;
   }
   if (rows.empty()) return std::nullopt;

@@ -32,7 +32,7 @@ bool undo_claim(Database& database, const std::string& worker) {
 
 }  // namespace
 
-void UncertainWrites::note(Write write) {
+void UncertainWrites::record(Write write) {
   const std::lock_guard lock(mutex_);
   writes_.push_back(std::move(write));
 }

@@ -15,9 +15,9 @@ namespace remesh::server::jobs {
 
 class UncertainWrites {
  public:
-  void note_submission(const std::string& id) { note({id, Kind::kSubmission, std::nullopt}); }
+  void record_submission(const std::string& id) { record({id, Kind::kSubmission, std::nullopt}); }
   /// Input: `worker` - the name under which the claim was made, which no other claim has.
-  void note_claim(const std::string& worker) { note({worker, Kind::kClaim, std::nullopt}); }
+  void record_claim(const std::string& worker) { record({worker, Kind::kClaim, std::nullopt}); }
 
   /// True if there are writes that `undo` has not searched for yet.
   bool has_new() const;
@@ -34,7 +34,7 @@ class UncertainWrites {
     std::optional<Clock::time_point> last_look;  ///< the time of the last search; set at the first one
   };
 
-  void note(Write write);
+  void record(Write write);
 
   mutable std::mutex mutex_;
   std::vector<Write> writes_;

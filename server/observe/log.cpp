@@ -11,7 +11,6 @@
 #include <chrono>
 #include <iterator>
 #include <memory>
-#include <utility>
 
 #include "server/observe/log_sink.h"
 #include "server/observe/niceness.h"
@@ -107,7 +106,7 @@ Writing& writing() {
 spdlog::logger& logger() { return *writing().logger; }
 
 /// Reports how many lines were dropped since the last report.
-void tell_losses() {
+void report_losses() {
   static std::atomic<std::uint64_t> told{0};
   static std::atomic<std::chrono::steady_clock::time_point> next{};
   const std::uint64_t lost = dropped_lines();
@@ -164,7 +163,7 @@ bool is_written(Level level) { return logger().should_log(spdlog_level(level)); 
 
 void write(Level level, std::string_view event, const std::vector<Field>& fields) {
   if (!is_written(level)) return;
-  tell_losses();
+  report_losses();
   logger().log(spdlog_level(level), render(active_format, event, fields));
 }
 

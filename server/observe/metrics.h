@@ -7,7 +7,7 @@
 #include <string>
 #include <string_view>
 
-#include "api/service.h"
+#include "api/operations.h"
 
 namespace remesh::server {
 

@@ -1,7 +1,5 @@
 #include "server/work/memory_budget.h"
 
-#include <algorithm>
-
 namespace remesh::server {
 
 // ---- the budget

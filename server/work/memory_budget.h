@@ -136,10 +136,10 @@ class MemoryBudget {
   /// Tells the budget how much memory is really in use. If that is more than is reserved, it counts instead.
   /// It does not count while there is no reservation: otherwise an idle process could for ever refuse a request that
   /// fits into the budget.
-  void note_used(std::uint64_t bytes) { used_ = bytes; }
+  void record_used(std::uint64_t bytes) { used_ = bytes; }
 
   /// Tells the budget how many bytes of files in memory are also in use, because the jobs' folder is in memory.
-  void note_stored(std::uint64_t bytes) { stored_ = bytes; }
+  void record_stored(std::uint64_t bytes) { stored_ = bytes; }
   std::uint64_t stored() const { return stored_; }
 
   /// Makes all shares in line give up, because the daemon stops.

@@ -1,7 +1,5 @@
 #include "server/work/memory_wait.h"
 
-#include <algorithm>
-
 namespace remesh::server {
 namespace {
 

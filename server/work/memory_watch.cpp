@@ -3,7 +3,6 @@
 #include <malloc.h>
 
 #include <algorithm>
-#include <chrono>
 #include <memory>
 #include <vector>
 
@@ -141,7 +140,7 @@ std::uint64_t MemoryWatch::used_of(std::uint64_t resident) {
 }
 
 void MemoryWatch::look(std::uint64_t used, std::uint64_t soon) {
-  budget_.note_used(used);
+  budget_.record_used(used);
   const std::vector<std::shared_ptr<RunningRequest>> computing = registry_.computing();
   if (used > last_used_ && !computing.empty()) {
     // It is unknown which request has grown. But a request that is always present when memory grows soon stands out.

@@ -1,19 +1,16 @@
 #include "server/work/work.h"
 
-#include <algorithm>
 #include <cstdint>
 #include <exception>
 #include <memory>
 #include <mutex>
 #include <optional>
-#include <string>
 #include <utility>
 
 #include "server/http/content_coding.h"
 #include "server/http/digest.h"
 #include "server/observe/log.h"
 #include "server/work/memory_budget.h"
-#include "server/work/memory_wait.h"
 
 namespace remesh::server {
 namespace {
@@ -79,7 +76,7 @@ class PoolTask {
     return is_done_;
   }
   /// Writes the times of a task that has ended.
-  void tell_times(Timing& timing) const {
+  void report_times(Timing& timing) const {
     const std::lock_guard lock(mutex_);
     timing.queue = milliseconds_between(running_->start, *started_);
     timing.work = milliseconds_between(*started_, ended_);
@@ -148,7 +145,7 @@ api::Response wait_for(PoolTask& task, RunningRequest& running, const Workplace&
     const Connection::Wake wake = call.connection.wait(&running.changed, until, half_closed(call.request));
     running.changed.clear();
     if (task.is_done()) {
-      task.tell_times(call.request.timing);
+      task.report_times(call.request.timing);
       return task.take_response();
     }
 

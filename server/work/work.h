@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "api/service.h"
+#include "api/operations.h"
 #include "server/http/http_message.h"
 #include "server/http/route.h"
 #include "server/work/memory_wait.h"

@@ -17,7 +17,7 @@
 #include <thread>
 #include <vector>
 
-#include "api/service.h"
+#include "api/operations.h"
 #include "server/http/connection.h"
 
 namespace remesh::server {

@@ -4,8 +4,8 @@
 #include <new>
 #include <string>
 
-#include "api/service.h"
-#include "server/service.h"
+#include "api/operations.h"
+#include "server/daemon.h"
 #include "tests/allocation/failing_new.h"
 #include "tests/server/raw_client.h"
 #include "tests/server/small_meshes.h"
@@ -72,22 +72,22 @@ TEST(allocation_failure, the_daemon_answers_wherever_memory_runs_out) {
   config.limits.workers = 2;
   config.max_running = 2;
   config.limits.queue.max_large = 16;
-  Service service(config, Operations{});
-  service.start();
+  Daemon daemon(config, Operations{});
+  daemon.start();
   const std::string request =
       post_text("/v1/remesh?refine=false", kFrame, "Accept-Encoding: gzip\r\nTraceparent: 00-\r\n");
-  for (int i = 0; i < 10; ++i) ASSERT_EQ(ask(service.port(), request).status, 200);
+  for (int i = 0; i < 10; ++i) ASSERT_EQ(ask(daemon.port(), request).status, 200);
   const std::int64_t before = allocation::live();
   int answers = 0;
   int refusals = 0;
   const std::uint64_t failures = for_all_failures([&](std::uint64_t n) {
-    const int status = ask(service.port(), request).status;
+    const int status = ask(daemon.port(), request).status;
     ++(status == 200 ? answers : refusals);
     EXPECT_TRUE(status == 200 || status == 503) << "allocation " << n << ": " << status;
   });
   std::cout << failures << " allocations, " << answers << " answers, " << refusals << " refusals\n";
   EXPECT_LT(failures, kEnd);
-  EXPECT_EQ(ask(service.port(), request).status, 200);
+  EXPECT_EQ(ask(daemon.port(), request).status, 200);
   EXPECT_TRUE(eventually([&] { return allocation::live() <= before + 50; })) << "leaks " << allocation::live() - before;
 }
 

@@ -6,9 +6,9 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "api/operations.h"
 #include "api/options.h"
 #include "api/request_code.h"
-#include "api/service.h"
 
 namespace remesh::api {
 namespace {

@@ -3,8 +3,8 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "api/operations.h"
 #include "api/request_code.h"
-#include "api/service.h"
 
 namespace remesh::api {
 namespace {

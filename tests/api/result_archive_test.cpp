@@ -9,8 +9,8 @@
 #include <string>
 #include <tuple>
 
+#include "api/operations.h"
 #include "api/request_code.h"
-#include "api/service.h"
 
 namespace remesh::api {
 namespace {
@@ -90,7 +90,7 @@ TEST(result_archive, every_number_and_label_comes_back) {
                   .distance_bound = DistanceBound{0.25, 0.125},
                   .origin = std::nullopt};
   kept.exact_report = "{}";
-  OutputBasis& basis = kept.result.basis;
+  RoundingInput& basis = kept.result.rounding_input;
   basis.normals.items() = {{0, 0, 1}, {0.6, -0.8, 0}};
   basis.allowed_move = 1e-300;
   basis.is_refined = true;
@@ -121,20 +121,20 @@ TEST(result_archive, every_number_and_label_comes_back) {
   EXPECT_EQ(back.summary, kept.summary);
   EXPECT_EQ(back.local_origin, kept.local_origin);
   EXPECT_EQ(back.exact_report, kept.exact_report);
-  EXPECT_EQ(back.result.basis.normals, basis.normals);
-  EXPECT_EQ(back.result.basis.allowed_move, basis.allowed_move);
-  EXPECT_EQ(back.result.basis.is_refined, basis.is_refined);
+  EXPECT_EQ(back.result.rounding_input.normals, basis.normals);
+  EXPECT_EQ(back.result.rounding_input.allowed_move, basis.allowed_move);
+  EXPECT_EQ(back.result.rounding_input.is_refined, basis.is_refined);
   const auto numbers = [](const Goals& g) {
     return std::tuple(g.min_angle_deg, g.max_edge_length, g.max_area, g.min_edge_length, g.proximity, g.gradation,
                       g.max_faces, g.split_boundaries);
   };
-  EXPECT_EQ(numbers(back.result.basis.goals), numbers(basis.goals));
-  EXPECT_EQ(back.result.basis.unrefined.faces, basis.unrefined.faces);
-  EXPECT_EQ(back.result.basis.patch_labels, basis.patch_labels);
-  EXPECT_EQ(back.result.basis.unrefined.reasons, basis.unrefined.reasons);
-  EXPECT_EQ(back.result.basis.unrefined.misses_sizes, basis.unrefined.misses_sizes);
-  EXPECT_EQ(back.result.basis.intersections.patches, basis.intersections.patches);
-  EXPECT_EQ(back.result.basis.intersections.is_complete, basis.intersections.is_complete);
+  EXPECT_EQ(numbers(back.result.rounding_input.goals), numbers(basis.goals));
+  EXPECT_EQ(back.result.rounding_input.unrefined.faces, basis.unrefined.faces);
+  EXPECT_EQ(back.result.rounding_input.patch_labels, basis.patch_labels);
+  EXPECT_EQ(back.result.rounding_input.unrefined.reasons, basis.unrefined.reasons);
+  EXPECT_EQ(back.result.rounding_input.unrefined.misses_sizes, basis.unrefined.misses_sizes);
+  EXPECT_EQ(back.result.rounding_input.intersections.patches, basis.intersections.patches);
+  EXPECT_EQ(back.result.rounding_input.intersections.is_complete, basis.intersections.is_complete);
   EXPECT_EQ(back.result.mesh.positions, kept.result.mesh.positions);
   EXPECT_TRUE(std::signbit(back.result.mesh.positions[VertexId(0)].x));
   EXPECT_EQ(back.result.mesh.faces, kept.result.mesh.faces);

@@ -14,10 +14,10 @@
 #include <string>
 
 #include "api/job.h"
-#include "api/service.h"
+#include "api/operations.h"
 #include "core/io/obj/obj.h"
 #include "core/io/stl/stl.h"
-#include "core/output/result/output_form.h"
+#include "core/output/result/round_for_format.h"
 #include "tests/support/cgal_space.h"
 #include "tests/support/errors.h"
 #include "tests/support/random.h"

@@ -21,7 +21,7 @@
 #include <vector>
 
 #include "api/json_reader.h"
-#include "api/service.h"
+#include "api/operations.h"
 #include "core/io/obj/obj.h"
 #include "core/remesh.h"
 #include "core/triangulation/delaunay_divide_conquer.h"

@@ -147,7 +147,7 @@ TEST(effort, when_attempts_have_taken_all_the_work_nothing_is_refined_and_all_is
   const std::size_t before = chain.meshes[PatchId(0)].mesh.triangle_count();
   const PatchedSurface on{chain.surface, chain.adjacency, chain.patches, 1e-6};
   const Effort spent{.triangles = kWorkOfAttempts.steps(0, goals.max_faces)};
-  RefinementChoices choices{FloorSearch(goals)};
+  RefinementChoices choices{MinEdgeSearch(goals)};
   choices.has_budget = true;
   const Refinement refinement =
       SurfaceRefinement(goals, {}, chain.control)
@@ -192,7 +192,7 @@ TEST(effort, when_half_of_the_work_was_in_vain_patches_that_have_not_failed_are_
   EXPECT_TRUE(nearly.is_in_vain(goals.max_faces)) << "so an attempt is to show whether a result passes at all";
   // The attempt after that leaves out what has failed. It makes no more faces than half of the work that is left
   // allows.
-  RefinementChoices choices{FloorSearch(goals)};
+  RefinementChoices choices{MinEdgeSearch(goals)};
   choices.part = RefinedPart::kRest;
   choices.has_budget = true;
   const PatchId failed(0);

@@ -221,7 +221,7 @@ TEST(keep_in_proportion, is_for_everything_but_given_sizes) {
   const auto allowed = [](const Options& options) {
     Goals goals = goals_of(options, 1);
     keep_in_proportion(goals, options, 1, 10);
-    return goals.faces_without_floor;
+    return goals.faces_without_min_edge;
   };
   EXPECT_EQ(allowed({}), 1'200u);
   EXPECT_EQ(allowed(with_angle(33)), 1'200u);

@@ -18,7 +18,7 @@ Part make_part(const PolygonMesh& mesh, double plane_tolerance, RunControl& cont
   Surface surface = weld(mesh, Barriers{}, diagnostics, control);
   surface.detach();
   const double tolerance = plane_tolerance / surface.unit;
-  mend_faces(surface, tolerance, {}, Mend::kYes, diagnostics, control);
+  mend_faces(surface, tolerance, {}, MendMode::kYes, diagnostics, control);
   Adjacency adjacency(surface.vertex_count(), surface.face_begin, surface.corners, control);
   const IdVector<FaceId, std::uint32_t> zone(surface.face_count(), 0);
   const IdVector<FaceId, std::uint8_t> rung(surface.face_count(), 0);

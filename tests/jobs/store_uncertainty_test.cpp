@@ -29,7 +29,7 @@ TEST_F(store_uncertainty, a_claim_of_which_nobody_knows_is_undone_without_an_att
   const std::optional<Claim> claim = store->claim("worker", kAnyMemory);
   ASSERT_TRUE(claim);
   const std::string worker = *run("SELECT worker FROM remeshd_job").at(0)[0];
-  writes.note_claim(worker);
+  writes.record_claim(worker);
   EXPECT_TRUE(writes.has_new());
   writes.undo(*database, blobs);
   EXPECT_FALSE(writes.has_new());
@@ -39,7 +39,7 @@ TEST_F(store_uncertainty, a_claim_of_which_nobody_knows_is_undone_without_an_att
   EXPECT_FALSE(store->renew(*claim, {"read", 0}));
   // The next claim of the same daemon has another name.
   const Claim next = store->claim("worker", kAnyMemory).value();
-  writes.note_claim(worker);
+  writes.record_claim(worker);
   writes.undo(*database, blobs);
   EXPECT_TRUE(store->holds(next));
 }
@@ -50,8 +50,8 @@ TEST_F(store_uncertainty, a_job_of_which_nobody_knows_is_withdrawn) {
   const auto connector = driver();
   const auto database = connector->connect();
   UncertainWrites writes;
-  writes.note_submission(id);
-  writes.note_submission(new_request_id());
+  writes.record_submission(id);
+  writes.record_submission(new_request_id());
   writes.undo(*database, BlobTable(*connector, nullptr, StoreRules().timeout));
   EXPECT_EQ(store->find(id), std::nullopt);
   EXPECT_EQ(store->read_blob(id, BlobKind::kInput), std::nullopt);

@@ -6,7 +6,7 @@
 
 #include "tests/load/client.h"
 #include "tests/load/scenarios.h"
-#include "tests/server/daemon.h"
+#include "tests/server/daemon_process.h"
 #include "tests/server/small_meshes.h"
 
 namespace remesh::load {
@@ -29,9 +29,10 @@ double peak_throughput(int port, const std::string& request, double seconds) {
 }  // namespace
 
 int overload(double seconds, bool judges_times) {
-  const server::Daemon daemon({"--memory-budget", std::to_string(kBudget), "--max-connections-per-address", "512",
-                               // Small requests wait for a fifth of it, so that some of these are refused.
-                               "--request-timeout", "500ms", "--ops-bind", "127.0.0.1:0"});
+  const server::DaemonProcess daemon({"--memory-budget", std::to_string(kBudget), "--max-connections-per-address",
+                                      "512",
+                                      // Small requests wait for a fifth of it, so that some of these are refused.
+                                      "--request-timeout", "500ms", "--ops-bind", "127.0.0.1:0"});
   const int port = daemon.port();
   const std::string request = post_text("/v1/remesh?refine=false", server::bumpy_sheet(40));
   peak_throughput(port, request, 1);  // warm

@@ -7,7 +7,7 @@
 
 #include "tests/load/client.h"
 #include "tests/load/scenarios.h"
-#include "tests/server/daemon.h"
+#include "tests/server/daemon_process.h"
 #include "tests/server/raw_client.h"
 #include "tests/server/small_meshes.h"
 
@@ -35,9 +35,9 @@ double usual_ms(int port, const std::string& request, int times) {
 }  // namespace
 
 int slow(std::size_t connections, bool judges_times) {
-  const server::Daemon daemon({"--max-connections", "2000", "--max-connections-per-address", "2000", "--queue-size",
-                               "1000", "--ops-bind", "127.0.0.1:0", "--head-timeout", "1000s", "--write-timeout",
-                               "1000s"});
+  const server::DaemonProcess daemon({"--max-connections", "2000", "--max-connections-per-address", "2000",
+                                      "--queue-size", "1000", "--ops-bind", "127.0.0.1:0", "--head-timeout", "1000s",
+                                      "--write-timeout", "1000s"});
   const int port = daemon.port();
   const std::string real = post_text("/v1/remesh?refine=false", server::bumpy_sheet(40));
   const double usual = usual_ms(port, real, 5);

@@ -9,7 +9,7 @@
 
 #include "tests/load/client.h"
 #include "tests/load/scenarios.h"
-#include "tests/server/daemon.h"
+#include "tests/server/daemon_process.h"
 #include "tests/server/small_meshes.h"
 
 namespace remesh::load {
@@ -81,7 +81,7 @@ struct Holding {
 
 /// Returns the least of ten counts. A descriptor that stays open is in all of them. The file in which the daemon reads
 /// its own memory is not, because it is open only for a moment again and again.
-std::size_t descriptors_held(const server::Daemon& daemon) {
+std::size_t descriptors_held(const server::DaemonProcess& daemon) {
   std::size_t least = daemon.descriptors();
   for (int look = 1; look < 10; ++look) {
     std::this_thread::sleep_for(std::chrono::milliseconds(7));
@@ -90,7 +90,7 @@ std::size_t descriptors_held(const server::Daemon& daemon) {
   return least;
 }
 
-Holding measure(const server::Daemon& daemon) {
+Holding measure(const server::DaemonProcess& daemon) {
   std::this_thread::sleep_for(std::chrono::milliseconds(1500));
   return {static_cast<double>(daemon.memory("VmRSS")) / (1 << 20), descriptors_held(daemon)};
 }
@@ -98,7 +98,7 @@ Holding measure(const server::Daemon& daemon) {
 }  // namespace
 
 int soak(std::size_t requests) {
-  server::Daemon daemon({"--ops-bind", "127.0.0.1:0", "--log-level", "info"});
+  server::DaemonProcess daemon({"--ops-bind", "127.0.0.1:0", "--log-level", "info"});
   const std::vector<Sample> all = samples();
   std::array<std::atomic<std::size_t>, 600> answered{};
   std::atomic<std::size_t> cut = 0;

@@ -7,7 +7,7 @@
 
 #include "core/base/blocks.h"
 #include "core/base/grouping.h"
-#include "core/base/pages.h"
+#include "core/base/prefault_pages.h"
 #include "core/base/run_control.h"
 
 namespace remesh {

@@ -6,8 +6,9 @@
 
 #include "api/job.h"
 #include "api/json_reader.h"
+#include "api/quoting.h"
 #include "api/request_code.h"
-#include "api/text.h"
+#include "core/base/number_text.h"
 #include "core/io/mesh_files.h"
 
 namespace remesh::mutate {
@@ -78,7 +79,7 @@ class Trier {
     result_.stop_busy_ms = std::max(result_.stop_busy_ms, end.stop_busy_ms);
     result_.outcome = outcome_of(end, is_to_be_stopped);
     if (end.busy_s > limits_.busy_s)
-      find("slow", "it took " + api::number_text(end.busy_s) + " s of processor time" +
+      find("slow", "it took " + shortest_text(end.busy_s) + " s of processor time" +
                        (end.was_stopped ? " and was stopped in the stage " + std::string(stage_name(end.stage)) : ""));
     if (end.ending == Ending::kStrange) find("strange exception", end.strange);
     if (end.ending == Ending::kRefused &&
@@ -89,10 +90,10 @@ class Trier {
     // A busy machine makes a run wait, for seconds. A run that waits for itself never ends.
     const bool is_late = end.stop_wall_ms > limits_.stop_ms && end.stop_busy_ms > limits_.stop_ms;
     if (end.ending == Ending::kNever)
-      find("hang", "it lived for " + api::number_text(limits_.patience_s) + " s after it was stopped" + where);
+      find("hang", "it lived for " + shortest_text(limits_.patience_s) + " s after it was stopped" + where);
     else if (is_late)
-      find("late stop", "it lived for " + api::number_text(end.stop_wall_ms) + " ms after it was stopped" + where +
-                            ", and worked for " + api::number_text(end.stop_busy_ms) + " ms of them");
+      find("late stop", "it lived for " + shortest_text(end.stop_wall_ms) + " ms after it was stopped" + where +
+                            ", and worked for " + shortest_text(end.stop_busy_ms) + " ms of them");
   }
 
   static std::string outcome_of(const RunEnd& end, bool is_to_be_stopped) {

@@ -8,7 +8,8 @@
 #include <string_view>
 #include <utility>
 
-#include "api/text.h"
+#include "api/quoting.h"
+#include "core/base/number_text.h"
 #include "tests/mutate/polygon_soup.h"
 #include "tests/support/hostile.h"
 #include "tests/support/hostile_families.h"
@@ -135,9 +136,9 @@ Hostile fine_plate(double size, Random& random) {
   add_box(made.soup, {}, {1, 1, 0.01});
   const double edge = 0.002 / std::sqrt(size);
   if (random.chance(0.5))
-    made.options.emplace_back("max_edge_length", api::number_text(edge));
+    made.options.emplace_back("max_edge_length", shortest_text(edge));
   else
-    made.options.emplace_back("max_area", api::number_text(edge * edge / 2));
+    made.options.emplace_back("max_area", shortest_text(edge * edge / 2));
   if (random.chance(0.3)) made.options.emplace_back("min_angle_deg", "33");
   return made;
 }

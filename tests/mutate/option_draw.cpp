@@ -6,7 +6,8 @@
 #include <cstdint>
 #include <string_view>
 
-#include "api/text.h"
+#include "api/quoting.h"
+#include "core/base/number_text.h"
 
 namespace remesh::mutate {
 namespace {
@@ -60,8 +61,8 @@ std::string draw_axis(Random& random) {
     case 1: return "dominant_edge";
     default: break;
   }
-  const auto number = [&] { return api::number_text(random.chance(0.3) ? 0.0 : random.uniform(-1, 1)); };
-  return number() + "," + number() + "," + api::number_text(random.uniform(0.1, 1));
+  const auto number = [&] { return shortest_text(random.chance(0.3) ? 0.0 : random.uniform(-1, 1)); };
+  return number() + "," + number() + "," + shortest_text(random.uniform(0.1, 1));
 }
 
 std::string draw_value(const OptionSpec& spec, Random& random, double diagonal) {
@@ -72,9 +73,9 @@ std::string draw_value(const OptionSpec& spec, Random& random, double diagonal) 
     case OptionType::kNumber:
       if (const auto words = api::option_words(spec); !words.empty() && random.chance(0.1))
         return std::string(words.front());
-      return api::number_text(draw_number(spec, random, diagonal));
+      return shortest_text(draw_number(spec, random, diagonal));
     case OptionType::kInteger:
-      return api::number_text(
+      return std::to_string(
           static_cast<std::uint64_t>(number_range(spec.name)->minimum + std::pow(10.0, random.uniform(0, 5))));
     case OptionType::kWords: return draw_words(spec, random);
     case OptionType::kAxis: return draw_axis(random);

@@ -12,7 +12,7 @@
 #include "server/http/address_counts.h"
 #include "server/http/api_keys.h"
 #include "server/http/cors.h"
-#include "tests/server/stub_service.h"
+#include "tests/server/stub_daemon.h"
 
 namespace remesh::server {
 namespace {
@@ -157,7 +157,7 @@ TEST(address_counts, a_client_is_an_ipv4_address_or_an_ipv6_network) {
   EXPECT_NE(client_key("2001:db8:1:2::1"), client_key("2001:db8:1:3::1"));
 }
 
-using access = StubService;
+using access = StubDaemon;
 
 TEST_F(access, with_a_key_only_the_page_and_the_probes_are_open) {
   config_.api_key = kKey;
@@ -205,8 +205,8 @@ TEST_F(access, the_operations_port_asks_for_no_key) {
   config_.api_key = kKey;
   config_.ops_bind = Address{"127.0.0.1", 0};
   start();
-  for (const char* path : {"/livez", "/readyz", "/metrics"}) EXPECT_EQ(get(service_->ops_port(), path).status, 200);
-  EXPECT_EQ(get(service_->ops_port(), "/v1/capabilities").status, 404);
+  for (const char* path : {"/livez", "/readyz", "/metrics"}) EXPECT_EQ(get(daemon_->ops_port(), path).status, 200);
+  EXPECT_EQ(get(daemon_->ops_port(), "/v1/capabilities").status, 404);
 }
 
 TEST_F(access, a_page_of_an_allowed_origin_may_ask_and_see_errors) {

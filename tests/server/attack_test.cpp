@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/server/daemon.h"
+#include "tests/server/daemon_process.h"
 #include "tests/server/raw_client.h"
 #include "tests/support/sanitizer.h"
 #include "tests/support/time_limit.h"
@@ -145,7 +145,7 @@ class attack : public ::testing::Test {
     expect_unmoved(attack.name);
   }
 
-  Daemon daemon_{{"--head-timeout", "600s", "--write-timeout", "600s"}};
+  DaemonProcess daemon_{{"--head-timeout", "600s", "--write-timeout", "600s"}};
   std::uint64_t idle_ = 0;
 };
 

@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/server/daemon.h"
+#include "tests/server/daemon_process.h"
 #include "tests/server/raw_client.h"
 #include "tests/server/small_meshes.h"
 #include "tests/support/sanitizer.h"
@@ -29,14 +29,14 @@ std::string problem_code(const Answer& answer) {
 }
 
 TEST(end_to_end, the_small_routes_answer) {
-  const Daemon daemon;
+  const DaemonProcess daemon;
   for (const char* path : {"/livez", "/readyz", "/", "/v1/capabilities", "/openapi.json"}) {
     EXPECT_EQ(get(daemon.port(), path).status, 200) << path;
   }
 }
 
 TEST(end_to_end, a_square_with_a_hole_comes_back_as_one_patch_of_eight_triangles) {
-  const Daemon daemon;
+  const DaemonProcess daemon;
   const Answer answer = post(daemon.port(), "/v1/remesh?refine=false", kFrame, "Accept: application/json\r\n");
   ASSERT_EQ(answer.status, 200) << answer.body;
   const auto result = nlohmann::json::parse(answer.body);
@@ -49,7 +49,7 @@ TEST(end_to_end, a_square_with_a_hole_comes_back_as_one_patch_of_eight_triangles
 }
 
 TEST(end_to_end, a_plain_request_is_refined) {
-  const Daemon daemon;
+  const DaemonProcess daemon;
   const Answer answer = post(daemon.port(), "/v1/remesh", kFrame, "Accept: application/json\r\n");
   ASSERT_EQ(answer.status, 200) << answer.body;
   const auto report = nlohmann::json::parse(answer.body)["report"];
@@ -60,7 +60,7 @@ TEST(end_to_end, a_plain_request_is_refined) {
 }
 
 TEST(end_to_end, what_must_get_too_large_is_refused_at_once) {
-  const Daemon daemon({"--max-output-faces", "1000"});
+  const DaemonProcess daemon({"--max-output-faces", "1000"});
   // 28 units squared in triangles of at most 4.4e-9: 6e9 of them.
   const test::Seconds before = daemon.processor_time();
   const Answer answer = post(daemon.port(), "/v1/remesh?max_edge_length=0.0001", kFrame);
@@ -74,7 +74,7 @@ TEST(end_to_end, what_must_get_too_large_is_refused_at_once) {
 }
 
 TEST(end_to_end, plain_curl_gets_an_obj_back) {
-  const Daemon daemon;
+  const DaemonProcess daemon;
   const std::string folder = ::testing::TempDir();
   const std::string in = folder + "remeshd_e2e_in.obj";
   const std::string out = folder + "remeshd_e2e_out.obj";
@@ -91,7 +91,7 @@ TEST(end_to_end, plain_curl_gets_an_obj_back) {
 }
 
 TEST(end_to_end, after_each_bad_input_the_next_request_is_served) {
-  const Daemon daemon({"--max-body", "10kB", "--max-faces", "20"});
+  const DaemonProcess daemon({"--max-body", "10kB", "--max-faces", "20"});
   struct Case {
     std::string name, target, body;
     int status;
@@ -128,7 +128,7 @@ TEST(end_to_end, after_each_bad_input_the_next_request_is_served) {
 }
 
 TEST(end_to_end, a_running_request_ends_soon_after_its_delete) {
-  const Daemon daemon({"--workers", "1"});  // so that the processor's time is that of the work
+  const DaemonProcess daemon({"--workers", "1"});  // so that the processor's time is that of the work
   const std::string id = "end-to-end-cancel-1";
   const std::string path = "/v1/requests/" + id;
   // Work in all stages, and a million triangles of refinement alone.
@@ -152,7 +152,7 @@ TEST(end_to_end, a_running_request_ends_soon_after_its_delete) {
 }
 
 TEST(end_to_end, a_stop_lets_the_running_request_finish_and_exits_with_0) {
-  Daemon daemon({"--drain-time", "600s"});
+  DaemonProcess daemon({"--drain-time", "600s"});
   RawClient client(daemon.port());
   const std::string id = "end-to-end-drain-01";
   // Long enough to be seen while it runs.
@@ -167,7 +167,7 @@ TEST(end_to_end, a_stop_lets_the_running_request_finish_and_exits_with_0) {
 
 TEST(end_to_end, an_idle_daemon_stops_at_once) {
   for (const int number : {SIGTERM, SIGINT}) {
-    Daemon daemon({"--drain-time", "300s"});
+    DaemonProcess daemon({"--drain-time", "300s"});
     const auto start = std::chrono::steady_clock::now();
     daemon.send_signal(number);
     EXPECT_EQ(daemon.wait(), 0);
@@ -180,7 +180,7 @@ TEST(end_to_end, health_asks_a_running_daemon) {
   const std::string binary = REMESHD_PATH;
   std::string address;
   {
-    const Daemon daemon;
+    const DaemonProcess daemon;
     address = "127.0.0.1:" + std::to_string(daemon.port());
     EXPECT_EQ(run(binary + " health --bind " + address), 0);
     EXPECT_EQ(run(binary + " --bind " + address + " 2>/dev/null"), 1) << "a second daemon on the port";

@@ -8,7 +8,7 @@
 #include "server/http/digest.h"
 #include "server/observe/metrics.h"
 #include "server/observe/trace_context.h"
-#include "tests/server/stub_service.h"
+#include "tests/server/stub_daemon.h"
 
 namespace remesh::server {
 namespace {
@@ -77,7 +77,7 @@ double value_of(const std::string& metrics, const std::string& series) {
   return at == std::string::npos ? -1 : std::stod(metrics.substr(at + series.size() + 2));
 }
 
-using observation = StubService;
+using observation = StubDaemon;
 
 TEST_F(observation, metrics_count_what_was_asked_and_answered) {
   config_.limits.max_body = 100;

@@ -16,7 +16,7 @@ Surface mended(const PolygonMesh& mesh, double plane_tolerance, std::vector<Diag
   RunControl control;
   Surface surface = weld(mesh, Barriers{}, diagnostics, control);
   surface.detach();
-  mend_faces(surface, plane_tolerance / surface.unit, {}, Mend::kYes, diagnostics, control);
+  mend_faces(surface, plane_tolerance / surface.unit, {}, MendMode::kYes, diagnostics, control);
   return surface;
 }
 

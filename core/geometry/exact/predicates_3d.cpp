@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "core/base/blocks.h"
 #include "core/base/largest_coordinate.h"
-#include "core/base/pages.h"
+#include "core/base/prefault_pages.h"
 #include "core/geometry/exact/expansion.h"
 
 namespace remesh {

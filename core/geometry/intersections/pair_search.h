@@ -4,9 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <mutex>
-#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -70,7 +68,7 @@ class PairSearch {
   }
   /// Adds steps to the progress within the stage. The number of steps is unknown, so progress takes ever smaller steps
   /// towards 1, but never stops. Several threads may call this at once.
-  void tell_progress(std::uint64_t steps) {
+  void report_progress(std::uint64_t steps) {
     constexpr double kHalfTheWay = 1 << 26;
     const std::lock_guard lock(told_mutex_);
     // A loop between two searches, such as one that builds a tree, has set the progress. The search continues from
@@ -157,7 +155,7 @@ std::size_t gather_pairs(std::size_t n, std::size_t block, PairSearch& search, c
         in_turn.next = i;
         item(i, in_turn, room);
         if (in_turn.steps >= told + kStepsBetweenTold) {
-          search.tell_progress(in_turn.steps - told);
+          search.report_progress(in_turn.steps - told);
           told = in_turn.steps;
         }
         if (in_turn.pairs.size() > room) return in_turn;  // not all pairs of the item were found
@@ -288,7 +286,7 @@ std::size_t find_pairs(const SearchedTriangles& triangles, const Reported& repor
       steps += more;
       if (steps < next_check) return;
       next_check = steps + kStepsBetweenChecks;
-      pair_search.tell_progress(kStepsBetweenChecks);
+      pair_search.report_progress(kStepsBetweenChecks);
     };
     tree.visit_meeting(
         box, first, [&](std::size_t node) { return is_node_skipped(node, step); },

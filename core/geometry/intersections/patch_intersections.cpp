@@ -11,7 +11,7 @@
 #include "core/base/blocks.h"
 #include "core/base/largest_coordinate.h"
 #include "core/base/loop_progress.h"
-#include "core/base/pages.h"
+#include "core/base/prefault_pages.h"
 #include "core/base/stoppable.h"
 #include "core/geometry/exact/predicates_3d.h"
 #include "core/geometry/intersections/pair_search.h"

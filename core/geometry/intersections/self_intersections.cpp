@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <optional>
 #include <tuple>
@@ -249,7 +248,7 @@ class Search {
         pairs += slot != other && do_count(tree.face(slot), tree.face(other));
         return true;
       });
-      search_.tell_progress(steps - told);
+      search_.report_progress(steps - told);
       told = steps;
     }
     const auto n = static_cast<double>(tree.size());

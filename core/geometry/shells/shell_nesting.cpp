@@ -13,7 +13,6 @@
 #include "core/geometry/exact/predicates.h"
 #include "core/geometry/exact/predicates_3d.h"
 #include "core/geometry/trees/box_tree.h"
-#include "core/geometry/triangles/distances.h"
 
 namespace remesh {
 namespace {

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <tuple>
 #include <utility>
 
 #include "core/base/blocks.h"
 #include "core/base/union_find.h"
-#include "core/geometry/shells/around_edge.h"
+#include "core/geometry/shells/faces_around_edge.h"
 
 namespace remesh {
 namespace {
@@ -145,7 +144,7 @@ class ShellSearch {
       for (const std::uint32_t h : around)
         if (is_open(h))
           faces.push_back({positions_[edges_.to(edges_.next(h)).value], edges_.from(h) == from, shell_of(h), h});
-      for (const auto& [h, g] : pair_around_edge(positions_[from.value], positions_[to.value], faces, control_))
+      for (const auto& [h, g] : pair_faces_around_edge(positions_[from.value], positions_[to.value], faces, control_))
         is_any_joined |= sets.join(edges_.face_of(h).value, edges_.face_of(g).value);
     });
     return is_any_joined;

@@ -46,9 +46,9 @@ struct Shells {
 /// each edge as many of its faces run one way as the other. Therefore a cavity that touches the outer shell along an
 /// edge, or a fin on a body, does not open a closed shell.
 /// Shells that are not closed then are connected over edges with more faces, too: at such an edge, each two faces that
-/// have solid between them are connected (around_edge.h). So two bodies with a wall each between them are two closed
-/// shells, also without labels. If they have a single wall between them, it closes the body that is behind its faces,
-/// and the other body is open.
+/// have solid between them are connected (faces_around_edge.h). So two bodies with a wall each between them are two
+/// closed shells, also without labels. If they have a single wall between them, it closes the body that is behind its
+/// faces, and the other body is open.
 /// Input:   three corners per face, their edges and labels; coordinates within [-2^250, 2^250].
 /// Output:  areas and boxes are set if there are several closed shells, or one of negative volume.
 /// Holds:   the result is the same for any number of threads.

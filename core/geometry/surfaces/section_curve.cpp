@@ -1,6 +1,5 @@
 #include "core/geometry/surfaces/section_curve.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace remesh {

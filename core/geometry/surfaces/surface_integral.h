@@ -2,7 +2,6 @@
 #pragma once
 
 #include <array>
-#include <span>
 
 #include "core/base/vec.h"
 #include "core/geometry/surfaces/analytic_surface.h"

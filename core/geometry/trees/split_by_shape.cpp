@@ -1,10 +1,8 @@
 #include "core/geometry/trees/split_by_shape.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
-#include <utility>
 
 #include "core/base/largest_coordinate.h"
 #include "core/base/symmetric_eigen.h"

@@ -1,7 +1,6 @@
 #include "core/geometry/trees/triangle_tree.h"
 
 #include <algorithm>
-#include <utility>
 
 #include "core/base/blocks.h"
 #include "core/base/loop_progress.h"

@@ -1,7 +1,5 @@
 #include "core/geometry/triangles/distances.h"
 
-#include <algorithm>
-
 namespace remesh {
 namespace {
 

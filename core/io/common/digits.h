@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <cstring>
 
-#include "core/io/common/text.h"
+#include "core/io/common/number_parsing.h"
 
 namespace remesh {
 

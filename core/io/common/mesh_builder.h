@@ -2,13 +2,12 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string_view>
 
 #include "core/base/run_control.h"
 #include "core/io/common/format.h"
+#include "core/io/common/number_parsing.h"
 #include "core/io/common/read_errors.h"
-#include "core/io/common/text.h"
 #include "core/mesh/mesh.h"
 
 namespace remesh {
@@ -40,7 +39,6 @@ class MeshBuilder {
   /// Errors: kIndexOutOfRange, with the face - it is none of the announced vertices.
   void add_corner(std::int64_t vertex, Place place);
 
-  std::uint64_t vertices_announced() const { return vertices_announced_; }
   const PolygonMesh& mesh() const { return mesh_; }
   PolygonMesh& mesh() { return mesh_; }
 

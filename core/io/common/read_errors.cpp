@@ -1,6 +1,6 @@
 #include "core/io/common/read_errors.h"
 
-#include "core/io/common/text.h"
+#include "core/io/common/number_parsing.h"
 
 namespace remesh {
 namespace {
@@ -22,8 +22,8 @@ std::string cited(std::string_view text) {
   return quoted + (text.size() > kLongest ? "...\"" : "\"");
 }
 
-void note_trailing_bytes(std::string_view content, std::size_t end_of_records, std::size_t record_size,
-                         std::vector<Diagnostic>& diagnostics) {
+void record_trailing_bytes(std::string_view content, std::size_t end_of_records, std::size_t record_size,
+                           std::vector<Diagnostic>& diagnostics) {
   const std::string_view rest = content.substr(end_of_records);
   if (rest.empty()) return;
   const std::string where = behind_the_records(end_of_records);
@@ -35,7 +35,7 @@ void note_trailing_bytes(std::string_view content, std::size_t end_of_records, s
   diagnostics.push_back(trailing_bytes(rest.size(), where));
 }
 
-void note_padding(std::string_view text, std::vector<Diagnostic>& diagnostics) {
+void record_padding(std::string_view text, std::vector<Diagnostic>& diagnostics) {
   const std::size_t end = without_padding(text).size();
   if (end < text.size()) diagnostics.push_back(trailing_bytes(text.size() - end, behind_the_records(end)));
 }

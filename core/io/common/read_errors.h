@@ -46,10 +46,10 @@ std::string cited(std::string_view text);
 /// Reports bytes after the last record of binary data. There may be fewer than a record has, or only zeros as
 /// padding.
 /// Errors: kInvalidMesh, with the byte - there is more, so the counts of the file do not fit its content.
-void note_trailing_bytes(std::string_view content, std::size_t end_of_records, std::size_t record_size,
-                         std::vector<Diagnostic>& diagnostics);
+void record_trailing_bytes(std::string_view content, std::size_t end_of_records, std::size_t record_size,
+                           std::vector<Diagnostic>& diagnostics);
 
 /// Reports the padding of a text (see without_padding).
-void note_padding(std::string_view text, std::vector<Diagnostic>& diagnostics);
+void record_padding(std::string_view text, std::vector<Diagnostic>& diagnostics);
 
 }  // namespace remesh

@@ -3,8 +3,8 @@
 #include <array>
 #include <string>
 
+#include "core/io/common/number_parsing.h"
 #include "core/io/common/read_errors.h"
-#include "core/io/common/text.h"
 
 namespace remesh {
 namespace {

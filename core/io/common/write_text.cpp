@@ -1,9 +1,8 @@
 #include "core/io/common/write_text.h"
 
-#include <algorithm>
 #include <charconv>
 
-#include "core/io/common/text.h"
+#include "core/io/common/number_parsing.h"
 
 namespace remesh {
 

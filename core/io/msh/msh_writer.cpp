@@ -2,7 +2,7 @@
 #include <string_view>
 
 #include "core/base/stoppable.h"
-#include "core/io/common/text.h"
+#include "core/io/common/number_parsing.h"
 #include "core/io/common/write_text.h"
 #include "core/io/msh/msh.h"
 

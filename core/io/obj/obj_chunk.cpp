@@ -5,13 +5,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdint>
 #include <system_error>
 #include <utility>
 
 #include "core/io/common/digits.h"
 #include "core/io/common/label_collector.h"
-#include "core/io/common/text.h"
+#include "core/io/common/number_parsing.h"
 #include "core/io/obj/obj_records.h"
 
 namespace remesh {

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <string>
@@ -11,7 +10,7 @@
 
 #include "core/base/blocks.h"
 #include "core/io/common/label_collector.h"
-#include "core/io/common/text.h"
+#include "core/io/common/number_parsing.h"
 #include "core/io/common/text_lines.h"
 #include "core/io/obj/obj_chunk.h"
 #include "core/io/obj/obj_readers.h"

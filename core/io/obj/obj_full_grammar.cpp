@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "core/io/common/label_collector.h"
+#include "core/io/common/number_parsing.h"
 #include "core/io/common/read_errors.h"
-#include "core/io/common/text.h"
 #include "core/io/obj/obj_dropped_records.h"
 #include "core/io/obj/obj_readers.h"
 #include "core/io/obj/obj_records.h"

@@ -11,7 +11,7 @@ ReadResult read_obj(std::string_view text, const ReadLimits& limits, RunControl&
   control.enter(Stage::kRead);
   std::optional<ReadResult> plain = read_obj_fast_path(text, limits, control);
   ReadResult result = plain ? std::move(*plain) : read_obj_full_grammar(text, limits, control);
-  note_padding(text, result.diagnostics);
+  record_padding(text, result.diagnostics);
   return result;
 }
 

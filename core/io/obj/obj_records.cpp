@@ -4,7 +4,6 @@
 #include <array>
 
 #include "core/io/common/read_errors.h"
-#include "core/io/common/text.h"
 
 namespace remesh {
 namespace {

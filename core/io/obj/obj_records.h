@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/io/common/text.h"
+#include "core/io/common/number_parsing.h"
 #include "core/io/common/text_lines.h"
 
 namespace remesh {

@@ -5,7 +5,7 @@
 #include <string_view>
 #include <vector>
 
-#include "core/io/common/text.h"
+#include "core/io/common/number_parsing.h"
 #include "core/io/common/write_text.h"
 #include "core/io/obj/obj.h"
 

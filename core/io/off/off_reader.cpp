@@ -54,7 +54,7 @@ class OffTextReader {
     ReadResult result;
     result.mesh = builder_.take();
     dropped_.report(result.diagnostics);
-    note_padding(content_, result.diagnostics);
+    record_padding(content_, result.diagnostics);
     return result;
   }
 
@@ -213,7 +213,7 @@ ReadResult read_binary(std::string_view content, const BinaryHead& head, const R
     if (values > 0) dropped.of_faces.add(f);
   }
   ReadResult result;
-  note_trailing_bytes(content, bytes.offset(), kMinFace, result.diagnostics);
+  record_trailing_bytes(content, bytes.offset(), kMinFace, result.diagnostics);
   result.mesh = builder.take();
   dropped.report(result.diagnostics);
   return result;

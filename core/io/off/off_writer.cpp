@@ -1,4 +1,4 @@
-#include "core/io/common/text.h"
+#include "core/io/common/number_parsing.h"
 #include "core/io/common/write_text.h"
 #include "core/io/off/off.h"
 

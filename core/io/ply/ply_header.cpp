@@ -5,8 +5,8 @@
 #include <system_error>
 #include <utility>
 
+#include "core/io/common/number_parsing.h"
 #include "core/io/common/read_errors.h"
-#include "core/io/common/text.h"
 #include "core/io/common/text_lines.h"
 
 namespace remesh {

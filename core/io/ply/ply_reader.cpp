@@ -59,7 +59,7 @@ class TextRecords {
     while (lines_.next()) {
       if (!trim(lines_.line()).empty()) throw error("text after the last record: " + cited(lines_.line()));
     }
-    note_padding(content_, diagnostics);
+    record_padding(content_, diagnostics);
   }
 
   std::size_t offset() const { return header_size_ + lines_.offset(); }
@@ -120,7 +120,7 @@ class BinaryRecords {
     return true;
   }
   void finish(std::size_t least_record, std::vector<Diagnostic>& diagnostics) const {
-    note_trailing_bytes(content_, bytes_.offset(), least_record, diagnostics);
+    record_trailing_bytes(content_, bytes_.offset(), least_record, diagnostics);
   }
 
   std::size_t offset() const { return bytes_.offset(); }
@@ -241,7 +241,7 @@ class PlyReader {
       records_.end_record();
     }
     for (std::size_t i = 0; i < axis_of.size(); ++i) {
-      if (axis_of[i] == kNoAxis) note_dropped(element, &element.properties[i]);
+      if (axis_of[i] == kNoAxis) record_dropped(element, &element.properties[i]);
     }
   }
 
@@ -272,7 +272,7 @@ class PlyReader {
       records_.end_record();
     }
     for (std::size_t i = 0; i < element.properties.size(); ++i) {
-      if (i != corners && label_of[i] == nullptr) note_dropped(element, &element.properties[i]);
+      if (i != corners && label_of[i] == nullptr) record_dropped(element, &element.properties[i]);
     }
   }
 
@@ -321,7 +321,7 @@ class PlyReader {
       throw read_error(Place::line(element.line), Code::kInvalidMesh,
                        "triangle strips cannot be read; the mesh needs an element \"face\"");
     }
-    note_dropped(element, nullptr);
+    record_dropped(element, nullptr);
     if (records_.skip_element(element)) return;
     for (std::uint64_t i = 0; i < element.count; ++i) {
       builder_.tick(records_.offset(), content_size_);
@@ -331,7 +331,7 @@ class PlyReader {
     }
   }
 
-  void note_dropped(const PlyElement& element, const PlyProperty* property) {
+  void record_dropped(const PlyElement& element, const PlyProperty* property) {
     const std::string what = property == nullptr ? "" : "property " + cited(property->name) + " of ";
     diagnostics_.push_back({DiagnosticCode::kAttributeDropped,
                             element.count,

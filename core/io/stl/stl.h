@@ -34,8 +34,8 @@ bool is_binary_stl(std::string_view content);
 ReadResult read_stl(std::string_view content, const ReadLimits& limits, RunControl& control);
 
 /// Writes binary STL. Labels are lost, and the header has room for the first line of `comments` only.
-/// Input:   `mesh` - all its coordinates must be floats, because the format has no other numbers (see round_output).
-///          They are not rounded here.
+/// Input:   `mesh` - all its coordinates must be floats, because the format has no other numbers (see
+///          round_for_format). They are not rounded here.
 /// Errors:  kInternal - a coordinate is not a float; kOutputTooLarge - more triangles than 32 bits can count;
 ///          kCancelled, kTimeout - through `control`.
 /// Cost:    O(output).

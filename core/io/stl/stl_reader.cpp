@@ -8,7 +8,7 @@
 #include "core/io/common/bytes.h"
 #include "core/io/common/label_collector.h"
 #include "core/io/common/mesh_builder.h"
-#include "core/io/common/text.h"
+#include "core/io/common/number_parsing.h"
 #include "core/io/common/text_lines.h"
 #include "core/io/stl/stl.h"
 
@@ -98,8 +98,8 @@ ReadResult read_binary(std::string_view content, const ReadLimits& limits, RunCo
     }
     if (load<std::uint16_t>(at, ByteOrder::kLittle) != 0) attributes.add(f);
   }
-  note_trailing_bytes(content, kBeginOfRecords + kRecord * static_cast<std::size_t>(count), kRecord,
-                      result.diagnostics);
+  record_trailing_bytes(content, kBeginOfRecords + kRecord * static_cast<std::size_t>(count), kRecord,
+                        result.diagnostics);
   if (attributes.count > 0) {
     attributes.message = "attribute bytes (colours) were dropped; number of triangles that had them: " +
                          std::to_string(attributes.count);
@@ -122,7 +122,7 @@ class TextReader {
     ReadResult result;
     result.mesh = joined(std::move(positions_), limits_, control_);
     label(result.mesh);
-    note_padding(content_, result.diagnostics);
+    record_padding(content_, result.diagnostics);
     return result;
   }
 

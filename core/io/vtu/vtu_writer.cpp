@@ -5,7 +5,7 @@
 
 #include "core/base/stoppable.h"
 #include "core/io/common/bytes.h"
-#include "core/io/common/text.h"
+#include "core/io/common/number_parsing.h"
 #include "core/io/common/write_text.h"
 #include "core/io/vtu/vtu.h"
 #include "core/mesh/quality.h"

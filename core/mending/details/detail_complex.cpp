@@ -28,7 +28,6 @@ std::uint32_t DetailComplex::add_point(const Vec3& place, const Box3& box) {
   parent_.push_back(point);
   place_.push_back(place);
   box_.push_back(box);
-  is_single_.push_back(1);
   first_.push_back(kNone);
   last_.push_back(kNone);
   return point;
@@ -94,7 +93,6 @@ Box3 DetailComplex::box_on_edge(std::uint32_t from, std::uint32_t to, double at)
 
 void DetailComplex::join(std::uint32_t from, std::uint32_t to) {
   parent_[from] = to;
-  is_single_[to] = 0;
   box_[to].add(box_[from]);
   if (first_[from] == kNone) return;
   if (first_[to] == kNone)
@@ -129,7 +127,6 @@ std::uint32_t DetailComplex::cut(std::uint32_t from, std::uint32_t to, double at
     for (const auto& [ends, point] : made)
       if (ends == std::pair(p, q)) return point;
     const std::uint32_t point = add_point(place, box);
-    is_single_[point] = 0;
     cuts_.push_back({VertexId(p), VertexId(q), at});
     if (node == kNone)
       node = point;

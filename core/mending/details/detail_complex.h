@@ -40,8 +40,6 @@ class DetailComplex {
   FaceId face_of(std::uint32_t triangle) const { return of_[triangle]; }
   /// Returns the node to which a point belongs.
   std::uint32_t node_of(std::uint32_t point) const;
-  /// Returns whether this point's node has not moved, and no other point has been joined to it.
-  bool is_untouched(std::uint32_t point) const { return node_of(point) == point && is_single_[point] != 0; }
   /// Returns whether a triangle has not been cut and has three different nodes, which it writes to `present`.
   bool find_present(std::uint32_t triangle, PresentTriangle& present) const;
   /// Collects the triangles that are present at a node. Counts the triangles as work.
@@ -72,8 +70,7 @@ class DetailComplex {
   // By point.
   mutable std::vector<std::uint32_t> parent_;  ///< the tree of joined points; the root is the node
   std::vector<Vec3> place_;
-  std::vector<Box3> box_;  ///< of the original places of the node's points
-  std::vector<std::uint8_t> is_single_;
+  std::vector<Box3> box_;                    ///< of the original places of the node's points
   std::vector<std::uint32_t> first_, last_;  ///< the list of corners at a node; kNone if there are none
   std::vector<DetailMap::Cut> cuts_;
   // By triangle.

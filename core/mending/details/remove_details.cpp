@@ -10,12 +10,11 @@
 #include <utility>
 
 #include "core/base/stoppable.h"
-#include "core/base/work_bound.h"
 #include "core/geometry/intersections/self_intersections.h"
 #include "core/mending/details/detail_complex.h"
 #include "core/mending/details/detail_shapes.h"
-#include "core/mending/details/slits.h"
-#include "core/mending/details/specks.h"
+#include "core/mending/details/narrow_notches.h"
+#include "core/mending/details/tiny_components.h"
 
 namespace remesh {
 namespace {
@@ -26,7 +25,7 @@ constexpr int kMaxTries = 8;
 
 /// Removes the details of one surface.
 /// This class is larger than the bound because it treats two kinds of details with the same tests of shapes, links and
-/// folds. The tests for slits are in another class.
+/// folds. The tests for narrow notches are in another class.
 class DetailRemover {
  public:
   DetailRemover(const DetailRules& rules, const std::vector<std::uint8_t>& is_fixed, RunControl& control)
@@ -35,17 +34,17 @@ class DetailRemover {
         is_fixed_(is_fixed),
         control_(control),
         work_(kWorkOfDetails.steps(rules.faces.size(), 0), &control),
-        slits_(complex_, rules, is_fixed, work_) {
+        notches_(complex_, rules, is_fixed, work_) {
     DetailRules with_fixed = rules;
     with_fixed.is_fixed = is_fixed;
-    specks_ = find_specks(with_fixed, control);
+    tiny_components_ = find_tiny_components(with_fixed, control);
   }
 
   WithoutDetails run() {
     for (std::uint32_t t = 0; t < rules_.faces.size(); ++t)
-      if (!specks_.has(FaceId(t))) add_details_of(t);
-    if (rules_.closes_slits)
-      for (const std::uint32_t node : nodes_of_open_edges()) add_slit_at(node);
+      if (!tiny_components_.has(FaceId(t))) add_details_of(t);
+    if (rules_.closes_narrow_notches)
+      for (const std::uint32_t node : nodes_of_open_edges()) add_narrow_notch_at(node);
     while (!queue_.empty() && !work_.is_spent()) {
       control_.check();
       const Detail detail = queue_.top();
@@ -55,22 +54,22 @@ class DetailRemover {
       else if (detail.kind == Kind::kSliver)
         remove_sliver(detail);
       else
-        close_slit(detail);
+        close_narrow_notch(detail);
     }
     result_.is_effort_spent = work_.is_spent();
     return finish();
   }
 
  private:
-  enum class Kind : std::uint8_t { kSliver, kEdge, kSlit };
+  enum class Kind : std::uint8_t { kSliver, kEdge, kNarrowNotch };
 
-  /// An edge between two nodes, a triangle over a crease, or a slit.
+  /// An edge between two nodes, a triangle over a crease, or a narrow notch.
   struct Detail {
     double size;
     Kind kind;
-    std::uint32_t first, second;  ///< the edge's nodes; or the triangle, or the slit's tip, twice
-    /// Two places, the smaller one first: the ends of the edge, or of the triangle's longest edge; or the slit's tip,
-    /// twice.
+    std::uint32_t first, second;  ///< the edge's nodes; or the triangle, or the narrow notch's tip, twice
+    /// Two places, the smaller one first: the ends of the edge, or of the triangle's longest edge; or the narrow
+    /// notch's tip, twice.
     std::array<Vec3, 2> places;
 
     /// The smallest detail is the last in this order, since a priority queue serves the last one first.
@@ -106,16 +105,16 @@ class DetailRemover {
   void add_details_at(std::uint32_t node) {
     complex_.collect(node, triangles_, work_);
     for (const PresentTriangle& t : triangles_) add_details_of(t.index);
-    if (rules_.closes_slits) add_slit_at(node);
+    if (rules_.closes_narrow_notches) add_narrow_notch_at(node);
   }
 
-  void add_slit_at(std::uint32_t node) {
-    const std::optional<Slit> slit = slits_.find(node);
+  void add_narrow_notch_at(std::uint32_t node) {
+    const std::optional<NarrowNotch> notch = notches_.find(node);
     const Vec3& place = complex_.place(node);
-    if (slit) queue_.push({slit->width, Kind::kSlit, node, node, {place, place}});
+    if (notch) queue_.push({notch->width, Kind::kNarrowNotch, node, node, {place, place}});
   }
 
-  /// Returns the nodes at edges of one face, ascending. Specks have none.
+  /// Returns the nodes at edges of one face, ascending. Tiny components have none.
   std::vector<std::uint32_t> nodes_of_open_edges() const {
     using Edge = std::pair<std::uint32_t, std::uint32_t>;
     control_.memory().ask_for<Edge>(3 * rules_.faces.size());
@@ -124,7 +123,7 @@ class DetailRemover {
     StopCheck check(control_);
     for (std::size_t f = 0; f < rules_.faces.size(); ++f) {
       check();
-      if (specks_.has(FaceId(f))) continue;
+      if (tiny_components_.has(FaceId(f))) continue;
       for (std::size_t k = 0; k < 3; ++k)
         edges.push_back(std::minmax(rules_.faces[f][k].value, rules_.faces[f][(k + 1) % 3].value));
     }
@@ -140,25 +139,25 @@ class DetailRemover {
     return nodes;
   }
 
-  void close_slit(const Detail& detail) {
+  void close_narrow_notch(const Detail& detail) {
     const std::uint32_t tip = detail.first;
     if (complex_.node_of(tip) != tip) return;
-    const std::optional<Slit> slit = slits_.find(tip);
-    if (!slit) return;
-    if (slit->width != detail.size) {
-      // The slit has changed since it was found.
-      add_slit_at(tip);
+    const std::optional<NarrowNotch> notch = notches_.find(tip);
+    if (!notch) return;
+    if (notch->width != detail.size) {
+      // The narrow notch has changed since it was found.
+      add_narrow_notch_at(tip);
       return;
     }
     complex_.collect(tip, triangles_, work_);
     const FaceId at_tip = complex_.face_of(triangles_.front().index);
-    const std::vector<std::uint32_t> joined = slits_.close(tip, *slit);
+    const std::vector<std::uint32_t> joined = notches_.close(tip, *notch);
     if (joined.empty()) return;
-    if (joined.size() == slit->steps.size())
-      ++result_.closed_slits;
+    if (joined.size() == notch->steps.size())
+      ++result_.closed_narrow_notches;
     else
       result_.joined_edges += joined.size();
-    result_.at_slits.push_back(at_tip);
+    result_.at_narrow_notches.push_back(at_tip);
     for (const std::uint32_t node : joined)
       if (complex_.node_of(node) == node) add_details_at(node);
   }
@@ -472,13 +471,15 @@ class DetailRemover {
     StopCheck check(control_);
     for (std::uint32_t i = 0; i < complex_.triangle_count(); ++i) {
       check();
-      if (!specks_.has(complex_.face_of(i)) && complex_.find_present(i, t)) faces.push_back(t);
+      if (!tiny_components_.has(complex_.face_of(i)) && complex_.find_present(i, t)) faces.push_back(t);
     }
-    const std::vector<std::optional<PointOfTriangle>> near_speck = find_points_near_specks(faces);
+    const std::vector<std::optional<PointOfTriangle>> near_component = find_points_near_tiny_components(faces);
     std::vector<std::uint32_t> kept;
     for (const PresentTriangle& face : faces) kept.push_back(face.index);
-    for (std::uint32_t i = 0; i < specks_.of_face.size(); ++i)
-      if (specks_.has(FaceId(i)) && !near_speck[specks_.of_face[i]] && complex_.find_present(i, t)) faces.push_back(t);
+    for (std::uint32_t i = 0; i < tiny_components_.of_face.size(); ++i)
+      if (tiny_components_.has(FaceId(i)) && !near_component[tiny_components_.of_face[i]] &&
+          complex_.find_present(i, t))
+        faces.push_back(t);
     std::stable_sort(faces.begin(), faces.end(), [&](const PresentTriangle& a, const PresentTriangle& b) {
       return complex_.face_of(a.index) < complex_.face_of(b.index);
     });
@@ -502,30 +503,31 @@ class DetailRemover {
       if (has_image[f] == 0) result_.removed.push_back(FaceId(f));
     result_.map = complex_.take_map();
     for (VertexId& image : result_.map.image) image = VertexId(number[image.value]);
-    anchor_specks(near_speck, kept, faces);
+    anchor_tiny_components(near_component, kept, faces);
     return std::move(result_);
   }
 
-  std::vector<std::optional<PointOfTriangle>> find_points_near_specks(const std::vector<PresentTriangle>& faces) const {
-    if (specks_.count() == 0) return {};
+  std::vector<std::optional<PointOfTriangle>> find_points_near_tiny_components(
+      const std::vector<PresentTriangle>& faces) const {
+    if (tiny_components_.count() == 0) return {};
     std::vector<Corners3> corners;
     corners.reserve(faces.size());
     for (const PresentTriangle& face : faces) corners.push_back(places_of(face, complex_));
-    return points_near_specks(specks_, rules_.positions, corners, rules_.allowed, control_);
+    return points_near_tiny_components(tiny_components_, rules_.positions, corners, rules_.allowed, control_);
   }
 
-  /// Anchors the vertices of removed specks at the points near them.
+  /// Anchors the vertices of removed tiny components at the points near them.
   /// Input: `kept` has the numbers of the triangles to which the points belong, and `faces` the result's triangles in
   ///        order.
-  void anchor_specks(const std::vector<std::optional<PointOfTriangle>>& points, const std::vector<std::uint32_t>& kept,
-                     const std::vector<PresentTriangle>& faces) {
-    if (specks_.count() == 0) return;
+  void anchor_tiny_components(const std::vector<std::optional<PointOfTriangle>>& points,
+                              const std::vector<std::uint32_t>& kept, const std::vector<PresentTriangle>& faces) {
+    if (tiny_components_.count() == 0) return;
     std::vector<std::uint32_t> face_of(complex_.triangle_count(), kNone);
     for (std::uint32_t f = 0; f < faces.size(); ++f) face_of[faces[f].index] = f;
     for (std::size_t s = 0; s < points.size(); ++s) {
       if (!points[s]) continue;
-      ++result_.removed_specks;
-      for (const VertexId v : specks_.vertices[s])
+      ++result_.removed_tiny_components;
+      for (const VertexId v : tiny_components_.vertices[s])
         result_.map.anchors.push_back({v, FaceId(face_of[kept[points[s]->triangle]]), points[s]->weights});
     }
     std::sort(result_.map.anchors.begin(), result_.map.anchors.end(),
@@ -537,8 +539,8 @@ class DetailRemover {
   const std::vector<std::uint8_t>& is_fixed_;
   RunControl& control_;
   WorkBound work_;
-  Slits slits_;
-  Specks specks_;
+  NarrowNotches notches_;
+  TinyComponents tiny_components_;
   std::priority_queue<Detail> queue_;
   std::vector<PresentTriangle> triangles_;  ///< scratch
   WithoutDetails result_;

@@ -1,9 +1,8 @@
-/// Removes details of a triangulated surface that are smaller than a size: short edges, narrow faces, flaps, slits and
-/// specks.
+/// Removes details of a triangulated surface that are smaller than a size: short edges, narrow faces, flaps, narrow
+/// notches and tiny components.
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "core/base/ids.h"
@@ -26,12 +25,14 @@ struct WithoutDetails {
   std::vector<FaceId> removed;       ///< the faces of the input without an image of their own, ascending
   std::uint64_t joined_edges = 0;    ///< the number of edges whose ends were joined
   std::uint64_t closed_slivers = 0;  ///< the number of narrow faces whose long side and opposite corner were joined
-  std::uint64_t removed_specks = 0;  ///< the number of parts that were removed as a whole
-  std::uint64_t closed_slits = 0;    ///< the number of gaps whose two sides were joined
-  std::vector<FaceId> at_slits;      ///< for each of these gaps, a face of the input where it began
-  bool is_effort_spent = false;      ///< the bound on work was reached, so some details may be left
+  std::uint64_t removed_tiny_components = 0;  ///< the number of parts that were removed as a whole
+  std::uint64_t closed_narrow_notches = 0;    ///< the number of gaps whose two sides were joined
+  std::vector<FaceId> at_narrow_notches;      ///< for each of these gaps, a face of the input where it began
+  bool is_effort_spent = false;               ///< the bound on work was reached, so some details may be left
 
-  bool is_changed() const { return joined_edges + closed_slivers + removed_specks + closed_slits > 0; }
+  bool is_changed() const {
+    return joined_edges + closed_slivers + removed_tiny_components + closed_narrow_notches > 0;
+  }
 };
 
 /// The removal of details. A step is one test of a face at a vertex. Good surfaces take fewer than 40 steps for each
@@ -49,10 +50,11 @@ inline constexpr StageWork kWorkOfDetails{4, 0, 1 << 18};
 /// - It is one end of a strip whose other end cannot be removed: between two such faces, or between two borders.
 /// Where a corner can take either of two places, it takes the one that bends planes and creases by less.
 ///
-/// A part that is connected with nothing else and is no larger than a detail (Specks) is removed as a whole, if the
-/// remaining surface has a point within the allowed distance of all points of the part. Otherwise it stays as it is. A
-/// slit is a gap between two chains of open edges that meet at one end, its tip. If all of it is narrower than a
-/// detail, up to another tip or to its mouth, its sides are joined to each other (Slits). So a hole may be closed.
+/// A part that is connected with nothing else and is no larger than a detail (TinyComponents) is removed as a whole, if
+/// the remaining surface has a point within the allowed distance of all points of the part. Otherwise it stays as it
+/// is. A narrow notch is a gap between two chains of open edges that meet at one end, its tip. If all of it is narrower
+/// than a detail, up to another tip or to its mouth, its sides are joined to each other (NarrowNotches). So a hole may
+/// be closed.
 /// Input:   faces and vertices as above. Equal vertices of two faces have equal ids.
 /// Output:  a surface with the input's vertices, but for those that had to go to an edge.
 /// Holds:   the result depends on geometry, not on the order of faces, except for faces with equal corners.

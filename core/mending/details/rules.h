@@ -21,7 +21,7 @@ struct DetailRules {
   double size = 0;     ///< edges shorter than this, and faces lower than this over a crease, are details
   double allowed = 0;  ///< no point of the surface moves by more than this
   double noise = 0;    ///< faces lower than this may look anywhere
-  bool closes_slits = false;
+  bool closes_narrow_notches = false;
 };
 
 }  // namespace remesh

@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <vector>
 
 #include "core/base/blocks.h"
 #include "core/base/diagnostic.h"
 #include "core/base/ids.h"
 #include "core/base/loop_progress.h"
+#include "core/base/number_text.h"
 #include "core/base/stoppable.h"
 #include "core/geometry/trees/box_tree.h"
 #include "core/mending/edges/open_edges.h"
@@ -186,14 +185,14 @@ class Trial {
     // A weld tolerance above the rounding leaves no seams.
     const bool has_seams = options_.repair.seams && tolerance < rules_.rounding;
     Seams seams({rules_.rounding / surface.unit, options_.repair.winding});
-    if (has_seams) seams.close(surface, adjacency(), Mend::kYes, control_);
+    if (has_seams) seams.close(surface, adjacency(), MendMode::kYes, control_);
     bool is_split = false;
     const auto split_at = [&](double near) {
-      is_split |= split_t_junctions(surface, adjacency(), near / surface.unit, {}, Mend::kYes, untold, control_);
+      is_split |= split_t_junctions(surface, adjacency(), near / surface.unit, {}, MendMode::kYes, untold, control_);
     };
     if (options_.repair.t_junctions) split_at(rules_.plane_tolerance);
     if (options_.repair.t_junctions && tolerance > rules_.plane_tolerance) split_at(tolerance);
-    if (has_seams && is_split) seams.close(surface, adjacency(), Mend::kYes, control_);
+    if (has_seams && is_split) seams.close(surface, adjacency(), MendMode::kYes, control_);
     EdgeKinds kinds = count(adjacency());
     kinds.welded_open = welded.open;
     // Corners of a polygon that only splitting and seams make coincide are mended later, so they do not count.
@@ -228,7 +227,7 @@ class Trial {
 double two_digits_above(double width) {
   const double wanted = 1.01 * width;
   const double unit = std::pow(10.0, std::floor(std::log10(wanted)) - 1);
-  return std::stod(few_digits(std::ceil(wanted / unit) * unit));
+  return std::stod(number_text(std::ceil(wanted / unit) * unit, 2));
 }
 
 }  // namespace
@@ -270,7 +269,8 @@ std::string describe_cracks(const Cracks& cracks, const PolygonMesh& input, cons
   const std::vector<double>& widths = cracks.widths;
   if (widths.empty()) return "";
   std::string text = "; " + std::to_string(cracks.edges) + " of these edges run beside another open edge, " +
-                     (widths.size() > 1 ? few_digits(widths.front()) + " to " : "") + few_digits(widths.back()) +
+                     (widths.size() > 1 ? number_text(widths.front(), 2) + " to " : "") +
+                     number_text(widths.back(), 2) +
                      " apart, which is more than the rounding of the coordinates explains, and were not joined";
   const Trial trial(input, options, rules, control);
   const EdgeKinds now = trial.run(options.weld_tolerance);
@@ -280,7 +280,7 @@ std::string describe_cracks(const Cracks& cracks, const PolygonMesh& input, cons
     if (tolerance > options.weld_tolerance) {
       const EdgeKinds then = trial.run(tolerance);
       if (then.is_better_than(now))
-        return text + ": weld_tolerance=" + few_digits(tolerance) + " would leave " + std::to_string(then.open) +
+        return text + ": weld_tolerance=" + number_text(tolerance, 2) + " would leave " + std::to_string(then.open) +
                " of the " + std::to_string(now.welded_open) + " edges that have only one face";
     }
     end = std::upper_bound(widths.begin(), end - 1, *(end - 1) / 2);

@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstdio>
 #include <map>
 #include <span>
 #include <tuple>
 #include <utility>
 
 #include "core/base/blocks.h"
+#include "core/base/number_text.h"
 #include "core/base/options.h"
 #include "core/base/stoppable.h"
 #include "core/geometry/intersections/self_intersections.h"
@@ -178,11 +178,7 @@ class HoleTest {
 };
 
 /// A length or a coordinate as messages have it.
-std::string short_text(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", x);
-  return text;
-}
+std::string short_text(double x) { return number_text(x, 4); }
 
 class Closing {
  public:
@@ -200,7 +196,7 @@ class Closing {
         return std::all_of(opening.rims.begin(), opening.rims.end(), holds);
       };
       hole.is_small = do_all_rims([&](const Rim& rim) { return is_small(rim); });
-      hole.is_selected = rules_.mend == Mend::kYes && do_all_rims([&](const Rim& rim) { return is_selected(rim); });
+      hole.is_selected = rules_.mend == MendMode::kYes && do_all_rims([&](const Rim& rim) { return is_selected(rim); });
       split(hole, tolerance);
     }
     HoleTest(surface_, holes_, control_).run();
@@ -228,7 +224,7 @@ class Closing {
   void split(Hole& hole, double tolerance) const {
     const std::vector<VertexId>& outline = hole.opening->outline;
     if (hole.opening->kind != OpeningKind::kFlat) return;
-    if (rules_.mend == Mend::kNo && outline.size() > kMaxTestedEdges) return;
+    if (rules_.mend == MendMode::kNo && outline.size() > kMaxTestedEdges) return;
     hole.is_tested = true;
     std::vector<Vec3> points;
     for (const VertexId v : outline) {
@@ -412,7 +408,7 @@ class Closing {
     if (hole.is_unknown)
       return "not closed, because so many faces meet here that it was not found out whether a flat face over it would";
     if (hole.is_tested && hole.triangles.empty()) return "no option closes it, because it touches itself";
-    if (rules_.mend == Mend::kNo && hole.is_small) return "repair=+holes closes it";
+    if (rules_.mend == MendMode::kNo && hole.is_small) return "repair=+holes closes it";
     return "repair=+holes with max_hole_edges=" + std::to_string(most_edges(hole)) + " closes it";
   }
 

@@ -8,7 +8,7 @@
 
 #include "core/base/diagnostic.h"
 #include "core/base/run_control.h"
-#include "core/mending/common/mend.h"
+#include "core/mending/common/mend_mode.h"
 #include "core/mesh/adjacency.h"
 #include "core/mesh/mesh.h"
 #include "core/mesh/surface.h"
@@ -17,7 +17,7 @@ namespace remesh {
 
 /// The holes that are closed. Lengths are in model units.
 struct HoleRules {
-  Mend mend = Mend::kNo;                   ///< kNo: holes are only reported
+  MendMode mend = MendMode::kNo;           ///< kNo: holes are only reported
   std::optional<std::uint64_t> max_edges;  ///< holes whose rims have at most this many edges are closed
   double size = 0;                         ///< holes whose rims are smaller than this are closed; 0: not given
   double diagonal = 0;                     ///< of the bounding box

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <tuple>
 
@@ -119,12 +118,6 @@ double OpenEdges::angle_behind(std::size_t i, std::size_t j) const {
   const Vec3 normal = cross(normalized(surface_.local[a.to] - surface_.local[a.from]), a.inward);
   const double angle = std::atan2(-dot(b.inward, normal), dot(b.inward, a.inward));
   return angle < 0 ? angle + 2 * std::numbers::pi : angle;
-}
-
-std::string few_digits(double length) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2g", length);
-  return text;
 }
 
 bool OpenEdges::is_before(std::size_t i, std::size_t j) const {

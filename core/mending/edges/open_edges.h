@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
-#include <string>
 #include <vector>
 
 #include "core/base/run_control.h"
@@ -120,8 +119,5 @@ class LooksAtEdges {
   std::size_t most_;
   std::atomic<std::size_t> looks_{0};
 };
-
-/// A length with two digits, as it appears in messages.
-std::string few_digits(double length);
 
 }  // namespace remesh

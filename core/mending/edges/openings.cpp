@@ -14,9 +14,9 @@
 #include "core/geometry/planes/projection.h"
 #include "core/geometry/trees/box_tree.h"
 #include "core/triangulation/constraint_recovery.h"
-#include "core/triangulation/outcome.h"
 #include "core/triangulation/patch_triangulation.h"
 #include "core/triangulation/triangulation_2d.h"
+#include "core/triangulation/triangulation_outcome.h"
 
 namespace remesh {
 namespace {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <optional>
 #include <span>
@@ -15,7 +14,7 @@
 #include "core/base/stoppable.h"
 #include "core/base/tolerance.h"
 #include "core/base/union_find.h"
-#include "core/mending/edges/sides.h"
+#include "core/mending/edges/relative_orientation.h"
 
 namespace remesh {
 namespace {
@@ -343,14 +342,14 @@ class Choice {
 void drop_twisting(const Surface& surface, const Adjacency& edges, const OpenEdges& open, std::vector<SeamPair>& pairs,
                    RunControl& control) {
   if (std::none_of(pairs.begin(), pairs.end(), [](const SeamPair& p) { return p.fit.runs_alike; })) return;
-  Sides sides(surface.face_count());
+  RelativeOrientation orientation(surface.face_count());
   StopCheck check(control);
   for (std::uint32_t e = 0; e < edges.edge_count(); ++e) {
     check();
     const auto around = edges.half_edges(EdgeId(e));
     if (around.size() != 2) continue;
-    sides.join(sides.of(edges.face_of(around[0])), sides.of(edges.face_of(around[1])),
-               edges.from(around[0]) == edges.from(around[1]));
+    orientation.join(orientation.of(edges.face_of(around[0])), orientation.of(edges.face_of(around[1])),
+                     edges.from(around[0]) == edges.from(around[1]));
   }
   // Pairs that need no face turned over come first, and among equals the long ones.
   sort_stoppable(pairs.begin(), pairs.end(), control, [&](const SeamPair& p, const SeamPair& q) {
@@ -360,9 +359,9 @@ void drop_twisting(const Surface& surface, const Adjacency& edges, const OpenEdg
   });
   const auto is_twisting = [&](const SeamPair& p) {
     check();
-    const Sides::Side a = sides.of(open[p.i].face), b = sides.of(open[p.j].face);
+    const RelativeOrientation::Side a = orientation.of(open[p.i].face), b = orientation.of(open[p.j].face);
     if (p.fit.runs_alike && a.piece == b.piece && a.is_turned == b.is_turned) return true;
-    sides.join(a, b, p.fit.runs_alike);
+    orientation.join(a, b, p.fit.runs_alike);
     return false;
   };
   std::vector<SeamPair> sound;

@@ -6,9 +6,9 @@
 #include <span>
 #include <string>
 #include <tuple>
-#include <utility>
 
 #include "core/base/blocks.h"
+#include "core/base/number_text.h"
 #include "core/base/stoppable.h"
 #include "core/mesh/unused_vertices.h"
 
@@ -276,7 +276,7 @@ class SeamClosing {
       if (old_edges == 1) continue;
       const auto group = moved.subspan(begin, end - begin);
       if (2 * forward == group.size() || may_be_turned(group)) {
-        note_closed(group, old_edges - 1);
+        record_closed(group, old_edges - 1);
         continue;
       }
       for (const VertexId v : {moved[begin].low, moved[begin].high})
@@ -294,7 +294,7 @@ class SeamClosing {
     return group.size() > 2 || std::all_of(group.begin(), group.end(), is_paired);
   }
 
-  void note_closed(std::span<const Moved> group, std::size_t joins) {
+  void record_closed(std::span<const Moved> group, std::size_t joins) {
     FaceId first = edges_.face_of(group.front().half_edge);
     for (const Moved& edge : group) {
       first = std::min(first, edges_.face_of(edge.half_edge));
@@ -349,7 +349,7 @@ void JoinedPlaces::add(const Surface& surface, const std::vector<std::pair<Verte
   boxes_ = std::move(all);
 }
 
-bool Seams::close(Surface& surface, const Adjacency& edges, Mend mend, RunControl& control) {
+bool Seams::close(Surface& surface, const Adjacency& edges, MendMode mend, RunControl& control) {
   left_ = {};
   are_too_many_ = false;
   if (edges.odd_edges().empty()) return false;
@@ -385,7 +385,7 @@ bool Seams::close(Surface& surface, const Adjacency& edges, Mend mend, RunContro
   if (!is_any) return false;
   for (const FaceId f : closing.closed()) add(found_, f);
   width_ = std::max(width_, closing.width() * surface.unit);
-  is_mended_ = mend == Mend::kYes;
+  is_mended_ = mend == MendMode::kYes;
   if (!is_mended_) return false;
   places_.add(surface, closing.boxes(), control);
   surface.corners.change([&](std::vector<VertexId>& corners) {
@@ -397,24 +397,24 @@ bool Seams::close(Surface& surface, const Adjacency& edges, Mend mend, RunContro
   return true;
 }
 
-void Seams::tell(std::vector<Diagnostic>& diagnostics) const {
+void Seams::report(std::vector<Diagnostic>& diagnostics) const {
   constexpr const char* kFaces = "; `elements` lists one face of each edge by number";
-  const auto tell_of = [&](Diagnostic found, std::string message) {
+  const auto report_found = [&](Diagnostic found, std::string message) {
     if (found.count == 0) return;
     found.code = DiagnosticCode::kSeam;
     found.message = std::move(message);
     diagnostics.push_back(std::move(found));
   };
-  tell_of(found_, "open edges had a partner beside them, at most " + few_digits(width_) +
-                      " apart, which the rounding of the coordinates explains, and were " +
-                      (is_mended_ ? "joined with it" : "left open") + kFaces);
-  tell_of(left_,
-          std::string(are_too_many_ ? "open edges lie beside each other and were left open: they are too many to "
-                                      "look for pairs"
-                                    : "open edges run beside other open edges, as near as the rounding of the "
-                                      "coordinates explains, and were left open: it is not clear which two belong "
-                                      "together, or joining them would damage the surface") +
-              kFaces);
+  report_found(found_, "open edges had a partner beside them, at most " + number_text(width_, 2) +
+                           " apart, which the rounding of the coordinates explains, and were " +
+                           (is_mended_ ? "joined with it" : "left open") + kFaces);
+  report_found(left_,
+               std::string(are_too_many_ ? "open edges lie beside each other and were left open: they are too many to "
+                                           "look for pairs"
+                                         : "open edges run beside other open edges, as near as the rounding of the "
+                                           "coordinates explains, and were left open: it is not clear which two belong "
+                                           "together, or joining them would damage the surface") +
+                   kFaces);
 }
 
 }  // namespace remesh

@@ -7,7 +7,7 @@
 #include "core/base/diagnostic.h"
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
-#include "core/mending/common/mend.h"
+#include "core/mending/common/mend_mode.h"
 #include "core/mending/edges/seam_partners.h"
 #include "core/mesh/adjacency.h"
 #include "core/mesh/surface.h"
@@ -37,7 +37,7 @@ class Seams {
   /// Joins all seams. It may be called again after the surface has changed, for example if the sides of a seam were
   /// subdivided differently and split_t_junctions has made them alike.
   /// Input:   a welded surface.
-  /// Output:  with Mend::kYes, the mended surface. The ends of partners have become one vertex, at the
+  /// Output:  with MendMode::kYes, the mended surface. The ends of partners have become one vertex, at the
   ///          lexicographically smallest of their places. Afterwards a polygon may have a corner twice in a row (see
   ///          mend_faces). If so many open edges lie beside each other that there are too many pairs to test, none is
   ///          joined.
@@ -54,12 +54,12 @@ class Seams {
   /// Returns: whether the surface changed.
   /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
   /// Cost:    O(b log b) for b open edges; O(n) more if some are joined; nothing if no edge is open.
-  bool close(Surface& surface, const Adjacency& edges, Mend mend, RunControl& control);
+  bool close(Surface& surface, const Adjacency& edges, MendMode mend, RunControl& control);
 
-  /// Reports the edges that all calls have joined, or with Mend::kNo would join, as seam. Reports separately the edges
-  /// that stay open although other open edges lie, or lay, beside them within the tolerance. Elements are one face of
-  /// each edge.
-  void tell(std::vector<Diagnostic>& diagnostics) const;
+  /// Reports the edges that all calls have joined, or with MendMode::kNo would join, as seam. Reports separately the
+  /// edges that stay open although other open edges lie, or lay, beside them within the tolerance. Elements are one
+  /// face of each edge.
+  void report(std::vector<Diagnostic>& diagnostics) const;
 
  private:
   SeamRules rules_;

@@ -14,7 +14,7 @@
 #include "core/base/tolerance.h"
 #include "core/geometry/exact/expansion.h"
 #include "core/geometry/trees/box_tree.h"
-#include "core/mending/edges/sides.h"
+#include "core/mending/edges/relative_orientation.h"
 #include "core/mending/polygons/faces_without_area.h"
 #include "core/mesh/face_geometry.h"
 
@@ -325,7 +325,7 @@ std::vector<std::uint32_t> twisting_junctions(const Surface& surface, const Spli
       }))
     return {};
   // The edges that were there before come first, then the new ones, the long ones before the short ones.
-  Sides sides(split.faces.face_count());
+  RelativeOrientation orientation(split.faces.face_count());
   std::vector<std::pair<double, EdgeId>> new_edges;
   for (std::uint32_t e = 0; e < edges.edge_count(); ++e) {
     if (e % 4096 == 0) control.check_and_move();
@@ -335,7 +335,7 @@ std::vector<std::uint32_t> twisting_junctions(const Surface& surface, const Spli
     if (is_new(h) || is_new(other))
       new_edges.emplace_back(-norm(surface.local[edges.to(h)] - surface.local[edges.from(h)]), EdgeId(e));
     else
-      sides.join(sides.of(edges.face_of(h)), sides.of(edges.face_of(other)), runs_one_way(around));
+      orientation.join(orientation.of(edges.face_of(h)), orientation.of(edges.face_of(other)), runs_one_way(around));
   }
   sort_stoppable(new_edges.begin(), new_edges.end(), control);
   std::vector<std::uint32_t> twisting;
@@ -343,12 +343,13 @@ std::vector<std::uint32_t> twisting_junctions(const Surface& surface, const Spli
   for (const auto& [minus_length, e] : new_edges) {
     if (looks++ % 4096 == 0) control.check_and_move();
     const auto around = edges.half_edges(e);
-    const Sides::Side a = sides.of(edges.face_of(around[0])), b = sides.of(edges.face_of(around[1]));
+    const RelativeOrientation::Side a = orientation.of(edges.face_of(around[0])),
+                                    b = orientation.of(edges.face_of(around[1]));
     const bool is_opposite = runs_one_way(around);
     const bool is_twisted = a.piece == b.piece ? (a.is_turned != b.is_turned) != is_opposite
                                                : is_opposite && -minus_length < kShort * tolerance;
     if (!is_twisted) {
-      sides.join(a, b, is_opposite);
+      orientation.join(a, b, is_opposite);
       continue;
     }
     // Among the vertices that made the edge, the one furthest away from its original edge is chosen.
@@ -372,8 +373,8 @@ Diagnostic told(const Surface& surface, const std::vector<Junction>& junctions, 
 }  // namespace
 
 bool split_t_junctions(Surface& surface, const Adjacency& edges, double tolerance,
-                       const std::vector<std::uint8_t>& keep_verbatim, Mend mend, std::vector<Diagnostic>& diagnostics,
-                       RunControl& control) {
+                       const std::vector<std::uint8_t>& keep_verbatim, MendMode mend,
+                       std::vector<Diagnostic>& diagnostics, RunControl& control) {
   Found found = Search(surface, edges, tolerance, keep_verbatim, control).run();
   std::vector<Junction>& junctions = found.junctions;
   if (!found.is_complete) {
@@ -388,7 +389,7 @@ bool split_t_junctions(Surface& surface, const Adjacency& edges, double toleranc
                                  [&](const Junction& j) { return geometry[j.face].height < kThinFace * tolerance; }),
                   junctions.end());
   if (junctions.empty()) return false;
-  if (mend == Mend::kNo) {
+  if (mend == MendMode::kNo) {
     diagnostics.push_back(
         told(surface, junctions,
              "vertices lie on an open edge of a face that does not use them; `elements` lists the vertices by number"));

@@ -5,6 +5,7 @@
 
 #include "core/base/stoppable.h"
 #include "core/mending/faces/winding.h"
+#include "core/mesh/face_geometry.h"
 
 namespace remesh {
 namespace {
@@ -67,7 +68,7 @@ class SideChoice {
     for (std::size_t i = 0; i < piece.pairs.size(); ++i) {
       const std::uint32_t pair = piece.pairs[i];
       const FaceId first = pairs_[pair].first;
-      piece.volume += (side_[pair] == 0 ? 1 : -1) * volume(first, origin);
+      piece.volume += (side_[pair] == 0 ? 1 : -1) * six_volumes_below(surface_, first, origin);
       if (!labels_.are_alike() && labels_.set_of[first.value] != labels_.set_of[pairs_[pair].second.value])
         piece.are_labels_alike = false;
       for (std::uint32_t h = surface_.face_begin[first.value]; h < surface_.face_begin[first.value + 1]; ++h)
@@ -100,16 +101,6 @@ class SideChoice {
   }
 
   bool is_gone(FaceId f) const { return pair_of_[f.value] == kNone && is_dropped_[f.value]; }
-
-  /// Six times the volume between a face and a point.
-  double volume(FaceId f, const Vec3& from) const {
-    const auto loop = surface_.face(f);
-    const Vec3 a = surface_.local[loop[0]] - from;
-    double sum = 0;
-    for (std::size_t i = 1; i + 1 < loop.size(); ++i)
-      sum += dot(a, cross(surface_.local[loop[i]] - from, surface_.local[loop[i + 1]] - from));
-    return sum;
-  }
 
   void choose(const Piece& piece) {
     const std::uint32_t smallest = *std::min_element(piece.pairs.begin(), piece.pairs.end());

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "core/base/ids.h"
 #include "core/base/run_control.h"

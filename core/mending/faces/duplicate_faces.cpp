@@ -236,11 +236,8 @@ class Duplicates {
   /// no closer test.
   bool do_go_on_alike(std::uint32_t g, std::uint32_t h) const {
     const VertexId after = edges_.to(edges_.next(g));
-    return edges_.from(g) == edges_.from(h) ? after == edges_.to(edges_.next(h)) : after == edges_.from(before(h));
-  }
-  std::uint32_t before(std::uint32_t h) const {
-    const std::uint32_t f = edges_.face_of(h).value;
-    return h == surface_.face_begin[f] ? surface_.face_begin[f + 1] - 1 : h - 1;
+    return edges_.from(g) == edges_.from(h) ? after == edges_.to(edges_.next(h))
+                                            : after == edges_.from(edges_.previous(h));
   }
 
   /// Finds for each face the half-edge between its smallest vertex and the smaller of that vertex's neighbours. This is
@@ -445,7 +442,7 @@ class Duplicates {
 
 }  // namespace
 
-bool drop_duplicate_faces(Surface& surface, const Adjacency& edges, const FaceLabels& labels, Mend mend,
+bool drop_duplicate_faces(Surface& surface, const Adjacency& edges, const FaceLabels& labels, MendMode mend,
                           std::vector<Diagnostic>& diagnostics, RunControl& control) {
   Duplicates duplicates(surface, edges, labels, control);
   const std::vector<std::uint8_t>& fate = duplicates.find();
@@ -472,13 +469,13 @@ bool drop_duplicate_faces(Surface& surface, const Adjacency& edges, const FaceLa
     check();
     const FaceId f(i);
     const std::uint32_t source = surface.face_source[f].value;
-    const bool is_dropped = fate[i] == kDropped && mend == Mend::kYes;
-    const bool is_fin = fate[i] == kFin && mend == Mend::kYes;
+    const bool is_dropped = fate[i] == kDropped && mend == MendMode::kYes;
+    const bool is_fin = fate[i] == kFin && mend == MendMode::kYes;
     // Pieces of one input face count once.
     const bool is_counted =
         i > 0 && surface.face_source[FaceId(i - 1)] == surface.face_source[f] && fate[i - 1] == fate[i];
     if (fate[i] != kStays && !is_counted)
-      (is_fin ? fins : is_dropped ? dropped : mend == Mend::kYes ? back : left).add(source);
+      (is_fin ? fins : is_dropped ? dropped : mend == MendMode::kYes ? back : left).add(source);
     if (!is_dropped && !is_fin) staying.add_face(surface.face(f), surface.face_source[f], surface.label(f));
   }
   const bool are_fins_gone = fins.count > 0, is_changed = dropped.count > 0 || are_fins_gone;

@@ -5,7 +5,7 @@
 
 #include "core/base/diagnostic.h"
 #include "core/base/run_control.h"
-#include "core/mending/common/mend.h"
+#include "core/mending/common/mend_mode.h"
 #include "core/mesh/adjacency.h"
 #include "core/mesh/mesh.h"
 #include "core/mesh/surface.h"
@@ -27,11 +27,11 @@ namespace remesh {
 ///   with this face, and not without it.
 /// Input:   a welded surface, and the labels of the input that it came from. Polygons that touch themselves are
 ///          ignored.
-/// Output:  with Mend::kYes, the surface without the dropped faces. Counts faces that are dropped, those of fins, and
-///          faces that are left, each as duplicate_face. Vertices that only fins have go with them.
+/// Output:  with MendMode::kYes, the surface without the dropped faces. Counts faces that are dropped, those of fins,
+///          and faces that are left, each as duplicate_face. Vertices that only fins have go with them.
 /// Returns: whether the surface changed.
 /// Cost:    O(n log n) if faces repeat others with the opposite orientation; otherwise O(n).
-bool drop_duplicate_faces(Surface& surface, const Adjacency& edges, const FaceLabels& labels, Mend mend,
+bool drop_duplicate_faces(Surface& surface, const Adjacency& edges, const FaceLabels& labels, MendMode mend,
                           std::vector<Diagnostic>& diagnostics, RunControl& control);
 
 }  // namespace remesh

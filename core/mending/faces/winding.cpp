@@ -2,15 +2,14 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdint>
 #include <tuple>
 
 #include "core/base/blocks.h"
-#include "core/base/diagnostic.h"
 #include "core/base/stoppable.h"
 #include "core/geometry/shells/inside_out.h"
 #include "core/mending/common/body_labels.h"
 #include "core/mending/polygons/triangulated.h"
+#include "core/mesh/face_geometry.h"
 #include "core/mesh/triangle_corners.h"
 
 namespace remesh {
@@ -137,7 +136,7 @@ class Unifying {
       Vec3 sum;
       for (const VertexId v : surface_.face(f)) sum += surface_.local[v];
       side.place = std::min(side.place, (1.0 / static_cast<double>(surface_.face(f).size())) * sum);
-      volume += (side_[f.value] == 0 ? 1 : -1) * volume_below(f, origin);
+      volume += (side_[f.value] == 0 ? 1 : -1) * six_volumes_below(surface_, f, origin);
     }
     const auto is_smaller = [&](const Side& a, const Side& b) {
       return std::tuple(a.area, a.faces, b.place) < std::tuple(b.area, b.faces, a.place);
@@ -154,16 +153,6 @@ class Unifying {
       check();
       is_turned[f.value] = side_[f.value] == turned;
     }
-  }
-
-  /// Six times the volume between a face and a point.
-  double volume_below(FaceId f, const Vec3& from) const {
-    const auto loop = surface_.face(f);
-    const Vec3 a = surface_.local[loop[0]] - from;
-    double sum = 0;
-    for (std::size_t i = 1; i + 1 < loop.size(); ++i)
-      sum += dot(a, cross(surface_.local[loop[i]] - from, surface_.local[loop[i + 1]] - from));
-    return sum;
   }
 
   /// Returns whether the piece has an even number of faces at each of its edges.
@@ -216,11 +205,11 @@ InsideOutFaces find_inside_out_faces(const Surface& surface, const Adjacency& ed
   return result;
 }
 
-bool unify_winding(Surface& surface, const Adjacency& edges, const FaceLabels& labels, Mend mend,
+bool unify_winding(Surface& surface, const Adjacency& edges, const FaceLabels& labels, MendMode mend,
                    std::vector<Diagnostic>& diagnostics, RunControl& control) {
   const std::vector<std::uint32_t> inconsistent = inconsistent_edges(edges, control);
   if (inconsistent.empty()) return false;
-  if (mend == Mend::kNo) {
+  if (mend == MendMode::kNo) {
     Diagnostic found{
         DiagnosticCode::kInconsistentWinding,
         0,
@@ -262,7 +251,7 @@ bool unify_winding(Surface& surface, const Adjacency& edges, const FaceLabels& l
   return is_changed;
 }
 
-bool turn_inside_out(Surface& surface, const Adjacency& edges, const FaceLabels& labels, Mend mend,
+bool turn_inside_out(Surface& surface, const Adjacency& edges, const FaceLabels& labels, MendMode mend,
                      std::vector<Diagnostic>& diagnostics, RunControl& control) {
   const InsideOutFaces found = find_inside_out_faces(surface, edges, labels, control);
   if (found.first.empty()) return false;
@@ -271,11 +260,11 @@ bool turn_inside_out(Surface& surface, const Adjacency& edges, const FaceLabels&
       std::string(
           "closed shells have the wrong orientation: bodies that enclose a negative volume, or cavities that enclose a "
           "positive volume in a body of the same object, group and material") +
-      (mend == Mend::kYes ? "; they were turned over" : "") +
+      (mend == MendMode::kYes ? "; they were turned over" : "") +
       "; `elements` lists the first face of each shell by number";
   for (const FaceId f : found.first) inside_out.add(surface.face_source[f].value);
   diagnostics.push_back(std::move(inside_out));
-  if (mend == Mend::kNo) return false;
+  if (mend == MendMode::kNo) return false;
   turn_over(surface, found.is_inside_out, control);
   return true;
 }

@@ -7,7 +7,7 @@
 
 #include "core/base/diagnostic.h"
 #include "core/base/run_control.h"
-#include "core/mending/common/mend.h"
+#include "core/mending/common/mend_mode.h"
 #include "core/mesh/adjacency.h"
 #include "core/mesh/mesh.h"
 #include "core/mesh/surface.h"
@@ -19,11 +19,12 @@ namespace remesh {
 /// a positive one if it is a cavity (inside_out.h). Otherwise the faces of smaller total area turn. A piece
 /// that has one orientation already keeps it, and so does a piece that cannot be wound consistently (a Moebius strip).
 /// Input:   `labels` are those of the input from which the surface came.
-/// Output:  counts inconsistent_winding. With Mend::kYes, counts the faces that turned, and the pieces that stay (one
-///          face of each); otherwise the edges whose two faces have opposite orientations (the first face of each).
+/// Output:  counts inconsistent_winding. With MendMode::kYes, counts the faces that turned, and the pieces that stay
+///          (one face of each); otherwise the edges whose two faces have opposite orientations (the first face of
+///          each).
 /// Returns: whether the surface changed.
 /// Cost:    O(n); see find_inside_out for closed pieces.
-bool unify_winding(Surface& surface, const Adjacency& edges, const FaceLabels& labels, Mend mend,
+bool unify_winding(Surface& surface, const Adjacency& edges, const FaceLabels& labels, MendMode mend,
                    std::vector<Diagnostic>& diagnostics, RunControl& control);
 
 /// The faces of the closed shells that have the wrong orientation.
@@ -42,7 +43,7 @@ InsideOutFaces find_inside_out_faces(const Surface& surface, const Adjacency& ed
 /// Input:   `labels` are those of the input from which the surface came.
 /// Output:  counts the shells as inside_out; elements are the first face of each.
 /// Returns: whether the surface changed.
-bool turn_inside_out(Surface& surface, const Adjacency& edges, const FaceLabels& labels, Mend mend,
+bool turn_inside_out(Surface& surface, const Adjacency& edges, const FaceLabels& labels, MendMode mend,
                      std::vector<Diagnostic>& diagnostics, RunControl& control);
 
 }  // namespace remesh

@@ -1,10 +1,8 @@
 #include "core/mending/polygons/covered_polygons.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
-#include <span>
 #include <utility>
 #include <vector>
 

@@ -55,7 +55,7 @@ struct MendedFaces {
 
 class Mending {
  public:
-  Mending(Surface& surface, double plane_tolerance, const std::vector<std::uint8_t>& keep_verbatim, Mend degenerate,
+  Mending(Surface& surface, double plane_tolerance, const std::vector<std::uint8_t>& keep_verbatim, MendMode degenerate,
           RunControl& control, double possible_rounding)
       : surface_(surface),
         plane_tolerance_(plane_tolerance),
@@ -63,7 +63,7 @@ class Mending {
         keep_verbatim_(keep_verbatim),
         degenerate_(degenerate),
         control_(control) {
-    if (degenerate == Mend::kNo)
+    if (degenerate == MendMode::kNo)
       counts_.zero_area.message =
           "faces have no area; those with three different corners were left, because `repair` does not include "
           "`degenerate`";
@@ -118,7 +118,8 @@ class Mending {
   /// Gives the surface its new faces, without those that have no area.
   void drop_marked() {
     surface_.take_faces(std::move(mended_));
-    if (degenerate_ == Mend::kYes && std::find(is_degenerate_.begin(), is_degenerate_.end(), 1) != is_degenerate_.end())
+    if (degenerate_ == MendMode::kYes &&
+        std::find(is_degenerate_.begin(), is_degenerate_.end(), 1) != is_degenerate_.end())
       drop_degenerate_faces(surface_, is_degenerate_, keep_verbatim_, control_);
     if (surface_.face_count() == 0) throw Error(Code::kEmptyMesh, Stage::kWeld, "no face of the mesh has an area");
     drop_unused_vertices(surface_, control_);
@@ -271,7 +272,7 @@ class Mending {
     // Needles that are not exactly on a line are dropped if no other face shares an edge with any of them. Otherwise
     // all of them become faces.
     StopCheck check(control_);
-    drops_needles_ = degenerate_ == Mend::kYes && split.spike_tolerance > 0 &&
+    drops_needles_ = degenerate_ == MendMode::kYes && split.spike_tolerance > 0 &&
                      std::all_of(split.spikes.needles.begin(), split.spikes.needles.end(), [&](const auto& needle) {
                        check();
                        const PolygonCuts::Corners t = corners_of(needle);
@@ -305,7 +306,7 @@ class Mending {
     const bool is_dropped = !is_degenerate && drops_needles_ &&
                             is_needle(surface_.local[t[0]], surface_.local[t[1]], surface_.local[t[2]], tolerance);
     if (!is_dropped) emit_triangle(t, source, label, is_degenerate);
-    return is_dropped || (is_degenerate && degenerate_ == Mend::kYes);
+    return is_dropped || (is_degenerate && degenerate_ == MendMode::kYes);
   }
 
   /// Emits a triangle, unless it has a repeated corner; the edges of such a triangle cancel each other.
@@ -317,7 +318,7 @@ class Mending {
   double plane_tolerance_;
   double possible_rounding_;
   const std::vector<std::uint8_t>& keep_verbatim_;
-  Mend degenerate_;
+  MendMode degenerate_;
   RunControl& control_;
   /// The input faces in which clean() has found faces without an area, ascending. clean() leaves polygons with an area
   /// as they are only in these input faces.
@@ -334,13 +335,14 @@ class Mending {
 
 }  // namespace
 
-bool clean_faces(Surface& surface, const std::vector<std::uint8_t>& keep_verbatim, Mend degenerate,
+bool clean_faces(Surface& surface, const std::vector<std::uint8_t>& keep_verbatim, MendMode degenerate,
                  std::vector<Diagnostic>& diagnostics, RunControl& control) {
   return Mending(surface, 0, keep_verbatim, degenerate, control, 0).clean(diagnostics);
 }
 
 bool mend_faces(Surface& surface, double plane_tolerance, const std::vector<std::uint8_t>& keep_verbatim,
-                Mend degenerate, std::vector<Diagnostic>& diagnostics, RunControl& control, double possible_rounding) {
+                MendMode degenerate, std::vector<Diagnostic>& diagnostics, RunControl& control,
+                double possible_rounding) {
   return Mending(surface, plane_tolerance, keep_verbatim, degenerate, control, possible_rounding).run(diagnostics);
 }
 

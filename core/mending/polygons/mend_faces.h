@@ -7,7 +7,7 @@
 
 #include "core/base/diagnostic.h"
 #include "core/base/run_control.h"
-#include "core/mending/common/mend.h"
+#include "core/mending/common/mend_mode.h"
 #include "core/mesh/surface.h"
 
 namespace remesh {
@@ -17,7 +17,7 @@ namespace remesh {
 /// face too many. So this function runs before duplicates, turned copies and seams are searched.
 /// Returns: whether the surface changed.
 /// Errors, cost, source: those of mend_faces.
-bool clean_faces(Surface& surface, const std::vector<std::uint8_t>& keep_verbatim, Mend degenerate,
+bool clean_faces(Surface& surface, const std::vector<std::uint8_t>& keep_verbatim, MendMode degenerate,
                  std::vector<Diagnostic>& diagnostics, RunControl& control);
 
 /// Mends the faces of a welded surface.
@@ -34,14 +34,14 @@ bool clean_faces(Surface& surface, const std::vector<std::uint8_t>& keep_verbati
 /// Holds:   a closed surface stays closed. When a zero-area face is dropped, the vertices on its longest edges are
 ///          handed to the faces beyond these edges, so that each edge still meets its counterpart. A zero-area face is
 ///          not dropped if one of the faces that would get its vertices is marked in `keep_verbatim`, or if
-///          `degenerate` is Mend::kNo and it has three corners left.
+///          `degenerate` is MendMode::kNo and it has three corners left.
 /// Returns: whether anything had to be mended. If not, faces, corners and vertices are unchanged.
 /// Errors:  kEmptyMesh - no face has an area; kInvalidMesh - zero-area faces nest so deeply that mending them would
 ///          multiply the mesh.
 /// Cost:    O(n log n).
 /// Source:  rules.md, Faces without area; rules.md, Ladder.
 bool mend_faces(Surface& surface, double plane_tolerance, const std::vector<std::uint8_t>& keep_verbatim,
-                Mend degenerate, std::vector<Diagnostic>& diagnostics, RunControl& control,
+                MendMode degenerate, std::vector<Diagnostic>& diagnostics, RunControl& control,
                 double possible_rounding = 0);
 
 }  // namespace remesh

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <locale>
 #include <span>
-#include <sstream>
 #include <string>
+
+#include "core/base/number_text.h"
 
 namespace remesh {
 namespace {
@@ -47,14 +47,7 @@ Measures measures_of(const Surface& surface, FaceId f) {
   return m;
 }
 
-std::string digits_of(double x) {
-  constexpr int kDigits = 4;
-  std::ostringstream text;
-  text.imbue(std::locale::classic());
-  text.precision(kDigits);
-  text << x;
-  return text.str();
-}
+std::string digits_of(double x) { return number_text(x, 4); }
 
 }  // namespace
 

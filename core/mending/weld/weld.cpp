@@ -5,12 +5,8 @@
 #include <atomic>
 #include <bit>
 #include <cmath>
-#include <locale>
-#include <map>
 #include <span>
-#include <sstream>
 #include <string>
-#include <tuple>
 #include <utility>
 
 #include "core/base/blocks.h"

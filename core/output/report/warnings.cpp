@@ -88,8 +88,8 @@ void warn_of_curved_surfaces(const Surface& surface, const PatchSet& patches, co
   diagnostics.push_back(std::move(warning));
 }
 
-void tell_coarsened_surfaces(const Surface& surface, const PatchSet& patches, const CurvedPatches* curved,
-                             RefinedFaces::Are are, Report& report) {
+void report_coarsened_surfaces(const Surface& surface, const PatchSet& patches, const CurvedPatches* curved,
+                               RefinedFaces::Are are, Report& report) {
   if (curved == nullptr || !are_fine_facets_coarsened(report.options)) return;
   Diagnostic told{DiagnosticCode::kCurvedSurface, 0, {}, ""};
   FaceId last;

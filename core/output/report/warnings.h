@@ -36,8 +36,8 @@ void warn_of_curved_surfaces(const Surface& surface, const PatchSet& patches, co
 /// Input:   the report with its surfaces and the statistics of the input; those of the output if `are` is kCounted.
 /// Output:  adds a diagnostic to the report unless no surface was remeshed so. Its elements are the input's faces
 ///          there.
-void tell_coarsened_surfaces(const Surface& surface, const PatchSet& patches, const CurvedPatches* curved,
-                             RefinedFaces::Are are, Report& report);
+void report_coarsened_surfaces(const Surface& surface, const PatchSet& patches, const CurvedPatches* curved,
+                               RefinedFaces::Are are, Report& report);
 
 /// Warns if most facets are patches of their own. This stands in for warn_of_curved_surfaces where each facet
 /// counts as its own surface (feature_angle_deg is 0).

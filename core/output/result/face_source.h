@@ -1,8 +1,6 @@
 /// Finds the input face under each output face.
 #pragma once
 
-#include <vector>
-
 #include "core/base/run_control.h"
 #include "core/mesh/surface.h"
 #include "core/patch_types/patch_set.h"

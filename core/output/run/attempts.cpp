@@ -63,7 +63,7 @@ Attempts::Attempts(const PolygonMesh& input, const Options& options, Storage sto
 
 Decisions Attempts::first_decisions() {
   prepare({});
-  return Decisions(FloorSearch(goals_));
+  return Decisions(MinEdgeSearch(goals_));
 }
 
 Outcome Attempts::divide(const Decisions& decisions) {
@@ -263,7 +263,7 @@ void Attempts::join(const CurvedChoices& choices) {
     control().memory().set_output(options().max_output_faces.value_or(MemoryBound::kNone));
   made.joined = join_facets(
       made.partition, made.prepared, made.recognised, rungs_, choices, curved_goals_,
-      {made.report.plane_tolerance, options().refine ? goals_.min_angle_deg : 0, goals_.faces_without_floor},
+      {made.report.plane_tolerance, options().refine ? goals_.min_angle_deg : 0, goals_.faces_without_min_edge},
       control());
   const CurvedFacts curved{made.joined.curved() != nullptr, made.joined.finer_share(curved_goals_) > kMajority,
                            made.joined.outside ? kAngleMarginOfFit : 0};
@@ -291,7 +291,7 @@ void Attempts::count_output() {
 }
 
 /// Tells which input faces the patches cover that failed, and which curved patches may be at fault.
-void Attempts::tell_failed(const std::vector<FailedPatch>& failed, Outcome& outcome) {
+void Attempts::report_failed(const std::vector<FailedPatch>& failed, Outcome& outcome) {
   RunProducts& made = *products_;
   for (const FailedPatch& patch : failed) {
     const auto faces = patches().faces_of(patch.patch);
@@ -315,7 +315,7 @@ Outcome::End Attempts::make_result(const Decisions& decisions, const Effort& eff
   refined_ = {};
   outcome.facts = made.refinement->facts();
   if (const auto failed = find_failed_patches(made.candidate.triangulated.meshes); !failed.empty()) {
-    tell_failed(failed, outcome);
+    report_failed(failed, outcome);
     return Outcome::End::kPatchesFailed;
   }
   if (choices.part == RefinedPart::kAll && made.joined.curved() == nullptr &&
@@ -337,7 +337,7 @@ Outcome::End Attempts::make_result(const Decisions& decisions, const Effort& eff
   const Goals goals = made.goals();
   assemble(made.candidate, made.with_cuts(), made.has_asked_goals() ? &goals : nullptr, control());
   const bool has_found_floor =
-      goals.min_edge_length > choices.floors.asked() && outcome.facts.may_change_floor(choices);
+      goals.min_edge_length > choices.min_edge.asked() && outcome.facts.may_change_min_edge(choices);
   outcome.faces = made.candidate.assembled.faces.size();
   outcome.are_angles_worse = has_found_floor && has_worse_angles(made.candidate, surface(), made.with_cuts(),
                                                                  made.joined.curved(), goals, control());
@@ -345,7 +345,7 @@ Outcome::End Attempts::make_result(const Decisions& decisions, const Effort& eff
     return Outcome::End::kTooManyFaces;
   refuse_if_too_large();
   check_candidate(choices, outcome);
-  return tell_check(outcome);
+  return report_check(outcome);
 }
 
 /// Improves angles and sizes, or only puts points into edges that exist twice.
@@ -369,7 +369,7 @@ std::optional<Outcome::End> Attempts::refine(const RefinementChoices& choices, c
   outcome.coarsest = refined_.coarsest;
   switch (refined_.end) {
     case RefinementAttempt::End::kRefined: break;
-    case RefinementAttempt::End::kFloorTooLow: return Outcome::End::kFloorTooLow;
+    case RefinementAttempt::End::kMinEdgeTooShort: return Outcome::End::kMinEdgeTooShort;
     case RefinementAttempt::End::kGapsTooFine: return Outcome::End::kGapsTooFine;
     case RefinementAttempt::End::kTooManyMade: return Outcome::End::kTooManyMade;
   }
@@ -377,7 +377,7 @@ std::optional<Outcome::End> Attempts::refine(const RefinementChoices& choices, c
   outcome.triangles = made.candidate.refinement.reason.size();
   lift();
   made.report.refinement_rounds = made.candidate.refinement.rounds;
-  made.report.min_edge_length = choices.floors.floor();
+  made.report.min_edge_length = choices.min_edge.min_edge_length();
   if (made.refinement->smallest_gap()) made.report.smallest_gap = made.refinement->smallest_gap();
   return std::nullopt;
 }
@@ -509,7 +509,7 @@ bool Attempts::separate_vertices(TwinsOf of) {
 }
 
 /// Tells what the check has found.
-Outcome::End Attempts::tell_check(Outcome& outcome) {
+Outcome::End Attempts::report_check(Outcome& outcome) {
   const Verdict& verdict = products_->report.verified;
   if (verdict.all_true()) return Outcome::End::kVerified;
   std::vector<FailedPatch> failed;
@@ -520,7 +520,7 @@ Outcome::End Attempts::tell_check(Outcome& outcome) {
     for (std::size_t p = 0; p < patches().count(); ++p)
       failed.push_back({PatchId(p), PatchReason::kVerificationFailed});
   if (!verdict.failures.empty()) outcome.reason = verdict.failures.front();
-  tell_failed(failed, outcome);
+  report_failed(failed, outcome);
   return Outcome::End::kCheckFailed;
 }
 

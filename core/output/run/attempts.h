@@ -71,7 +71,7 @@ class Attempts {
   void join(const CurvedChoices& choices);
   void triangulate();
   void count_output();
-  void tell_failed(const std::vector<FailedPatch>& failed, Outcome& outcome);
+  void report_failed(const std::vector<FailedPatch>& failed, Outcome& outcome);
   Outcome::End make_result(const Decisions& decisions, const Effort& effort, Outcome& outcome);
   std::optional<Outcome::End> refine(const RefinementChoices& choices, const Effort& effort, Outcome& outcome);
   IdVector<PatchId, std::uint8_t> frozen_patches(const FaceMarks& frozen);
@@ -82,7 +82,7 @@ class Attempts {
   void refuse_if_too_large() const;
   void check_candidate(const RefinementChoices& choices, Outcome& outcome);
   bool separate_vertices(TwinsOf of);
-  Outcome::End tell_check(Outcome& outcome);
+  Outcome::End report_check(Outcome& outcome);
 
   std::unique_ptr<RunProducts> products_;
   const std::vector<Diagnostic> diagnostics_of_reader_;

@@ -4,7 +4,7 @@
 #include <optional>
 #include <utility>
 
-#include "core/base/drop.h"
+#include "core/base/parallel_free.h"
 #include "core/base/stoppable.h"
 #include "core/mending/polygons/triangulated.h"
 #include "core/verify/verify.h"
@@ -38,10 +38,10 @@ bool has_lost_reason(const Candidate& candidate, FaceId f, std::span<const std::
 
 }  // namespace
 
-Candidate::~Candidate() { drop_all(triangulated.meshes.items()); }
+Candidate::~Candidate() { free_in_parallel(triangulated.meshes.items()); }
 
 void Candidate::clear() {
-  drop_all(triangulated.meshes.items());
+  free_in_parallel(triangulated.meshes.items());
   has_chords = false;
   forget_refinement();
 }

@@ -29,7 +29,7 @@ struct Decisions {
   RefinementChoices refinement;
   bool operator==(const Decisions&) const = default;
 
-  explicit Decisions(const FloorSearch& floors) : refinement(floors) {}
+  explicit Decisions(const MinEdgeSearch& min_edge) : refinement(min_edge) {}
 };
 
 }  // namespace remesh

@@ -11,7 +11,7 @@
 #include "core/base/stoppable.h"
 #include "core/geometry/intersections/self_intersections.h"
 #include "core/mending/details/remove_details.h"
-#include "core/mending/details/specks.h"
+#include "core/mending/details/tiny_components.h"
 #include "core/mending/polygons/faces_without_area.h"
 #include "core/output/result/face_source.h"
 #include "core/refinement/adjustment/lifting.h"
@@ -231,10 +231,10 @@ std::optional<Replaced> remove(const DetailContext& context, const Candidate& ca
   }
   told.joined_edges += without.joined_edges;
   told.closed_slivers += without.closed_slivers;
-  told.removed_specks += without.removed_specks;
-  told.closed_slits += without.closed_slits;
+  told.removed_tiny_components += without.removed_tiny_components;
+  told.closed_narrow_notches += without.closed_narrow_notches;
   std::vector<FaceId> removed;
-  for (const std::vector<FaceId>& some : {without.removed, without.at_slits})
+  for (const std::vector<FaceId>& some : {without.removed, without.at_narrow_notches})
     for (const FaceId f : some) removed.push_back(source[f]);
   std::sort(removed.begin(), removed.end());
   removed.erase(std::unique(removed.begin(), removed.end()), removed.end());
@@ -301,8 +301,8 @@ std::optional<Replaced> without_details(const DetailContext& context, Candidate&
   return replaced;
 }
 
-void tell_details_left(const DetailLimits& limits, const Candidate& result, const PatchSet& patches,
-                       const Surface& surface, std::vector<Diagnostic>& diagnostics, RunControl& control) {
+void report_details_left(const DetailLimits& limits, const Candidate& result, const PatchSet& patches,
+                         const Surface& surface, std::vector<Diagnostic>& diagnostics, RunControl& control) {
   if (!limits.is_size_given || limits.size == 0) return;
   const double least = kShareOfSize * limits.size;
   Diagnostic left{DiagnosticCode::kSmallDetail, 0, {}, {}};
@@ -320,33 +320,35 @@ void tell_details_left(const DetailLimits& limits, const Candidate& result, cons
     }
   }
   const std::uint64_t edges = left.count;
-  const Specks specks =
-      find_specks({result.positions.items(), result.assembled.faces.items(), {}, {}, {}, limits.size, 0, 0}, control);
-  std::vector<std::uint8_t> is_told(specks.count(), 0);
+  const TinyComponents components = find_tiny_components(
+      {result.positions.items(), result.assembled.faces.items(), {}, {}, {}, limits.size, 0, 0}, control);
+  std::vector<std::uint8_t> is_told(components.count(), 0);
   for (FaceId f(0); f.value < result.assembled.faces.size(); ++f.value)
-    if (specks.has(f) && std::exchange(is_told[specks.of_face[f.value]], 1) == 0) add_source(f);
+    if (components.has(f) && std::exchange(is_told[components.of_face[f.value]], 1) == 0) add_source(f);
   if (left.count == 0) return;
   left.elements.erase(std::unique(left.elements.begin(), left.elements.end()), left.elements.end());
   const std::string of_edges =
       std::to_string(edges) +
       " edges are shorter than a third of defeature_size, because they could not be removed without changing the "
       "topology, bending other faces too far or making faces intersect";
-  const std::string of_specks = std::to_string(specks.count()) +
-                                " separate parts are no larger than defeature_size, but farther from the rest, or "
-                                "with labels that nothing else has";
-  left.message = (edges > 0 ? of_edges : "") + (edges > 0 && specks.count() > 0 ? "; " : "") +
-                 (specks.count() > 0 ? of_specks : "") + "; the elements are faces of their patches";
+  const std::string of_components = std::to_string(components.count()) +
+                                    " separate parts are no larger than defeature_size, but farther from the rest, or "
+                                    "with labels that nothing else has";
+  left.message = (edges > 0 ? of_edges : "") + (edges > 0 && components.count() > 0 ? "; " : "") +
+                 (components.count() > 0 ? of_components : "") + "; the elements are faces of their patches";
   diagnostics.push_back(std::move(left));
 }
 
 Diagnostic removal(const RemovedDetails& removed, double size, double bound) {
   Diagnostic told = removed.faces;
   told.code = DiagnosticCode::kRemovedDetail;
-  told.count = removed.joined_edges + removed.closed_slivers + removed.removed_specks + removed.closed_slits;
+  told.count =
+      removed.joined_edges + removed.closed_slivers + removed.removed_tiny_components + removed.closed_narrow_notches;
   std::vector<std::string> details{std::to_string(removed.joined_edges) + " short edges",
                                    std::to_string(removed.closed_slivers) + " narrow faces"};
-  if (removed.closed_slits > 0) details.push_back(std::to_string(removed.closed_slits) + " slits");
-  if (removed.removed_specks > 0) details.push_back(std::to_string(removed.removed_specks) + " separate parts");
+  if (removed.closed_narrow_notches > 0) details.push_back(std::to_string(removed.closed_narrow_notches) + " slits");
+  if (removed.removed_tiny_components > 0)
+    details.push_back(std::to_string(removed.removed_tiny_components) + " separate parts");
   std::string list = details.front();
   for (std::size_t i = 1; i < details.size(); ++i) list += (i + 1 < details.size() ? ", " : " and ") + details[i];
   told.message = "details smaller than " + number_text(size) + " were removed: " + list +

@@ -36,13 +36,13 @@ inline constexpr std::size_t kMaxDetailPasses = 3;
 
 /// Counts the details that were removed, in all passes together.
 struct RemovedDetails {
-  std::uint64_t joined_edges = 0, closed_slivers = 0, removed_specks = 0, closed_slits = 0;
+  std::uint64_t joined_edges = 0, closed_slivers = 0, removed_tiny_components = 0, closed_narrow_notches = 0;
   Diagnostic faces;  ///< the input faces under what was removed
   bool is_effort_spent = false;
 };
 
 /// Returns whether the triangles of the patches have any details, or the surface has open edges, between which there
-/// may be slits.
+/// may be narrow notches.
 /// Cost: O(triangles).
 bool are_details_there(const DetailLimits& limits, const TriangulatedPatches& triangulated, const Surface& surface,
                        const Adjacency& adjacency, RunControl& control);
@@ -76,7 +76,7 @@ Diagnostic removal(const RemovedDetails& removed, double size, double bound);
 
 /// If a size was given, tells which edges of the result are shorter than a third of it, and which separate parts are no
 /// larger than it.
-void tell_details_left(const DetailLimits& limits, const Candidate& result, const PatchSet& patches,
-                       const Surface& surface, std::vector<Diagnostic>& diagnostics, RunControl& control);
+void report_details_left(const DetailLimits& limits, const Candidate& result, const PatchSet& patches,
+                         const Surface& surface, std::vector<Diagnostic>& diagnostics, RunControl& control);
 
 }  // namespace remesh

@@ -18,7 +18,7 @@ void forget_patches(RefinementChoices& refinement, const Effort& effort) {
 /// of that.
 std::optional<Decisions> mended_otherwise(const Decisions& now, const Outcome& outcome,
                                           const std::vector<FaceId>& exhausted) {
-  Decisions next(now.refinement.floors.again());
+  Decisions next(now.refinement.min_edge.again());
   next.mending = now.mending;
   const bool is_any_new = std::any_of(exhausted.begin(), exhausted.end(), [&](FaceId f) {
     return !are_marked(now.mending.keep_verbatim, {&f, 1});
@@ -37,10 +37,11 @@ std::optional<Decisions> one_step_up(Decisions next, const Outcome& outcome, con
   if (next.refinement.part != RefinedPart::kAll) next.refinement.part = RefinedPart::kNothingYet;
   forget_patches(next.refinement, effort);
   if (!outcome.faults.empty()) {
-    // Attempts take long where patches of the input cross, and where floors are looked for. For a default, not much of
+    // Attempts take long where patches of the input cross, and where min_edge are looked for. For a default, not much of
     // that work is spent in vain.
-    const FloorSearch& floors = now.refinement.floors;
-    const bool has_found_floor = floors.floor() > floors.asked() && outcome.facts.may_change_floor(now.refinement);
+    const MinEdgeSearch& min_edge = now.refinement.min_edge;
+    const bool has_found_floor =
+        min_edge.min_edge_length() > min_edge.asked() && outcome.facts.may_change_min_edge(now.refinement);
     const bool is_patient = !outcome.are_elements_automatic || (!outcome.are_any_crossing && !has_found_floor);
     next.curved =
         after_faults(std::move(next.curved), outcome.faults, is_patient, outcome.are_any_moved, outcome.input_faces);
@@ -103,7 +104,7 @@ std::optional<Decisions> learn(const Decisions& now, const Outcome& outcome, con
     case Outcome::End::kSurfaceReplaced: return on_other_surface(std::move(next));
     case Outcome::End::kPatchesFailed: return one_step_up(std::move(next), outcome, effort);
     case Outcome::End::kWorkInVain: refinement.part = RefinedPart::kNothingYet; return next;
-    case Outcome::End::kFloorTooLow: refinement.floors.note_too_many(); return next;
+    case Outcome::End::kMinEdgeTooShort: refinement.min_edge.record_too_many(); return next;
     case Outcome::End::kGapsTooFine: refinement.coarsest = outcome.coarsest; return next;
     case Outcome::End::kTooManyMade: refinement = after_too_many_made(refinement, outcome.facts); return next;
     case Outcome::End::kFacetsCoarser: forget_patches(refinement, effort); return next;

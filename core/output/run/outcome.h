@@ -22,7 +22,7 @@ struct Outcome {
     kSurfaceReplaced,    ///< details were removed, so there is another surface
     kPatchesFailed,      ///< patches could not be triangulated
     kWorkInVain,         ///< too much work was for results that failed the check, so nothing was tried
-    kFloorTooLow,        ///< there would surely be more faces than are in proportion
+    kMinEdgeTooShort,    ///< there would surely be more faces than are in proportion
     kGapsTooFine,        ///< gaps ask for far more faces than are allowed
     kTooManyMade,        ///< refinement made far too many faces, or would make them
     kFacetsCoarser,      ///< facets of curved surfaces are coarser than joined patches, or finer

@@ -48,8 +48,8 @@ struct RunProducts {
   RecognisedSurfaces recognised;  ///< the surfaces of the facets
   JoinedFacets joined;
   std::optional<SurfaceRefinement> refinement;
-  RefinementChoices choices{FloorSearch(Goals{})};  ///< those of the last attempt
-  std::uint64_t size_steps = 0;                     ///< of all searches for gaps
+  RefinementChoices choices{MinEdgeSearch(Goals{})};  ///< those of the last attempt
+  std::uint64_t size_steps = 0;                       ///< of all searches for gaps
   Candidate candidate;
 
   const Surface& surface() const { return prepared.surface(); }

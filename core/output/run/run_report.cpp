@@ -14,12 +14,12 @@
 #include "core/mending/polygons/triangulated.h"
 #include "core/mesh/adjacency.h"
 #include "core/mesh/triangle_corners.h"
-#include "core/output/report/many_faces.h"
-#include "core/output/report/volume_ready.h"
+#include "core/output/report/face_count_explanation.h"
+#include "core/output/report/volume_mesher_check.h"
 #include "core/output/report/warnings.h"
 #include "core/output/result/face_labels.h"
 #include "core/output/result/face_source.h"
-#include "core/output/result/output_form.h"
+#include "core/output/result/round_for_format.h"
 #include "core/refinement/goals/unrefined_reason.h"
 #include "core/refinement/prediction/curved_prediction.h"
 #include "core/refinement/sizes/gap_search.h"
@@ -67,17 +67,17 @@ class RunReporter {
     crossing_ = run_.intersections();
     const Prediction predicted =
         run_.refinement->predict_before(run_.patched(crossing_), run_.choices, run_.candidate.triangulated);
-    run_.report.min_edge_length = run_.choices.floors.floor();
-    tell_curves({[&](PatchId p) {
-                   return run_.has_goals()
-                              ? predicted.of_patch[p.value]
-                              : static_cast<double>(run_.partition.summaries.patches[p.value].output_faces);
-                 },
-                 RefinedFaces::Are::kPredicted});
-    tell_coarsened_surfaces(run_.surface(), run_.partition.patches, run_.joined.curved(), RefinedFaces::Are::kPredicted,
-                            run_.report);
+    run_.report.min_edge_length = run_.choices.min_edge.min_edge_length();
+    report_curves({[&](PatchId p) {
+                     return run_.has_goals()
+                                ? predicted.of_patch[p.value]
+                                : static_cast<double>(run_.partition.summaries.patches[p.value].output_faces);
+                   },
+                   RefinedFaces::Are::kPredicted});
+    report_coarsened_surfaces(run_.surface(), run_.partition.patches, run_.joined.curved(),
+                              RefinedFaces::Are::kPredicted, run_.report);
     run_.report.predicted_faces_by_elements_per_circle = predict_for_circles(predicted.of_patch);
-    tell_many_faces(RefinedFaces::Are::kPredicted, predicted.of_patch);
+    report_face_count(RefinedFaces::Are::kPredicted, predicted.of_patch);
     // Facets count, not the patches that were joined from them, so proximity does not change the answer.
     if (run_.joined.curved() == nullptr) run_.report.smallest_gap = run_.refinement->smallest_gap();
     if (!run_.report.smallest_gap)
@@ -88,7 +88,7 @@ class RunReporter {
     run_.report.predicted_faces = run_.has_goals() ? static_cast<std::uint64_t>(std::min(predicted.expected, 0x1p62))
                                                    : run_.partition.summaries.triangles;
     summarise();
-    tell_removal();
+    report_removal();
     run_.report.timing_ms = run_.watch.finish();
     return std::move(run_.report);
   }
@@ -101,20 +101,20 @@ class RunReporter {
       faces.push_back(static_cast<float>(patch.mesh.triangle_count()));
     // Other options are predicted for the triangles as they were before refinement.
     run_.candidate.refinement.before.exchange_with(run_.candidate.triangulated.meshes);
-    tell_many_faces(RefinedFaces::Are::kCounted, faces);
+    report_face_count(RefinedFaces::Are::kCounted, faces);
     run_.candidate.refinement.before.exchange_with(run_.candidate.triangulated.meshes);
     run_.candidate.refinement.before.clear();
     summarise();
     run_.report.volume_bound = run_.report.verified.volume_bound + run_.spent.volume;
     take_bounds(run_.report, run_.spent.distance);
-    tell_removal();
-    tell_details_left(run_.detail_limits, run_.candidate, run_.partition.patches, run_.surface(),
-                      run_.report.diagnostics, run_.control);
+    report_removal();
+    report_details_left(run_.detail_limits, run_.candidate, run_.partition.patches, run_.surface(),
+                        run_.report.diagnostics, run_.control);
     run_.report.surfaces.join_bands();
     for (std::size_t p = 0; p < run_.candidate.triangulated.meshes.size(); ++p)
       run_.report.patches[p].output_faces = run_.candidate.triangulated.meshes[PatchId(p)].mesh.triangle_count();
     run_.prepared.free_derived();
-    tell_curves({[&](PatchId p) { return static_cast<double>(run_.report.patches[p.value].output_faces); }});
+    report_curves({[&](PatchId p) { return static_cast<double>(run_.report.patches[p.value].output_faces); }});
     if (!run_.report.verified.are_all_intersections_known) warn_of_many_intersections(run_.report.diagnostics);
   }
 
@@ -122,14 +122,14 @@ class RunReporter {
   Result result(const RunSettings& settings) {
     Result result;
     result.mesh.positions = std::move(run_.candidate.positions);
-    result.basis = output_basis(result.mesh.positions);
+    result.rounding_input = rounding_input_of(result.mesh.positions);
     result.mesh.faces = std::move(run_.candidate.assembled.faces);
     result.face_patch = std::move(run_.candidate.assembled.face_patch);
     result.report = std::move(run_.report);
     // Everything from here on is about the coordinates that the output format holds.
     if (settings.rounding != OutputRounding::kLater)
-      result.is_not_held = round_output(settings.storage, run_.options.local_origin, settings.rounding, result,
-                                        run_.control) == Rounded::kNotHeld;
+      result.is_not_held = round_for_format(settings.storage, run_.options.local_origin, settings.rounding, result,
+                                            run_.control) == Rounded::kNotHeld;
     run_.watch.enter(Stage::kQuality);
     const bool are_sources_needed =
         settings.want_face_source || do_labels_need_sources(run_.input.labels, run_.options.barriers);
@@ -144,8 +144,8 @@ class RunReporter {
              run_.candidate.clear();
            });
     run_.watch.enter(Stage::kAssembly);
-    tell_coarsened_surfaces(run_.surface(), run_.partition.patches, run_.joined.curved(), RefinedFaces::Are::kCounted,
-                            result.report);
+    report_coarsened_surfaces(run_.surface(), run_.partition.patches, run_.joined.curved(), RefinedFaces::Are::kCounted,
+                              result.report);
     result.mesh.labels = labels_from(run_.input.labels, source);
     if (settings.want_face_source) {
       result.face_source = source;
@@ -175,7 +175,7 @@ class RunReporter {
   }
 
   /// Tells which curved surfaces are refined facet by facet.
-  void tell_curves(const RefinedFaces& refined) {
+  void report_curves(const RefinedFaces& refined) {
     if (!run_.options.refine) return;
     if (run_.options.feature_angle_deg > 0)
       warn_of_curved_surfaces(run_.surface(), run_.partition.patches, run_.report.surfaces, refined,
@@ -189,12 +189,12 @@ class RunReporter {
     return predict_by_circles({run_.surface(), run_.adjacency(), run_.facets(), run_.recognised,
                                run_.report.plane_tolerance, run_.report.input.bounding_box.diagonal()},
                               run_.partition, run_.joined.cuts, run_.candidate.triangulated.meshes, faces,
-                              run_.choices.floors.floor(), run_.options, run_.control);
+                              run_.choices.min_edge.min_edge_length(), run_.options, run_.control);
   }
 
   /// Tells why there are far more faces than in the input, if so.
   /// Input: the patches' triangles as they were before refinement; surfaces before bands were joined.
-  void tell_many_faces(RefinedFaces::Are are, const std::vector<float>& faces) {
+  void report_face_count(RefinedFaces::Are are, const std::vector<float>& faces) {
     if (!run_.has_asked_goals()) return;
     const Goals goals = run_.goals();
     const std::vector<UnrefinedReason>& reasons = run_.candidate.unrefined.reasons;
@@ -202,7 +202,7 @@ class RunReporter {
       return r == UnrefinedReason::kSizeFloor || r == UnrefinedReason::kMinEdgeLength;
     };
     const CurvedPatches* const curved = run_.joined.curved();
-    warn_of_many_faces({run_.surface(),
+    explain_face_count({run_.surface(),
                         run_.partition.patches,
                         {[&](PatchId p) { return faces[p.value]; }, are},
                         run_.triangles_of_input(),
@@ -237,13 +237,13 @@ class RunReporter {
       if (p.is_valid()) ++run_.report.patches[p.value].input_faces;
   }
 
-  void tell_removal() {
+  void report_removal() {
     if (run_.spent.stages > 0)
       run_.report.diagnostics.push_back(removal(run_.removed, run_.detail_limits.size, run_.spent.distance));
   }
 
-  OutputBasis output_basis(const IdVector<VertexId, Vec3>& positions) {
-    OutputBasis basis;
+  RoundingInput rounding_input_of(const IdVector<VertexId, Vec3>& positions) {
+    RoundingInput basis;
     basis.normals = run_.candidate.triangulated.charts.normals(run_.control);
     if (const CurvedPatches* curved = run_.joined.curved())
       for (const std::uint32_t at : curved->at) basis.is_curved.push_back(at == kNone ? 0 : 1);

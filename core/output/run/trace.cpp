@@ -62,7 +62,8 @@ void compare_curved(const CurvedChoices& now, const CurvedChoices& next, Differe
 }
 
 void compare_refinement(const RefinementChoices& now, const RefinementChoices& next, Differences& found) {
-  if (next.floors.floor() != now.floors.floor()) found.add("min_edge_length " + number_text(next.floors.floor()));
+  if (next.min_edge.min_edge_length() != now.min_edge.min_edge_length())
+    found.add("min_edge_length " + number_text(next.min_edge.min_edge_length()));
   if (next.coarsest != now.coarsest) found.add("no sizes below " + number_text(next.coarsest) + " because of gaps");
   if (next.has_budget && next.budget && (!now.has_budget || next.budget != now.budget))
     found.add(*next.budget == Goals::kNoLimit
@@ -85,12 +86,12 @@ std::string about_faces(const Decisions& now, const Outcome& outcome) {
   const RefinementFacts& facts = outcome.facts;
   const std::string limit = std::to_string(facts.expected_limit());
   const std::string allowed =
-      facts.is_floor_automatic ? limit + " are in proportion to the input" : limit + " are allowed";
+      facts.is_min_edge_automatic ? limit + " are in proportion to the input" : limit + " are allowed";
   switch (outcome.end) {
-    case Outcome::End::kFloorTooLow:
+    case Outcome::End::kMinEdgeTooShort:
       return "about " + whole(facts.predicted) + " faces are predicted, at most " + allowed;
     case Outcome::End::kTooManyMade:
-      if (facts.max_faces == Goals::kNoLimit && !facts.is_floor_automatic) return "the number of faces has no limit";
+      if (facts.max_faces == Goals::kNoLimit && !facts.is_min_edge_automatic) return "the number of faces has no limit";
       return "stopped while refining: about " + whole(facts.predicted) + " faces are predicted, at most " + allowed;
     case Outcome::End::kGapsTooFine: return "narrow gaps would need far more faces than the " + allowed;
     default: break;
@@ -98,7 +99,7 @@ std::string about_faces(const Decisions& now, const Outcome& outcome) {
   const std::string faces = std::to_string(outcome.faces.value_or(0)) + " faces";
   if (*outcome.faces > facts.expected_limit()) return faces + ", at most " + allowed;
   if (outcome.are_angles_worse) return faces + ", with smaller angles than before refinement";
-  if (!now.refinement.has_budget && facts.is_floor_automatic)
+  if (!now.refinement.has_budget && facts.is_min_edge_automatic)
     return faces + " are few enough; a smaller min_edge_length may leave more";
   return faces + ", at most " + allowed;
 }
@@ -118,8 +119,8 @@ std::string about_failures(const Outcome& outcome) {
 
 std::string about_result(const Decisions& now, const Outcome& outcome) {
   std::string text = "verified, " + counted(outcome.faces.value_or(0), "face", "faces");
-  if (const FloorSearch& floors = now.refinement.floors; floors.floor() > floors.asked())
-    text += ", min_edge_length " + number_text(floors.floor());
+  if (const MinEdgeSearch& min_edge = now.refinement.min_edge; min_edge.min_edge_length() > min_edge.asked())
+    text += ", min_edge_length " + number_text(min_edge.min_edge_length());
   if (const std::size_t frozen = count(now.refinement.frozen); frozen > 0)
     text += ", " + input_faces(frozen) + " unrefined";
   return text;

@@ -1,7 +1,6 @@
 #include "core/patches/chains/chain_cutting.h"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <utility>
 

@@ -1,8 +1,5 @@
 #include "core/patches/charts/curved_chart.h"
 
-#include <algorithm>
-#include <cmath>
-
 #include "core/geometry/triangles/distances.h"
 
 namespace remesh {

@@ -1,10 +1,9 @@
 #include "core/patches/charts/patch_chart.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/base/blocks.h"
-#include "core/base/pages.h"
+#include "core/base/prefault_pages.h"
 #include "core/base/stoppable.h"
 
 namespace remesh {

@@ -4,9 +4,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
-#include <optional>
 #include <span>
-#include <utility>
 
 #include "core/base/stoppable.h"
 #include "core/patches/curved/curved_faces.h"

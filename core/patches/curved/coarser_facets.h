@@ -33,7 +33,7 @@ class CoarserFacets {
   /// surfaces that would have more faces than are in proportion: a min edge length makes no curved patch coarser.
   /// Finding that out by refinement could take far more work than the result is worth.
   /// Input: the joined patches with their limits, whose facets have been counted; and the number of faces that is in
-  ///        proportion to the input (Goals::faces_without_floor).
+  ///        proportion to the input (Goals::faces_without_min_edge).
   std::vector<SurfaceId> find_hopeless(const CurvedPatches& joined, const CurvedGoals& goals,
                                        std::uint64_t in_proportion) const;
   /// Counts the boundary vertices of the joined patches, before their boundaries are cut and after that.

@@ -79,8 +79,8 @@ class FacetJoiner {
       if (goals_.keeps_volume) move_outside();
       if (!goals_.is_refined) squeeze_maps(surface, partition_.patches, curved(), control_);
     }
-    tell_failures();
-    tell_limits(limits);
+    report_failures();
+    report_limits(limits);
     return std::move(joined_);
   }
 
@@ -166,7 +166,7 @@ class FacetJoiner {
   }
 
   /// Notes in the summaries which patches are finer than was asked for, or facets again, because curved patches failed.
-  void tell_failures() {
+  void report_failures() {
     if (curved_rungs_.empty()) return;
     for (std::size_t p = 0; p < partition_.patches.count(); ++p) {
       const CurvedRung rung = curved_rungs_[partition_.patches.faces_of(PatchId(p))[0]];
@@ -178,7 +178,7 @@ class FacetJoiner {
     }
   }
 
-  void tell_limits(std::span<const CurvedLimits> limits) {
+  void report_limits(std::span<const CurvedLimits> limits) {
     joined_.surfaces = (curved().has_any() ? curved().surfaces : recognised_).copy(control_);
     for (std::size_t i = 0; i < limits.size(); ++i) {
       RecognisedSurface& s = joined_.surfaces.surfaces[SurfaceId(i)];

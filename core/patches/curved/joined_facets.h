@@ -31,7 +31,7 @@ namespace remesh {
 struct JoiningMeasures {
   double plane_tolerance = 0;
   double min_angle_deg = 0;  ///< the bound on angles; 0 without refinement
-  /// No more faces than these are in proportion to the input (Goals::faces_without_floor).
+  /// No more faces than these are in proportion to the input (Goals::faces_without_min_edge).
   std::uint64_t in_proportion = std::numeric_limits<std::uint64_t>::max();
 };
 

@@ -4,8 +4,6 @@
 
 #include "core/base/blocks.h"
 #include "core/base/tolerance.h"
-#include "core/patch_types/patch_reason.h"
-#include "core/patches/planar/coplanar_regions.h"
 #include "core/patches/planar/patches.h"
 
 namespace remesh {

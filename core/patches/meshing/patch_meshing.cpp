@@ -7,10 +7,10 @@
 #include <atomic>
 #include <utility>
 
-#include "core/base/drop.h"
 #include "core/base/large_first.h"
-#include "core/base/pages.h"
 #include "core/base/parallel.h"
+#include "core/base/parallel_free.h"
+#include "core/base/prefault_pages.h"
 #include "core/base/ranked_ids.h"
 #include "core/base/stoppable.h"
 #include "core/geometry/planes/projection.h"
@@ -261,7 +261,7 @@ TriangulatedPatches mesh_patches(const Surface& surface, const Adjacency& adjace
   const std::size_t n = patches.count();
   TriangulatedPatches result;
   result.charts = PatchCharts(surface, patches, curves != nullptr ? &curves->patches : nullptr, rule, control);
-  Dropped<PatchMesh> all;
+  FreedInParallel<PatchMesh> all;
   std::vector<PatchMesh>& meshes = all.items;
   reserve_pages(meshes, n, control);
   meshes.resize(n);

@@ -2,7 +2,6 @@
 
 #include "core/base/blocks.h"
 #include "core/base/stoppable.h"
-#include "core/mesh/surface.h"
 
 namespace remesh {
 BoundaryLoops boundary_loops(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches,

@@ -1,7 +1,5 @@
 #include "core/patches/planar/coplanarity.h"
 
-#include <algorithm>
-
 #include "core/base/blocks.h"
 
 namespace remesh {

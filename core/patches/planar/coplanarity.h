@@ -16,9 +16,9 @@
 namespace remesh {
 
 /// The corners of a region are within this fraction of the tolerance on either side of the plane. So input and output,
-/// which are both in this band, are never further apart than the tolerance. While the plane is still being fitted, the
+/// which are both in this slab, are never further apart than the tolerance. While the plane is still being fitted, the
 /// whole tolerance is allowed.
-inline constexpr double kBand = 0.5;
+inline constexpr double kHalfSlab = 0.5;
 
 /// The part of the root mean square distance from a fitted plane that may be rounding, in local units.
 inline constexpr double kFitRounding = 1e-7;

@@ -1,14 +1,11 @@
 #include "core/patches/planar/essential_vertices.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <span>
 #include <utility>
 
 #include "core/base/blocks.h"
 #include "core/base/stoppable.h"
-#include "core/mesh/surface.h"
 
 namespace remesh {
 namespace {
@@ -17,13 +14,13 @@ namespace {
 /// that stay.
 constexpr std::size_t kMaxLooks = 64;
 
-/// The position of a point relative to a chord: its distance from the chord, and its place along it (0 at the start, 1
+/// The position of a point relative to a span: its distance from the span, and its place along it (0 at the start, 1
 /// at the end).
-struct ChordPosition {
+struct SpanPosition {
   double distance, along;
 };
 
-ChordPosition about_chord(const Vec3& a, const Vec3& b, const Vec3& p) {
+SpanPosition about_span(const Vec3& a, const Vec3& b, const Vec3& p) {
   const Vec3 ab = b - a, ap = p - a;
   const double length_squared = norm_squared(ab);
   if (length_squared == 0) return {norm(ap), 0};
@@ -122,7 +119,7 @@ class Selection {
       check_();
       if (boundary_.edges_at(v).size() == 2 && !is_walked_[boundary_.edges_at(v)[0].value]) close_ring(v);
     }
-    keep_doubled_chords();
+    keep_doubled_spans();
     // A vertex inside a patch has a closed fan of that patch's faces. If it is a corner of some other face, too, its
     // faces are not all connected there, so it is pinched.
     return {std::move(essential_), pinched_.empty()};
@@ -140,7 +137,7 @@ class Selection {
         bool stays = forced_[v] != 0 || edges.size() != 2;
         if (!stays) {
           const VertexId a = boundary_.other_end(edges[0], v), b = boundary_.other_end(edges[1], v);
-          const ChordPosition position = about_chord(at(a), at(b), at(v));
+          const SpanPosition position = about_span(at(a), at(b), at(v));
           stays = position.distance > tolerance_ || position.along <= 0 || position.along >= 1;
         }
         essential_[v] = stays;
@@ -195,7 +192,7 @@ class Selection {
   }
 
   /// Makes vertices of a run essential, between two essential vertices, where the tolerance requires this. The vertex
-  /// farthest from the chord becomes essential, and then both sides of it are treated in the same way (Douglas and
+  /// farthest from the span becomes essential, and then both sides of it are treated in the same way (Douglas and
   /// Peucker, 1973). Among equally far vertices, the one at the smallest place counts.
   void simplify(std::size_t begin, std::size_t end) {
     std::size_t looks = 0;
@@ -211,7 +208,7 @@ class Selection {
       bool is_in_order = true;
       for (std::size_t k = i + 1; k < j; ++k) {
         check_();
-        const ChordPosition position = about_chord(a, b, at(run_[k]));
+        const SpanPosition position = about_span(a, b, at(run_[k]));
         if (position.distance > farthest ||
             (split != 0 && position.distance == farthest && at(run_[k]) < at(run_[split]))) {
           farthest = position.distance;
@@ -233,13 +230,13 @@ class Selection {
 
   /// Finds two boundaries between the same two vertices that are both straight within the tolerance. They would become
   /// one edge, so that a crack would close or a thin patch vanish. Therefore all vertices of such runs stay.
-  void keep_doubled_chords() {
-    struct Chord {
+  void keep_doubled_spans() {
+    struct ReplacedSpan {
       VertexId a, b;      // a < b
       VertexId from;      // the end where the run begins
       EdgeId first_edge;  // the first edge of the run, at `from`
     };
-    std::vector<Chord> chords;
+    std::vector<ReplacedSpan> spans;
     for (const VertexId v : boundary_.vertices()) {
       check_();
       if (!essential_[v]) continue;
@@ -251,20 +248,20 @@ class Selection {
           e = boundary_.other_edge(w, e);
           w = boundary_.other_end(e, w);
         }
-        if (v < w) chords.push_back({v, w, v, first});
+        if (v < w) spans.push_back({v, w, v, first});
       }
     }
-    const auto key = [](const Chord& c) { return std::pair{c.a, c.b}; };
-    sort_stoppable(chords.begin(), chords.end(), control_, [&](const Chord& c, const Chord& d) {
+    const auto key = [](const ReplacedSpan& c) { return std::pair{c.a, c.b}; };
+    sort_stoppable(spans.begin(), spans.end(), control_, [&](const ReplacedSpan& c, const ReplacedSpan& d) {
       return key(c) != key(d) ? key(c) < key(d) : c.first_edge < d.first_edge;
     });
-    for (std::size_t i = 0; i < chords.size(); ++i) {
+    for (std::size_t i = 0; i < spans.size(); ++i) {
       check_();
-      const bool doubled = (i > 0 && key(chords[i]) == key(chords[i - 1])) ||
-                           (i + 1 < chords.size() && key(chords[i]) == key(chords[i + 1]));
+      const bool doubled =
+          (i > 0 && key(spans[i]) == key(spans[i - 1])) || (i + 1 < spans.size() && key(spans[i]) == key(spans[i + 1]));
       if (!doubled) continue;
-      EdgeId e = chords[i].first_edge;
-      for (VertexId w = boundary_.other_end(e, chords[i].from); w != chords[i].b; w = boundary_.other_end(e, w)) {
+      EdgeId e = spans[i].first_edge;
+      for (VertexId w = boundary_.other_end(e, spans[i].from); w != spans[i].b; w = boundary_.other_end(e, w)) {
         check_();
         essential_[w] = 1;
         e = boundary_.other_edge(w, e);

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "core/base/ids.h"
 #include "core/base/run_control.h"
@@ -28,8 +27,8 @@ struct EssentialVertices {
 /// Holds:   a vertex goes only if
 ///          - it has exactly two patch-boundary edges in the whole mesh,
 ///          - its faces are connected around it, and
-///          - it lies within the tolerance of the chord between the staying vertices on either side, in order along it.
-///          A closed boundary has three or more vertices that stay. No two chords join the same two vertices.
+///          - it lies within the tolerance of the span between the staying vertices on either side, in order along it.
+///          A closed boundary has three or more vertices that stay. No two spans join the same two vertices.
 /// Cost:    O(n log n).
 /// Source:  J. Vermaak, The Surface Remeshing Module in ChiTech, 2018, section 4; rules.md, Essential vertices.
 EssentialVertices essential_vertices(const Surface& surface, const Adjacency& adjacency, const BoundaryLoops& loops,

@@ -1,23 +1,16 @@
 #include "core/patches/planar/input_intersections.h"
 
-#include <algorithm>
-#include <array>
 #include <compare>
 #include <cstdint>
-#include <cstdio>
-#include <span>
 #include <string>
-#include <utility>
 
 #include "core/base/blocks.h"
-#include "core/base/diagnostic.h"
+#include "core/base/number_text.h"
 #include "core/base/stoppable.h"
 #include "core/base/tolerance.h"
 #include "core/geometry/planes/projection.h"
 #include "core/geometry/triangles/overlap.h"
 #include "core/mending/polygons/polygon_split.h"
-#include "core/mending/polygons/triangulated.h"
-#include "core/patch_types/patch_set.h"
 
 namespace remesh {
 namespace {
@@ -78,16 +71,11 @@ bool for_each_edge_on_a_diagonal(const Surface& surface, const Triangulated& fac
 /// Reports which part of the search for intersections was done.
 Diagnostic incomplete_check(const SelfIntersections& found, std::size_t faces) {
   const double left = (1 - found.searched) * static_cast<double>(faces);
-  const auto text = [](const char* format, double x) {
-    std::array<char, 32> digits{};
-    std::snprintf(digits.data(), digits.size(), format, x);
-    return std::string(digits.data());
-  };
   std::string message = "the search for faces that intersect was cut short, because it would take too long; " +
-                        text("%.2g", 100 * found.searched) + " % of the faces were held against all others";
+                        number_text(100 * found.searched, 2) + " % of the faces were held against all others";
   if (found.estimated_pairs > 0)
     message +=
-        "; by an estimate from some of the faces, " + text("%.1g", found.estimated_pairs) + " pairs intersect in all";
+        "; by an estimate from some of the faces, " + number_text(found.estimated_pairs, 1) + " pairs intersect in all";
   return {DiagnosticCode::kIncompleteCheck, std::max<std::uint64_t>(1, static_cast<std::uint64_t>(left)), {}, message};
 }
 

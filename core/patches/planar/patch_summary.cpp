@@ -5,11 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "core/base/blocks.h"
 #include "core/base/stoppable.h"
-#include "core/patch_types/patch_set.h"
 
 namespace remesh {
 namespace {

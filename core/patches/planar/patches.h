@@ -1,10 +1,6 @@
 /// Numbers the patches, which are the edge-connected pieces of regions.
 #pragma once
 
-#include <cstdint>
-#include <span>
-#include <vector>
-
 #include "core/base/run_control.h"
 #include "core/mesh/adjacency.h"
 #include "core/mesh/surface.h"

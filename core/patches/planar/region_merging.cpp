@@ -148,7 +148,7 @@ class Merging {
         content.moments.add(surface_.local[v]);
         content.box.add(surface_.local[v]);
       }
-      if (!add(f, regions_.planes[r], kBand * piece.tolerance, content.lie))
+      if (!add(f, regions_.planes[r], kHalfSlab * piece.tolerance, content.lie))
         content.lie = {-HUGE_VAL, HUGE_VAL, -HUGE_VAL};  // a region of a single face may not fit its own plane
       content.counted_from = content.faces.size();
     }
@@ -174,16 +174,16 @@ class Merging {
     Content& large = content_of(is_first_larger ? a : b);
     Content& small = content_of(is_first_larger ? b : a);
     const Plane& old = plane_of(is_first_larger ? a : b);
-    const double band = kBand * pieces_[a].tolerance;
+    const double half_slab = kHalfSlab * pieces_[a].tolerance;
     PointMoments moments = large.moments;
     moments.merge(small.moments);
     Plane plane = old;
     Lie lie;
-    if (!do_fit(large, small, old, plane, band, lie)) {
+    if (!do_fit(large, small, old, plane, half_slab, lie)) {
       const PlaneFit fit = fit_plane(moments);
-      if (fit.rms > band + kFitRounding) return false;
+      if (fit.rms > half_slab + kFitRounding) return false;
       plane = {moments.mean(), dot(fit.normal, old.normal) < 0 ? -fit.normal : fit.normal};
-      if (!do_fit(large, small, old, plane, band, lie)) return false;
+      if (!do_fit(large, small, old, plane, half_slab, lie)) return false;
     }
     const double middle = (lie.low + lie.high) / 2;
     plane.origin += middle * plane.normal;
@@ -205,48 +205,50 @@ class Merging {
 
   /// Returns whether two regions fit a plane that may be shifted along its normal, and their position relative to it.
   /// Input:  `old` is the larger region's plane so far.
-  bool do_fit(Content& large, const Content& small, const Plane& old, const Plane& plane, double band, Lie& lie) const {
+  bool do_fit(Content& large, const Content& small, const Plane& old, const Plane& plane, double half_slab,
+              Lie& lie) const {
     lie = {};
-    if (!add_all(large.witnesses, plane, band, lie) || !add_all(small.faces, plane, band, lie)) return false;
+    if (!add_all(large.witnesses, plane, half_slab, lie) || !add_all(small.faces, plane, half_slab, lie)) return false;
     Lie most = lie_after_turn(large, old, plane);
     most = {std::min(most.low, lie.low), std::max(most.high, lie.high),
             std::min(most.normal_to_spare, lie.normal_to_spare)};
-    if (most.high - most.low <= 2 * band && most.normal_to_spare >= 0) {
+    if (most.high - most.low <= 2 * half_slab && most.normal_to_spare >= 0) {
       lie = most;
       return true;
     }
-    if (large.faces.size() <= kMuchLargerRegion * small.faces.size()) return add_all(large.faces, plane, band, lie);
+    if (large.faces.size() <= kMuchLargerRegion * small.faces.size())
+      return add_all(large.faces, plane, half_slab, lie);
     if (large.walks == kMaxWalks) return false;
     ++large.walks;
-    if (add_all(large.faces, plane, band, lie)) return true;
-    remember_farthest(large, plane, band);
+    if (add_all(large.faces, plane, half_slab, lie)) return true;
+    remember_farthest(large, plane, half_slab);
     return false;
   }
 
   /// Adds the position of a face relative to a plane. Output: whether the face's normal agrees with the plane's, and
-  /// all faces so far can be within one band.
-  bool add(FaceId f, const Plane& plane, double band, Lie& lie) const {
-    if (!rule_.has_normal(f, plane.normal, band)) return false;
-    lie.normal_to_spare = std::min(lie.normal_to_spare, rule_.normal_to_spare(f, plane.normal, band));
+  /// all faces so far can be within one slab.
+  bool add(FaceId f, const Plane& plane, double half_slab, Lie& lie) const {
+    if (!rule_.has_normal(f, plane.normal, half_slab)) return false;
+    lie.normal_to_spare = std::min(lie.normal_to_spare, rule_.normal_to_spare(f, plane.normal, half_slab));
     for (const VertexId v : surface_.face(f)) {
       const double distance = plane.distance(surface_.local[v]);
       lie.low = std::min(lie.low, distance);
       lie.high = std::max(lie.high, distance);
     }
-    return lie.high - lie.low <= 2 * band;
+    return lie.high - lie.low <= 2 * half_slab;
   }
 
-  bool add_all(const std::vector<FaceId>& faces, const Plane& plane, double band, Lie& lie) const {
+  bool add_all(const std::vector<FaceId>& faces, const Plane& plane, double half_slab, Lie& lie) const {
     for (std::size_t i = 0; i < faces.size(); ++i) {
       if (i % kMergeBlock == kMergeBlock - 1) control_.check_and_move();
-      if (!add(faces[i], plane, band, lie)) return false;
+      if (!add(faces[i], plane, half_slab, lie)) return false;
     }
     return true;
   }
 
   /// Remembers, as witnesses, the faces that are farthest below and above the plane and the one that turns most. Among
   /// equals, the face at the smallest place counts.
-  void remember_farthest(Content& content, const Plane& plane, double band) const {
+  void remember_farthest(Content& content, const Plane& plane, double half_slab) const {
     std::array<std::pair<double, FaceId>, 3> farthest;
     farthest.fill({-HUGE_VAL, FaceId()});
     for (std::size_t i = 0; i < content.faces.size(); ++i) {
@@ -257,7 +259,7 @@ class Merging {
         low = std::min(low, plane.distance(surface_.local[v]));
         high = std::max(high, plane.distance(surface_.local[v]));
       }
-      const std::array<double, 3> out{-low, high, -rule_.normal_to_spare(f, plane.normal, band)};
+      const std::array<double, 3> out{-low, high, -rule_.normal_to_spare(f, plane.normal, half_slab)};
       for (std::size_t k = 0; k < out.size(); ++k) {
         auto& [most, witness] = farthest[k];
         if (out[k] > most ||
@@ -289,11 +291,11 @@ class Merging {
   /// its deviation.
   void finish(std::uint32_t r) {
     const Content& content = content_of(r);
-    const double band = kBand * pieces_[r].tolerance;
+    const double half_slab = kHalfSlab * pieces_[r].tolerance;
     Plane plane{content.moments.mean(), fit_plane(content.moments).normal};
     if (dot(plane.normal, plane_of(r).normal) < 0) plane.normal = -plane.normal;
     Lie lie;
-    if (add_all(content.faces, plane, band, lie)) {
+    if (add_all(content.faces, plane, half_slab, lie)) {
       plane.origin += (lie.low + lie.high) / 2 * plane.normal;
       plane_of(r) = plane;
     }

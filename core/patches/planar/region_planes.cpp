@@ -2,7 +2,6 @@
 
 #include <atomic>
 #include <cmath>
-#include <vector>
 
 #include "core/base/blocks.h"
 #include "core/geometry/planes/plane_fit.h"
@@ -35,18 +34,18 @@ std::optional<FittedPlane> RegionPlanes::of_all(FaceId seed, std::span<const std
   if (rule_.is_single(seed)) return std::nullopt;
   const PlaneSums fit = sum_of(seed, island);
   if (!(fit.area > 0)) return std::nullopt;
-  const double band = kBand * rule_.tolerance(seed);
+  const double half_slab = kHalfSlab * rule_.tolerance(seed);
   Plane plane = fit.plane();
-  std::optional<Extent> extent = extent_if_all_fit(island, plane, band);
-  if (!extent && island.size() >= kFacesForCorners && move_to_corners(plane, island, band))
-    extent = extent_if_all_fit(island, plane, band);
+  std::optional<Extent> extent = extent_if_all_fit(island, plane, half_slab);
+  if (!extent && island.size() >= kFacesForCorners && move_to_corners(plane, island, half_slab))
+    extent = extent_if_all_fit(island, plane, half_slab);
   return extent ? std::optional(FittedPlane{plane, *extent}) : std::nullopt;
 }
 
 /// Replaces a plane by the one nearest to all corners, and moves that to the middle of the corners' range, because a
 /// few of them may be far away on one side.
-/// Output: whether all corners might lie in a band about the plane.
-bool RegionPlanes::move_to_corners(Plane& plane, std::span<const std::uint32_t> faces, double band) const {
+/// Output: whether all corners might lie in a slab about the plane.
+bool RegionPlanes::move_to_corners(Plane& plane, std::span<const std::uint32_t> faces, double half_slab) const {
   struct Moments : PointMoments {
     void add(const PointMoments& other) { merge(other); }
     using PointMoments::add;
@@ -55,7 +54,7 @@ bool RegionPlanes::move_to_corners(Plane& plane, std::span<const std::uint32_t> 
     for (const VertexId v : surface_.face(f)) sum.add(surface_.local[v]);
   });
   const PlaneFit fit = fit_plane(moments);
-  if (fit.rms > band + kFitRounding) return false;
+  if (fit.rms > half_slab + kFitRounding) return false;
   const bool is_turned = dot(fit.normal, plane.normal) < 0;
   plane = {moments.mean(), is_turned ? -fit.normal : fit.normal};
   struct Range {
@@ -72,7 +71,7 @@ bool RegionPlanes::move_to_corners(Plane& plane, std::span<const std::uint32_t> 
     }
   });
   plane.origin += (range.low + range.high) / 2 * plane.normal;
-  return range.high - range.low <= 2 * band;
+  return range.high - range.low <= 2 * half_slab;
 }
 
 std::optional<Extent> RegionPlanes::extent_if_all_fit(std::span<const std::uint32_t> faces, const Plane& plane,

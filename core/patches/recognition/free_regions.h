@@ -7,7 +7,7 @@
 #include "core/base/ids.h"
 #include "core/base/run_control.h"
 #include "core/patches/recognition/facet_graph.h"
-#include "core/patches/recognition/surface_claims.h"
+#include "core/patches/recognition/region_growing.h"
 
 namespace remesh {
 

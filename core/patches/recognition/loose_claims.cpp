@@ -5,7 +5,6 @@
 #include <cstddef>
 #include <numbers>
 #include <optional>
-#include <span>
 #include <utility>
 #include <vector>
 

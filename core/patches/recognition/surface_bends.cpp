@@ -63,7 +63,7 @@ class BendDropper {
   BendDropper(const FacetGraph& graph, ClaimTable& table, RunControl& control)
       : graph_(graph), table_(table), control_(control), check_(control) {}
 
-  void drop_all() {
+  void free_in_parallel() {
     UnionFind tubes(table_.claims.size());
     std::vector<std::uint32_t> bent, ends;
     for (std::uint32_t c = 0; c < table_.claims.size(); ++c) {
@@ -231,7 +231,7 @@ class BendDropper {
 }  // namespace
 
 void drop_bends(const FacetGraph& graph, ClaimTable& table, RunControl& control) {
-  BendDropper(graph, table, control).drop_all();
+  BendDropper(graph, table, control).free_in_parallel();
 }
 
 }  // namespace remesh

@@ -4,7 +4,7 @@
 #include "core/base/run_control.h"
 #include "core/geometry/surfaces/analytic_surface.h"
 #include "core/patches/recognition/facet_graph.h"
-#include "core/patches/recognition/surface_claims.h"
+#include "core/patches/recognition/region_growing.h"
 
 namespace remesh {
 

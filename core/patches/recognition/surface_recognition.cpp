@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <optional>
 #include <set>
 #include <span>
@@ -13,12 +12,12 @@
 #include "core/geometry/surfaces/surface_fit.h"
 #include "core/patches/recognition/explained_height.h"
 #include "core/patches/recognition/facet_graph.h"
+#include "core/patches/recognition/false_fits.h"
 #include "core/patches/recognition/loose_claims.h"
-#include "core/patches/recognition/surface_bands.h"
+#include "core/patches/recognition/recognised_list.h"
+#include "core/patches/recognition/region_growing.h"
+#include "core/patches/recognition/revolution_bands.h"
 #include "core/patches/recognition/surface_bends.h"
-#include "core/patches/recognition/surface_claims.h"
-#include "core/patches/recognition/surface_islands.h"
-#include "core/patches/recognition/surface_records.h"
 #include "core/patches/recognition/surface_seeds.h"
 
 namespace remesh {
@@ -87,7 +86,7 @@ class Recogniser {
     claim_clusters(seeds);
     join_bands(graph_, table_, control_);
     drop_bends(graph_, table_, control_);
-    drop_islands(graph_, table_, control_);
+    drop_false_fits(graph_, table_, control_);
     return take_claims();
   }
 
@@ -426,7 +425,7 @@ RecognisedSurfaces recognise_surfaces(const Facets& facets, const RecognitionRul
   const FacetGraph graph(facets, rules.feature_angle_deg, control);
   std::vector<SurfaceClaim> claims;
   if (graph.has_smooth_edges()) claims = Recogniser(graph, rules, facets.surface.unit, control).run();
-  return make_records(facets, graph, std::move(claims), rules, control);
+  return make_recognised_list(facets, graph, std::move(claims), rules, control);
 }
 
 }  // namespace remesh

@@ -1,7 +1,6 @@
 /// Puts the new vertices of nearly flat patches onto the input surface under them.
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include "core/base/run_control.h"

@@ -1,7 +1,6 @@
 #include "core/refinement/adjustment/separation.h"
 
 #include <algorithm>
-#include <cstdint>
 
 #include "core/base/stoppable.h"
 #include "core/geometry/exact/predicates.h"

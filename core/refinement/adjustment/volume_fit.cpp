@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
 
 #include "core/base/blocks.h"
 #include "core/base/stoppable.h"
 #include "core/base/union_find.h"
 #include "core/geometry/surfaces/surface_offset.h"
-#include "core/patches/curved/offset_moves.h"
 #include "core/triangulation/delaunay_flips.h"
 
 namespace remesh {

@@ -31,9 +31,9 @@ bool is_budget_too_small(const RefinementChoices& choices) { return choices.retr
 
 RefinementChoices after_too_many_made(const RefinementChoices& now, const RefinementFacts& facts) {
   RefinementChoices next = now;
-  if (facts.may_change_floor(now)) {
+  if (facts.may_change_min_edge(now)) {
     next.too_many_predicted = facts.predicted;
-    next.floors.note_too_many();
+    next.min_edge.record_too_many();
   } else {
     next.has_budget = next.is_thinning_quick = true;
     next.budget = budget_of(now, facts.max_faces);
@@ -46,13 +46,13 @@ AfterFaces after_faces(const RefinementChoices& now, std::uint64_t faces, bool a
   AfterFaces after{now};
   RefinementChoices& next = after.choices;
   if (!facts.has_goals(now)) return after;
-  const bool is_floor_chosen = facts.is_any_refined && facts.is_floor_automatic && !now.has_budget;
-  const bool is_floor_too_low = faces > facts.faces_without_floor || are_angles_worse;
-  if (is_floor_chosen && is_floor_too_low && now.floors.may_go_on()) {
+  const bool is_min_edge_chosen = facts.is_any_refined && facts.is_min_edge_automatic && !now.has_budget;
+  const bool is_min_edge_too_short = faces > facts.faces_without_min_edge || are_angles_worse;
+  if (is_min_edge_chosen && is_min_edge_too_short && now.min_edge.may_go_on()) {
     next = after_too_many_made(now, facts);
     after.is_repeated = true;
-  } else if (is_floor_chosen && !is_floor_too_low) {
-    after.is_repeated = next.floors.note_fit(faces);
+  } else if (is_min_edge_chosen && !is_min_edge_too_short) {
+    after.is_repeated = next.min_edge.record_fit(faces);
   }
   if (after.is_repeated) {
     after.counts = false;

@@ -8,7 +8,7 @@
 
 #include "core/base/work_bound.h"
 #include "core/mesh/face_marks.h"
-#include "core/refinement/attempts/floor_search.h"
+#include "core/refinement/attempts/min_edge_search.h"
 #include "core/refinement/goals/goals.h"
 
 namespace remesh {
@@ -23,7 +23,7 @@ enum class RefinedPart : std::uint8_t {
 
 /// The choices for the refinement of one surface. An attempt follows them and changes nothing in them.
 struct RefinementChoices {
-  FloorSearch floors;  ///< the floor under the lengths of edges
+  MinEdgeSearch min_edge;  ///< the floor under the lengths of edges
   /// Gaps do not make sizes smaller than this, in model units.
   double coarsest = 0;
   /// The attempt must make no more faces than the budget. Without it, many faces may be removed when patches are
@@ -40,27 +40,27 @@ struct RefinementChoices {
   FaceMarks failed;  ///< the faces of all patches whose refinement has failed the check
   bool operator==(const RefinementChoices&) const = default;
 
-  explicit RefinementChoices(const FloorSearch& floors) : floors(floors) {}
+  explicit RefinementChoices(const MinEdgeSearch& min_edge) : min_edge(min_edge) {}
 };
 
 /// The facts that an attempt knows about its surface and its goals.
 struct RefinementFacts {
-  bool are_goals_set = false;       ///< by the options, or since some patches are curved
-  bool is_any_refined = false;      ///< not all patches are frozen
-  bool is_floor_automatic = false;  ///< the floor is what limits the number of faces
+  bool are_goals_set = false;          ///< by the options, or since some patches are curved
+  bool is_any_refined = false;         ///< not all patches are frozen
+  bool is_min_edge_automatic = false;  ///< the floor is what limits the number of faces
   std::uint64_t max_faces = Goals::kNoLimit;
-  std::uint64_t faces_without_floor = Goals::kNoLimit;  ///< see Goals
+  std::uint64_t faces_without_min_edge = Goals::kNoLimit;  ///< see Goals
   double predicted = HUGE_VAL;  ///< roughly, in faces and without any limit but the floor; known once sizes are
   bool operator==(const RefinementFacts&) const = default;
 
   bool has_goals(const RefinementChoices& choices) const {
     return are_goals_set && choices.part != RefinedPart::kNothingYet;
   }
-  bool may_change_floor(const RefinementChoices& choices) const {
-    return is_floor_automatic && !choices.has_budget && choices.floors.may_go_on();
+  bool may_change_min_edge(const RefinementChoices& choices) const {
+    return is_min_edge_automatic && !choices.has_budget && choices.min_edge.may_go_on();
   }
   /// Returns the number of faces that bounds the work of all attempts.
-  std::uint64_t expected_limit() const { return is_floor_automatic ? faces_without_floor : max_faces; }
+  std::uint64_t expected_limit() const { return is_min_edge_automatic ? faces_without_min_edge : max_faces; }
 };
 
 /// Returns the budget of the next attempt, in faces. A part of what is allowed is reserved for cuts that neighbours
@@ -79,10 +79,10 @@ struct AfterFaces {
 };
 
 /// Decides whether a result with so many faces needs another attempt. Either the floor is changed, if the faces are out
-/// of proportion (Goals::faces_without_floor), if the floor leaves worse angles than there were before, or if a lower
-/// floor may serve as well. Or the budget is: the next attempt may exceed its budget by cuts that patches have to make
-/// because their neighbours made them, by points in chords, or by cuts for sizes alone. Then the attempt after it gets
-/// a smaller one.
+/// of proportion (Goals::faces_without_min_edge), if the floor leaves worse angles than there were before, or if a
+/// lower floor may serve as well. Or the budget is: the next attempt may exceed its budget by cuts that patches have to
+/// make because their neighbours made them, by points in chords, or by cuts for sizes alone. Then the attempt after it
+/// gets a smaller one.
 AfterFaces after_faces(const RefinementChoices& now, std::uint64_t faces, bool are_angles_worse,
                        const RefinementFacts& facts);
 

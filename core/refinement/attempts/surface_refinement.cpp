@@ -4,10 +4,9 @@
 #include <array>
 #include <cmath>
 #include <string>
-#include <utility>
 
 #include "core/base/stoppable.h"
-#include "core/refinement/rounds/size_misses.h"
+#include "core/refinement/rounds/oversized_triangles.h"
 #include "core/refinement/segments/segment_table.h"
 
 namespace remesh {
@@ -56,7 +55,7 @@ void override_reasons(const RefinementAttempt& attempt, std::vector<UnrefinedRea
 
 Goals SurfaceRefinement::goals(const RefinementChoices& choices) const {
   Goals goals = asked_;
-  goals.min_edge_length = choices.floors.floor();
+  goals.min_edge_length = choices.min_edge.min_edge_length();
   return goals;
 }
 
@@ -64,9 +63,9 @@ RefinementFacts SurfaceRefinement::facts() const {
   RefinementFacts facts;
   facts.are_goals_set = curved_.are_any || asked_.min_angle_deg > 0 || std::isfinite(asked_.max_edge_length) ||
                         std::isfinite(asked_.max_area) || asked_.proximity > 0 || asked_.gradation > 0;
-  facts.is_floor_automatic = is_floor_automatic();
+  facts.is_min_edge_automatic = is_min_edge_automatic();
   facts.max_faces = asked_.max_faces;
-  facts.faces_without_floor = asked_.faces_without_floor;
+  facts.faces_without_min_edge = asked_.faces_without_min_edge;
   facts.predicted = roughly_predicted_;
   return facts;
 }
@@ -107,7 +106,7 @@ RefinementAttempt SurfaceRefinement::refine(const PatchedSurface& on, const Refi
   attempt.is_by_effort = effort.is_spent(limit) || choices.part == RefinedPart::kGivenUp;
   if (attempt.is_by_budget || attempt.is_by_effort) frozen.assign(on.patches.count(), 1);
   attempt.frozen = std::move(frozen);
-  if (!is_floor_automatic())
+  if (!is_min_edge_automatic())
     attempt.max_in_vain =
         kWorkInVain.steps(std::max<std::uint64_t>(on.surface.face_count(), triangulated.triangle_count()), 0);
   const Goals goals = this->goals(choices);
@@ -124,8 +123,8 @@ RefinementAttempt SurfaceRefinement::refine(const PatchedSurface& on, const Refi
   const std::optional<SizeField> graded = sizes_without_floor(on, goals, triangulated);
   Prediction prediction = predict_now(goals, is_any_refined, triangulated);
   roughly_predicted_ = prediction.expected;
-  if (is_any_refined && is_floor_surely_too_low(choices, triangulated)) {
-    attempt.end = RefinementAttempt::End::kFloorTooLow;
+  if (is_any_refined && is_min_edge_surely_too_short(choices, triangulated)) {
+    attempt.end = RefinementAttempt::End::kMinEdgeTooShort;
     return attempt;
   }
   limit_to_proportion(prediction);
@@ -137,7 +136,7 @@ RefinementAttempt SurfaceRefinement::refine(const PatchedSurface& on, const Refi
     return attempt;
   }
   const double hopeless = std::max(kFewFaces, kHopeless * static_cast<double>(goals.max_faces));
-  if (!choices.has_budget && !facts().may_change_floor(choices) &&
+  if (!choices.has_budget && !facts().may_change_min_edge(choices) &&
       (goals.max_faces == Goals::kNoLimit || std::floor(prediction.expected) > hopeless)) {
     attempt.end = RefinementAttempt::End::kTooManyMade;
     return attempt;
@@ -171,14 +170,15 @@ RefinementAttempt SurfaceRefinement::refine(const PatchedSurface& on, const Refi
     attempt.may_measure_later = curved_.angle_margin == 0;
     // An attempt with a budget may have too many faces, and its result is not needed then. Where patches cross,
     // vertices may have to be moved apart first.
-    const bool may_be_too_many = is_floor_automatic() && (choices.floors.may_try_another() ||
-                                                          attempt.refinement.reason.size() > goals.faces_without_floor);
+    const bool may_be_too_many =
+        is_min_edge_automatic() &&
+        (choices.min_edge.may_try_another() || attempt.refinement.reason.size() > goals.faces_without_min_edge);
     attempt.are_sizes_unmeasured = attempt.may_measure_later &&
                                    (effort.wrong > 0 || choices.has_budget || !on.crossing.empty() || may_be_too_many);
     if (!attempt.are_sizes_unmeasured)
-      note_size_misses(on.surface, triangulated.meshes, attempt.frozen,
-                       {goals, on.plane_tolerance, sizes, gaps.get(), graded ? &*graded : nullptr}, attempt.refinement,
-                       control_);
+      record_oversized_triangles(on.surface, triangulated.meshes, attempt.frozen,
+                                 {goals, on.plane_tolerance, sizes, gaps.get(), graded ? &*graded : nullptr},
+                                 attempt.refinement, control_);
   }
   override_reasons(attempt, attempt.refinement.reason);
   return attempt;
@@ -195,7 +195,7 @@ void SurfaceRefinement::measure_sizes(const PatchedSurface& on, const Refinement
   refined.before.exchange_with(triangulated.meshes);
   // Without a field, nothing was refined, and sizes that were aimed at do not count.
   const SizeField one_size(goals.max_edge_length);
-  note_size_misses(
+  record_oversized_triangles(
       on.surface, triangulated.meshes, attempt.frozen,
       {goals, on.plane_tolerance, sizes_.field ? *sizes_.field : one_size, gaps.get(), graded ? &*graded : nullptr},
       refined, control_);
@@ -216,11 +216,12 @@ Prediction SurfaceRefinement::predict_now(const Goals& goals, bool is_any_refine
 }
 
 /// Returns whether gaps or short edges ask for so many faces that the floor can be raised before any attempt.
-bool SurfaceRefinement::is_floor_surely_too_low(const RefinementChoices& choices,
-                                                const TriangulatedPatches& triangulated) const {
-  if (sizes_.field->is_uniform() || !facts().may_change_floor(choices) || choices.floors.is_between()) return false;
+bool SurfaceRefinement::is_min_edge_surely_too_short(const RefinementChoices& choices,
+                                                     const TriangulatedPatches& triangulated) const {
+  if (sizes_.field->is_uniform() || !facts().may_change_min_edge(choices) || choices.min_edge.is_between())
+    return false;
   if (roughly_predicted_ > kAsMany * choices.too_many_predicted) return true;
-  const double in_proportion = kSurelyTooMany * static_cast<double>(asked_.faces_without_floor);
+  const double in_proportion = kSurelyTooMany * static_cast<double>(asked_.faces_without_min_edge);
   return roughly_predicted_ > in_proportion &&
          predict_closely(triangulated, goals(choices), *sizes_.field, control_).expected > in_proportion;
 }
@@ -233,20 +234,20 @@ std::uint64_t SurfaceRefinement::max_made(const RefinementChoices& choices, cons
     const double beyond = std::min((kMaxMade - 1) * faces, std::max(kFewMore, (kMaxManyMade - 1) * faces));
     return allowed + whole(std::min(beyond, kMaxMadeBeyond));
   };
-  if (facts().may_change_floor(choices)) return far_more_than(asked_.faces_without_floor);
+  if (facts().may_change_min_edge(choices)) return far_more_than(asked_.faces_without_min_edge);
   const std::uint64_t most = std::min(asked_.max_faces, kMaxFaces), max = far_more_than(most);
   const std::uint64_t made = std::clamp(whole(kMaxOfPredicted * std::floor(predicted)), most, max);
   return effort.triangles == 0 ? made : std::min(made, effort.left(facts().expected_limit()));
 }
 
-bool SurfaceRefinement::is_floor_automatic() const {
-  return !curved_.are_finer && asked_.faces_without_floor < std::min(asked_.max_faces, kMaxFaces);
+bool SurfaceRefinement::is_min_edge_automatic() const {
+  return !curved_.are_finer && asked_.faces_without_min_edge < std::min(asked_.max_faces, kMaxFaces);
 }
 
 /// With a floor, there are hardly ever more faces than are in proportion.
 void SurfaceRefinement::limit_to_proportion(Prediction& prediction) const {
-  if (is_floor_automatic())
-    prediction.expected = std::min(prediction.expected, static_cast<double>(asked_.faces_without_floor));
+  if (is_min_edge_automatic())
+    prediction.expected = std::min(prediction.expected, static_cast<double>(asked_.faces_without_min_edge));
 }
 
 /// Throws if any result must have more faces than allowed. This is done before memory is allocated for them.
@@ -290,7 +291,7 @@ std::uint64_t SurfaceRefinement::make_size_field(const PatchedSurface& on, const
     sizes_.without_floor.emplace(sizes_for(asked_, gaps, sizes_.coarsest, on, triangulated, earlier_steps, control_));
     steps = sizes_.without_floor->search_steps();
   }
-  const double floor = choices.floors.floor();
+  const double floor = choices.min_edge.min_edge_length();
   if (!sizes_.field || sizes_.field_floor != floor) {
     sizes_.predicted.reset();
     sizes_.field.emplace(sizes_.without_floor->with_floor(goals(choices), control_));

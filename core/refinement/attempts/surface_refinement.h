@@ -7,7 +7,6 @@
 #include <optional>
 #include <span>
 #include <utility>
-#include <vector>
 
 #include "core/base/run_control.h"
 #include "core/mesh/adjacency.h"
@@ -46,10 +45,10 @@ struct CurvedFacts {
 /// The result of an attempt to refine.
 struct RefinementAttempt {
   enum class End : std::uint8_t {
-    kRefined,      ///< there is a refinement
-    kFloorTooLow,  ///< there would surely be more faces than are in proportion, so nothing was refined
-    kGapsTooFine,  ///< gaps ask for so many faces that sizes should be no smaller than `coarsest`
-    kTooManyMade   ///< far too many faces were made, or would be
+    kRefined,          ///< there is a refinement
+    kMinEdgeTooShort,  ///< there would surely be more faces than are in proportion, so nothing was refined
+    kGapsTooFine,      ///< gaps ask for so many faces that sizes should be no smaller than `coarsest`
+    kTooManyMade       ///< far too many faces were made, or would be
   };
   End end = End::kRefined;
   double coarsest = 0;                     ///< in model units
@@ -133,7 +132,7 @@ class SurfaceRefinement {
   /// Gaps are not looked for again to predict faces with other goals if that would take about as long as an attempt.
   static constexpr std::size_t kManySamples = std::size_t{1} << 13;
 
-  bool is_floor_automatic() const;
+  bool is_min_edge_automatic() const;
   std::unique_ptr<const GapSearch> gap_search(const PatchedSurface& on, const TriangulatedPatches& triangulated) const;
   std::optional<SizeField> sizes_without_floor(const PatchedSurface& on, const Goals& goals,
                                                const TriangulatedPatches& triangulated) const;
@@ -142,7 +141,7 @@ class SurfaceRefinement {
   std::uint64_t make_size_field(const PatchedSurface& on, const RefinementChoices& choices, std::uint64_t earlier_steps,
                                 const TriangulatedPatches& triangulated, const GapSearch* gaps);
   Prediction predict_now(const Goals& goals, bool is_any_refined, const TriangulatedPatches& triangulated);
-  bool is_floor_surely_too_low(const RefinementChoices& choices, const TriangulatedPatches& triangulated) const;
+  bool is_min_edge_surely_too_short(const RefinementChoices& choices, const TriangulatedPatches& triangulated) const;
   void limit_to_proportion(Prediction& prediction) const;
   std::uint64_t max_made(const RefinementChoices& choices, const Effort& effort, double predicted) const;
   void refuse_if_hopeless(double least) const;

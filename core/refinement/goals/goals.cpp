@@ -1,8 +1,6 @@
 #include "core/refinement/goals/goals.h"
 
-#include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 namespace remesh {
@@ -39,9 +37,9 @@ void keep_in_proportion(Goals& goals, const Options& options, double diagonal, s
   constexpr std::uint64_t kPerTriangle = 20, kPerTriangleWithGaps = 40, kDetails = 4;
   constexpr std::uint64_t kAlways = 1000, kAlwaysWithGaps = 20000, kAlwaysWithGapsAndCircles = 5000;
   // See experiments.md, Floor of a default answer.
-  constexpr double kLowestFloor = 0x1p-20;
+  constexpr double kLowestMinEdge = 0x1p-20;
   if (options.min_edge_length || !options.refine) return;
-  goals.min_edge_length = floor_of_details(options, goals);
+  goals.min_edge_length = min_edge_of_details(options, goals);
   if (std::isfinite(goals.max_edge_length) || std::isfinite(goals.max_area)) return;
   const bool are_details_removed = options.defeature_size.value_or(0) > 0;
   const std::uint64_t per_triangle =
@@ -49,8 +47,8 @@ void keep_in_proportion(Goals& goals, const Options& options, double diagonal, s
   const std::uint64_t always = !(goals.proximity > 0)                ? kAlways
                                : is_curved_resolution_given(options) ? kAlwaysWithGapsAndCircles
                                                                      : kAlwaysWithGaps;
-  goals.faces_without_floor = per_triangle * triangles + always;
-  goals.lowest_floor = std::max(kLowestFloor * diagonal, goals.min_edge_length);
+  goals.faces_without_min_edge = per_triangle * triangles + always;
+  goals.lowest_min_edge = std::max(kLowestMinEdge * diagonal, goals.min_edge_length);
 }
 
 void keep_apart_in_storage(Goals& goals, const Options& options, double step) {
@@ -61,11 +59,11 @@ void keep_apart_in_storage(Goals& goals, const Options& options, double step) {
   if (options.min_edge_length || !options.refine || !(floor > goals.min_edge_length)) return;
   if (!(2 * floor <= goals.max_edge_length)) return;
   goals.min_edge_length = floor;
-  goals.floor_of_storage = floor;
-  goals.lowest_floor = std::max(goals.lowest_floor, floor);
+  goals.min_edge_of_storage = floor;
+  goals.lowest_min_edge = std::max(goals.lowest_min_edge, floor);
 }
 
-double floor_of_details(const Options& options, const Goals& goals) {
+double min_edge_of_details(const Options& options, const Goals& goals) {
   constexpr double kShareOfDetails = 1.0 / 3;
   if (options.min_edge_length || !options.refine) return 0;
   const double floor = kShareOfDetails * options.defeature_size.value_or(0);

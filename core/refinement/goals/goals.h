@@ -25,9 +25,9 @@ struct Goals {
   std::uint64_t max_faces;        ///< limit on the faces of the whole result
   /// If there would be more faces than this, refinement looks for a value of min_edge_length with which there are no
   /// more. kNoLimit: it does not look for one.
-  std::uint64_t faces_without_floor = kNoLimit;
-  double lowest_floor = 0;      ///< the first value that is tried
-  double floor_of_storage = 0;  ///< min_edge_length is at least this, so that points stay apart in the result's storage
+  std::uint64_t faces_without_min_edge = kNoLimit;
+  double lowest_min_edge = 0;      ///< the first value that is tried
+  double min_edge_of_storage = 0;  ///< min_edge_length is at least this; points stay apart in the storage
   bool split_boundaries = true;
 
   /// The sizes for gaps and short edges are known at some places and interpolated between them. An edge that is longer
@@ -63,7 +63,7 @@ void keep_apart_in_storage(Goals& goals, const Options& options, double step);
 
 /// Returns the length below which no edge is made because smaller details are removed, in model units; 0 if there is no
 /// such length, or if refinement could not keep it. It is a third of defeature_size.
-double floor_of_details(const Options& options, const Goals& goals);
+double min_edge_of_details(const Options& options, const Goals& goals);
 
 /// Return the area of an equilateral triangle with this edge, and the edge of one with this area. No triangle with
 /// edges up to `edge` has a larger area. Infinity gives infinity.

@@ -1,6 +1,5 @@
 #include "core/refinement/goals/unrefined.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -118,7 +117,7 @@ std::vector<Unrefined> summarise_unrefined(const UnrefinedFaces& unrefined, std:
   StopCheck check(control);
   std::array<Unrefined, kUnrefinedReasonCount> by_reason;
   // The user did not ask for a floor that the program has found.
-  const bool is_found = goals.faces_without_floor != Goals::kNoLimit || goals.floor_of_storage > 0;
+  const bool is_found = goals.faces_without_min_edge != Goals::kNoLimit || goals.min_edge_of_storage > 0;
   const auto told = [&](UnrefinedReason reason) {
     return reason == UnrefinedReason::kMinEdgeLength && is_found ? UnrefinedReason::kSizeFloor : reason;
   };

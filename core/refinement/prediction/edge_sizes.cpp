@@ -4,13 +4,12 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <span>
 #include <utility>
 
 #include "core/base/blocks.h"
-#include "core/base/pages.h"
+#include "core/base/prefault_pages.h"
 #include "core/base/stoppable.h"
 #include "core/refinement/goals/min_spacing.h"
 #include "core/refinement/segments/strips.h"

@@ -273,16 +273,17 @@ class LeastFaces {
     // Edges up to this length may stay, even if sizes ask for shorter ones.
     double may_stay = is_floor_a_matter(goals_.min_edge_length, kSizesOverFloor) ? goals_.min_edge_length : 0;
     double pieces = 0;
-    bool is_any_locked = false, is_any_fixed = false, is_floor_asked = may_stay > 0;
+    bool is_any_locked = false, is_any_fixed = false, is_min_edge_user_limit = may_stay > 0;
     for (const std::uint32_t i : segments_.sides_of_patch(p)) {
       control_.check();
       const BoundarySegment& s = segments_[segments_.all_sides()[i].segment];
       pieces += least_pieces(s);
       is_any_locked = is_any_locked || s.is_locked();
       is_any_fixed = is_any_fixed || is_fixed(s);
-      if (s.is_floor_raised && is_floor_a_matter(s.floor, s.is_floor_asked ? kSizesOverFloor : kSizesOverRounding))
+      if (s.is_floor_raised &&
+          is_floor_a_matter(s.floor, s.is_min_edge_user_limit ? kSizesOverFloor : kSizesOverRounding))
         may_stay = std::max(may_stay, s.floor);
-      is_floor_asked = is_floor_asked || s.is_floor_asked;
+      is_min_edge_user_limit = is_min_edge_user_limit || s.is_min_edge_user_limit;
     }
     double largest = largest_area_;
     if (may_stay > 0) largest = kLeftBesideFloor * std::max(largest, equilateral_area(may_stay));
@@ -294,7 +295,7 @@ class LeastFaces {
       else if (is_any_fixed)
         filled = away_from_fixed(patch, chart, p, largest);
       // Rounding leaves room only for a result that is so far from the goals that it would be useless.
-      if (!is_any_fixed && !is_floor_asked)
+      if (!is_any_fixed && !is_min_edge_user_limit)
         filled = std::max(filled, area_of(patch, chart) / largest_area_ / kFarFromAsked);
     }
     return std::max({triangles, pieces - 2, filled});
@@ -304,7 +305,7 @@ class LeastFaces {
   double least_pieces(const BoundarySegment& s) const {
     if (s.is_locked()) return 1;
     const double pieces = count_pieces(s.length, longest_);
-    if (s.is_floor_asked) return s.floor * kSizesOverFloor <= longest_ ? pieces : 1;
+    if (s.is_min_edge_user_limit) return s.floor * kSizesOverFloor <= longest_ ? pieces : 1;
     // Refinement finds out by itself where rounding leaves no room for a cut. But it cannot make more than kMaxFaces
     // cuts to find this out, so then all pieces count.
     return s.floor <= longest_ || pieces > static_cast<double>(kMaxFaces) ? pieces : 1;
@@ -378,7 +379,7 @@ double pieces_to_be_made(const SegmentTable& segments, const SizeField& sizes, R
   for (std::uint32_t i = 0; i < segments.size(); ++i) {
     check();
     const BoundarySegment& s = segments[SegmentId(i)];
-    const bool is_cut = !s.is_locked() && !(s.is_floor_asked && s.floor > sizes.largest());
+    const bool is_cut = !s.is_locked() && !(s.is_min_edge_user_limit && s.floor > sizes.largest());
     if (is_cut) pieces += count_pieces(s.length, sizes.largest()) - 1;
   }
   return pieces;

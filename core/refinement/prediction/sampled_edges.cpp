@@ -1,6 +1,5 @@
 #include "core/refinement/prediction/sampled_edges.h"
 
-#include <algorithm>
 #include <cmath>
 #include <tuple>
 #include <utility>

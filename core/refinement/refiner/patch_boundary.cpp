@@ -1,6 +1,5 @@
 #include "core/refinement/refiner/patch_boundary.h"
 
-#include <array>
 #include <cmath>
 #include <numeric>
 #include <tuple>
@@ -10,12 +9,12 @@
 namespace remesh {
 namespace {
 
-/// Two distances along segments belong to the same shell if they differ by no more than this fraction.
-constexpr double kSameShell = 1e-9;
+/// Two distances along segments belong to the same ring if they differ by no more than this fraction.
+constexpr double kSameRing = 1e-9;
 
 /// Returns whether two vertices are equally far from the corner between them, and nearer to each other than to it.
-bool is_on_one_shell(double from_a, double from_b, double distance) {
-  return std::fabs(from_a - from_b) <= kSameShell * from_a && distance < from_a * (1 - kSameShell);
+bool is_on_one_ring(double from_a, double from_b, double distance) {
+  return std::fabs(from_a - from_b) <= kSameRing * from_a && distance < from_a * (1 - kSameRing);
 }
 
 }  // namespace
@@ -178,7 +177,7 @@ bool PatchBoundary::is_across(const VertexPlace& a, const VertexPlace& b, double
   for (int i = 0; i < 2; ++i)
     for (int j = 0; j < 2; ++j)
       if ((i == 0 ? s.from : s.to) == (j == 0 ? u.from : u.to) &&
-          is_on_one_shell(distance_to_end(a, i), distance_to_end(b, j), distance))
+          is_on_one_ring(distance_to_end(a, i), distance_to_end(b, j), distance))
         return true;
   return false;
 }
@@ -189,7 +188,7 @@ bool PatchBoundary::is_across(const VertexPlace& cut, std::uint32_t corner, doub
   for (int i = 0; i < 2; ++i) {
     const CornerSegment* found = find_other(segments_at(corner), i == 0 ? s.from : s.to);
     if (found != nullptr && found->segment != cut.segment() &&
-        is_on_one_shell(distance_to_end(cut, i), segments_[found->segment].length, distance))
+        is_on_one_ring(distance_to_end(cut, i), segments_[found->segment].length, distance))
       return true;
   }
   return false;
@@ -201,7 +200,7 @@ bool PatchBoundary::is_across(std::uint32_t a, std::uint32_t b, double distance)
   if (few.size() > many.size()) std::swap(few, many);
   return std::any_of(few.begin(), few.end(), [&](const CornerSegment& s) {
     const CornerSegment* found = find_other(many, s.other);
-    return found != nullptr && is_on_one_shell(segments_[s.segment].length, segments_[found->segment].length, distance);
+    return found != nullptr && is_on_one_ring(segments_[s.segment].length, segments_[found->segment].length, distance);
   });
 }
 

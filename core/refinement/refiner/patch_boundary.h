@@ -53,7 +53,7 @@ class PatchBoundary {
   SegmentId segment_of(std::uint32_t s) const { return chains_[sides_[s].chain].segment; }
   /// Returns the spacing that holds on the segment of a side.
   MinSpacing spacing_of(std::uint32_t s) const { return spacing_on(segment_of(s)); }
-  MinSpacing spacing_on(SegmentId s) const { return {segments_[s].floor, segments_[s].is_floor_asked}; }
+  MinSpacing spacing_on(SegmentId s) const { return {segments_[s].floor, segments_[s].is_min_edge_user_limit}; }
   Vec3 position(SegmentId s, double t) const { return segments_.position(s, t); }
   /// Returns the number of triangles that a cut of the segment makes in all patches.
   std::uint64_t cost_of_cut(SegmentId s) const { return segments_.sides(s).size(); }

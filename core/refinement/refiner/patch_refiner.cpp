@@ -1,11 +1,9 @@
 #include "core/refinement/refiner/patch_refiner.h"
 
-#include <algorithm>
 #include <cmath>
 #include <memory_resource>
-#include <utility>
 
-#include "core/refinement/refiner/column_fill.h"
+#include "core/refinement/refiner/axial_fill.h"
 #include "core/refinement/refiner/patch_editor.h"
 #include "core/refinement/refiner/patch_start.h"
 #include "core/refinement/refiner/triangle_treatment.h"

@@ -1,6 +1,8 @@
 /// Refines one patch in its plane for angles and sizes, until there is no more work.
 #pragma once
 
+#include <algorithm>
+#include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -16,7 +18,6 @@
 #include "core/refinement/refiner/patch_sizes.h"
 #include "core/refinement/refiner/patch_thinner.h"
 #include "core/refinement/refiner/patch_to_refine.h"
-#include "core/refinement/refiner/refinement_progress.h"
 #include "core/refinement/refiner/refiner_scratch.h"
 #include "core/refinement/refiner/working_patch.h"
 #include "core/refinement/segments/segment_cuts.h"
@@ -25,6 +26,33 @@
 namespace remesh {
 
 class PatchEditor;
+
+/// Derives the progress from the number of triangles and the predicted number. There may be twice as many as predicted;
+/// then the progress stands at 95 %. All members may be called from any thread.
+class RefinementProgress {
+ public:
+  RefinementProgress(RunControl& control, double expected) : control_(control), expected_(std::max(expected, 1.0)) {}
+
+  /// Must be called when a refinement begins, or begins again, with this number of triangles.
+  void begin(std::uint64_t faces) { faces_ = static_cast<std::int64_t>(faces); }
+  /// Must be called when there are this many more (or fewer) triangles. It is also a point of cancellation.
+  void add(std::int64_t faces) {
+    const double fraction = static_cast<double>(faces_ += faces) / expected_;
+    // The progress never goes back, even if the refinement begins again.
+    double known = fraction_;
+    while (known < fraction && !fraction_.compare_exchange_weak(known, fraction)) {
+    }
+    control_.progress(std::min(0.95, std::max(known, fraction)));
+  }
+
+  void check() const { control_.check(); }
+
+ private:
+  RunControl& control_;
+  const double expected_;
+  std::atomic<std::int64_t> faces_{0};
+  std::atomic<double> fraction_{0};
+};
 
 /// A patch while it is refined. It cuts its own segments at once, at the places that the segment table gives, and
 /// stores these cuts. Between rounds it applies the cuts that other patches made. Between its turns it stores the

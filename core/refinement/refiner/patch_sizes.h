@@ -10,7 +10,7 @@
 #include "core/patches/charts/patch_chart.h"
 #include "core/refinement/goals/triangle_measures.h"
 #include "core/refinement/goals/unrefined_reason.h"
-#include "core/refinement/refiner/even_fill.h"
+#include "core/refinement/refiner/lattice_fill.h"
 #include "core/refinement/refiner/patch_to_refine.h"
 #include "core/refinement/sizes/criteria.h"
 #include "core/refinement/sizes/fixed_side_sizes.h"

@@ -12,7 +12,7 @@
 #include "core/base/small_blocks.h"
 #include "core/base/stoppable.h"
 #include "core/refinement/goals/min_spacing.h"
-#include "core/refinement/refiner/even_fill.h"
+#include "core/refinement/refiner/lattice_fill.h"
 #include "core/triangulation/patch_triangulation.h"
 
 namespace remesh {
@@ -160,7 +160,7 @@ class Starter {
       const SegmentSide& side = patch_.segments.all_sides()[i];
       const BoundarySegment& segment = patch_.segments[side.segment];
       for (const std::uint32_t v : {mesh.from(side.half_edge), mesh.to(side.half_edge)})
-        spacing[v] = std::min(spacing[v], {segment.floor, segment.is_floor_asked});
+        spacing[v] = std::min(spacing[v], {segment.floor, segment.is_min_edge_user_limit});
     }
     std::pmr::vector<std::uint8_t> is_inside(n, 0, &memory);
     for (std::size_t v = 0; v < n; ++v) is_inside[v] = std::isinf(spacing[v].length);
@@ -224,7 +224,7 @@ class Starter {
     // Points are rounded to the grid, and once more in space.
     const double shortest = min_edge_length_ / chart_.scale(patch_.mesh.uv.front()) * (1 + 1e-9) + 2 * chart_.grid();
     Fill fill;
-    for (const Vec2 p : even_fill(triangles, boundary, points.size(), sizes, shortest, max_points, control_)) {
+    for (const Vec2 p : lattice_fill(triangles, boundary, points.size(), sizes, shortest, max_points, control_)) {
       const double size = sizes.at(p) * chart_.scale(p);
       if (is_too_fine(size)) continue;
       fill.points.push_back(chart_.on_grid(p));

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <memory_resource>
-#include <vector>
 
 #include "core/base/run_control.h"
 #include "core/refinement/refiner/patch_boundary.h"

@@ -86,7 +86,7 @@ bool PatchThinner::is_fan_good(Vec2 p, std::span<const std::uint32_t> ring, doub
   return true;
 }
 
-void PatchThinner::note_remade() {
+void PatchThinner::record_remade() {
   patch_.states.resize(mesh_.triangle_slots(), TriangleState::good());
   for (const std::uint32_t t : mesh_.changed()) {
     if (mesh_.is_live(t)) patch_.states[t] = TriangleState::good();
@@ -97,7 +97,7 @@ void PatchThinner::note_remade() {
 void PatchThinner::take(std::uint32_t v) {
   scratch_.taken.push_back({mesh_.point(v), patch_.places[v].spacing()});
   mesh_.remove(v);
-  note_remade();
+  record_remade();
 }
 
 /// Puts back all removed points, the last one first. So points get their old numbers again. The triangulation of these
@@ -110,7 +110,7 @@ void PatchThinner::put_back() {
       const DelaunayMesh::Cavity cavity = mesh_.find_cavity(taken.p, t);
       if (!cavity.has_room) continue;
       const std::uint32_t v = mesh_.fill_cavity(cavity);
-      note_remade();
+      record_remade();
       patch_.set_place(v, VertexPlace::free(taken.spacing));
       break;
     }
@@ -243,11 +243,11 @@ std::uint32_t PatchThinner::put_in(Vec2 p, MinSpacing spacing, double worst_shap
   const auto is_good = [&](std::uint32_t t) { return patch_.states[t].is_good(); };
   if (!cavity.has_room || !std::all_of(cavity.triangles.begin(), cavity.triangles.end(), is_good)) return kNone;
   const std::uint32_t v = mesh_.fill_cavity(cavity);
-  note_remade();
+  record_remade();
   patch_.set_place(v, VertexPlace::free(spacing));
   if (are_remade_well(worst_shape)) return v;
   mesh_.remove(v);
-  note_remade();
+  record_remade();
   return kNone;
 }
 

@@ -52,7 +52,7 @@ class PatchThinner {
   bool find_hole(std::uint32_t v, std::size_t k);
   Fan fan_of(Vec2 p, std::span<const std::uint32_t> ring) const;
   bool is_fan_good(Vec2 p, std::span<const std::uint32_t> ring, double worst_shape) const;
-  void note_remade();
+  void record_remade();
   void take(std::uint32_t v);
   void put_back();
   bool is_inside(std::uint32_t t, Vec2 p) const;

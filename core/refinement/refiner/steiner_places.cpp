@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <span>
 
 namespace remesh {
 namespace {
@@ -66,12 +65,12 @@ Vec2 SteinerPlaces::lowered(const DelaunayMesh::Cavity& of_off_centre, std::uint
 
 /// Returns the effect that a point would have on its cavity. If it would make more than `max_more_bad` additional bad
 /// triangles, the result only tells that they are more.
-SteinerPlaces::TriangulationOutcome SteinerPlaces::outcome(const DelaunayMesh::Cavity& cavity, int max_more_bad) const {
+SteinerPlaces::InsertionOutcome SteinerPlaces::outcome(const DelaunayMesh::Cavity& cavity, int max_more_bad) const {
   const std::span<const DelaunayMesh::RimEdge> rim = cavity.rim;
   const Vec2 p = cavity.point;
   const auto is_bad = [&](std::uint32_t t) { return !patch_.states[t].is_good(); };
   const auto bad_before = std::count_if(cavity.triangles.begin(), cavity.triangles.end(), is_bad);
-  TriangulationOutcome found{-static_cast<int>(bad_before), HUGE_VAL};
+  InsertionOutcome found{-static_cast<int>(bad_before), HUGE_VAL};
   // A spoke is an edge from p to a vertex of the rim. Both triangles at a spoke need to know whether it is too long, so
   // the test is made once.
   std::optional<bool> first, here, next;
@@ -127,13 +126,13 @@ Vec2 SteinerPlaces::best_for_size(Vec2 off_centre, std::uint32_t shortest) {
                           0.5 * (b + c),
                           0.5 * (a + c)};
   Vec2 best = off_centre;
-  TriangulationOutcome best_outcome{std::numeric_limits<int>::max(), 0};
+  InsertionOutcome best_outcome{std::numeric_limits<int>::max(), 0};
   for (Vec2 at : places) {
     if (!std::isfinite(at.x) || !std::isfinite(at.y)) continue;
     at = patch_.in_column(at);
     const PointPlace place = patch_.look_at(sizes_.chart().on_grid(at), shortest / 3);
     if (!place.has_room() || is_encroaching(place.cavity)) continue;
-    const TriangulationOutcome next = outcome(place.cavity, best_outcome.more_bad);
+    const InsertionOutcome next = outcome(place.cavity, best_outcome.more_bad);
     if (next.more_bad > best_outcome.more_bad ||
         (next.more_bad == best_outcome.more_bad && !(next.worst_shape > best_outcome.worst_shape)))
       continue;

@@ -39,7 +39,7 @@ class SteinerPlaces {
 
  private:
   /// Describes the effect that a point would have on its cavity.
-  struct TriangulationOutcome {
+  struct InsertionOutcome {
     /// This is the number of new triangles that miss a bound, minus the number of old ones that did.
     int more_bad;
     double worst_shape;  ///< minimum of TriangleMeasures::shape over the new triangles
@@ -47,7 +47,7 @@ class SteinerPlaces {
 
   int count_good(std::span<const DelaunayMesh::RimEdge> rim, Vec2 p, int count_to_beat) const;
   bool is_encroaching(const DelaunayMesh::Cavity& cavity) const;
-  TriangulationOutcome outcome(const DelaunayMesh::Cavity& cavity, int max_more_bad) const;
+  InsertionOutcome outcome(const DelaunayMesh::Cavity& cavity, int max_more_bad) const;
 
   const PatchSizes& sizes_;
   const Criteria& criteria_;

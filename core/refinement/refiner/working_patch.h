@@ -3,20 +3,20 @@
 
 #include <algorithm>
 #include <bit>
+#include <cassert>
 #include <cmath>
 #include <cstdint>
 #include <memory_resource>
 #include <utility>
-#include <vector>
 
 #include "core/base/ids.h"
 #include "core/base/vec.h"
 #include "core/refinement/goals/min_spacing.h"
+#include "core/refinement/goals/unrefined_reason.h"
 #include "core/refinement/refiner/patch_boundary.h"
 #include "core/refinement/refiner/patch_start.h"
 #include "core/refinement/refiner/refiner_scratch.h"
 #include "core/refinement/refiner/task_queues.h"
-#include "core/refinement/refiner/triangle_state.h"
 #include "core/refinement/segments/segment_cuts.h"
 #include "core/refinement/segments/vertex_place.h"
 #include "core/triangulation/delaunay_mesh.h"
@@ -31,6 +31,31 @@ struct PointPlace {
 
   bool is_hidden() const { return hiding_side != kNone; }
   bool has_room() const { return cavity.has_room; }
+};
+
+/// A triangle meets the goals, or it waits to be treated, or it misses a goal and stays for a reason.
+class TriangleState {
+ public:
+  static constexpr TriangleState good() { return TriangleState(kGood); }
+  /// The triangle meets the goals, and thinning out has tried the points around it since it was made.
+  static constexpr TriangleState settled() { return TriangleState(kSettled); }
+  static constexpr TriangleState waiting() { return TriangleState(kWaiting); }
+  explicit constexpr TriangleState(UnrefinedReason why) : value_(static_cast<std::uint8_t>(why)) {}
+
+  bool is_good() const { return value_ == kGood || value_ == kSettled; }
+  bool is_settled() const { return value_ == kSettled; }
+  bool is_waiting() const { return value_ == kWaiting; }
+  /// The triangle must be one that stays.
+  UnrefinedReason reason() const {
+    assert(!is_good() && !is_waiting());
+    return static_cast<UnrefinedReason>(value_);
+  }
+
+ private:
+  static constexpr std::uint8_t kGood = 0xff, kWaiting = 0xfe, kSettled = 0xfd;
+  explicit constexpr TriangleState(std::uint8_t value) : value_(value) {}
+
+  std::uint8_t value_;
 };
 
 /// The columns of a curved patch run along its surface's axis. The angle between two columns is the max turn of an

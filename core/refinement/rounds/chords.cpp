@@ -1,7 +1,6 @@
 #include "core/refinement/rounds/chords.h"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <tuple>
 #include <utility>

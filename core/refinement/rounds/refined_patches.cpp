@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "core/base/blocks.h"
-#include "core/base/drop.h"
+#include "core/base/parallel_free.h"
 #include "core/base/stoppable.h"
 
 namespace remesh {
@@ -47,15 +47,15 @@ std::size_t place_inner_vertices(const Surface& surface, const PatchChart& chart
   return first - begin;
 }
 
-PatchesAside collect_refined(const RefinementInput& input, const SegmentTable& segments, const SegmentCuts& cuts,
-                             const TriangulatedPatches& triangulated, PatchRefiners& refiners, bool are_refiners_kept,
-                             Refinement& result, RunControl& control) {
+PatchBackup collect_refined(const RefinementInput& input, const SegmentTable& segments, const SegmentCuts& cuts,
+                            const TriangulatedPatches& triangulated, PatchRefiners& refiners, bool are_refiners_kept,
+                            Refinement& result, RunControl& control) {
   const std::size_t n = triangulated.size(), old = input.surface.vertex_count();
   const std::vector<std::uint32_t> first_cut = first_cut_of_segments(segments, cuts, control);
   result.first_inner = first_cut.back();
   std::vector<PatchId> ids =
       select_ids<PatchId>(n, kItemsPerBlock, control, [&](std::size_t p) { return refiners[PatchId(p)] != nullptr; });
-  Dropped<PatchMesh> all;
+  FreedInParallel<PatchMesh> all;
   std::vector<PatchMesh>& meshes = all.items;
   meshes.resize(ids.size());
   std::vector<std::vector<UnrefinedReason>> reasons(ids.size());

@@ -9,7 +9,7 @@
 #include "core/base/run_control.h"
 #include "core/patch_types/patch_mesh.h"
 #include "core/refinement/refiner/patch_refiner.h"
-#include "core/refinement/rounds/patches_aside.h"
+#include "core/refinement/rounds/patch_backup.h"
 #include "core/refinement/rounds/refinement.h"
 #include "core/refinement/rounds/refinement_input.h"
 #include "core/refinement/segments/segment_cuts.h"
@@ -32,8 +32,8 @@ std::size_t count_unplaced(const PatchMesh& patch);
 /// Input:  If `are_refiners_kept` is false, each refiner is deleted when its patch is made.
 /// Output: The patches that have a refiner, and `new_positions`, `first_inner` and `reason` of the result. A patch
 ///         without a refiner stays as it was, because it is frozen or has no work.
-PatchesAside collect_refined(const RefinementInput& input, const SegmentTable& segments, const SegmentCuts& cuts,
-                             const TriangulatedPatches& triangulated, PatchRefiners& refiners, bool are_refiners_kept,
-                             Refinement& result, RunControl& control);
+PatchBackup collect_refined(const RefinementInput& input, const SegmentTable& segments, const SegmentCuts& cuts,
+                            const TriangulatedPatches& triangulated, PatchRefiners& refiners, bool are_refiners_kept,
+                            Refinement& result, RunControl& control);
 
 }  // namespace remesh

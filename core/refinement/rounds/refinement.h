@@ -7,7 +7,7 @@
 
 #include "core/base/vec.h"
 #include "core/refinement/goals/unrefined_reason.h"
-#include "core/refinement/rounds/patches_aside.h"
+#include "core/refinement/rounds/patch_backup.h"
 
 namespace remesh {
 
@@ -19,10 +19,10 @@ struct Refinement {
   /// goals it may have any value.
   std::vector<UnrefinedReason> reason;
   /// There is one entry per triangle, which is not 0 if the triangle is larger than gaps or short edges ask for, or may
-  /// be (size_misses.h). It is empty if all are 0.
+  /// be (oversized_triangles.h). It is empty if all are 0.
   std::vector<std::uint8_t> misses_sizes;
   std::uint32_t rounds = 0;
-  PatchesAside before;  ///< the patches that have changed, as they were before
+  PatchBackup before;  ///< the patches that have changed, as they were before
 };
 
 }  // namespace remesh

@@ -6,19 +6,18 @@
 #include <algorithm>
 #include <atomic>
 #include <memory>
-#include <numeric>
 #include <span>
 #include <utility>
 
 #include "core/base/blocks.h"
-#include "core/base/drop.h"
 #include "core/base/large_first.h"
+#include "core/base/parallel_free.h"
 #include "core/base/stoppable.h"
 #include "core/refinement/goals/face_budget.h"
 #include "core/refinement/refiner/patch_refiner.h"
 #include "core/refinement/rounds/chords.h"
+#include "core/refinement/rounds/extra_work_pool.h"
 #include "core/refinement/rounds/refined_patches.h"
-#include "core/refinement/rounds/steps_above_bounds.h"
 #include "core/refinement/segments/segment_cuts.h"
 
 namespace remesh {
@@ -64,7 +63,7 @@ class Rounds {
     chords_.of_patch.resize(triangulated.size());
   }
 
-  ~Rounds() { drop_all(refiners_.items()); }
+  ~Rounds() { free_in_parallel(refiners_.items()); }
   Rounds(const Rounds&) = delete;
   Rounds& operator=(const Rounds&) = delete;
 
@@ -78,16 +77,16 @@ class Rounds {
         begin();
         continue;
       }
-      if (thin_out() && take_up_again()) continue;
+      if (thin_out() && resume_after_thinning()) continue;
       chords_.are_refiners_kept = chords_.are_refiners_kept || count_faces() <= kMaxFacesKept;
-      PatchesAside aside = collect_refined(input_, segments_, cuts_, triangulated_, refiners_,
-                                           chords_.are_refiners_kept, result_, control_);
+      PatchBackup aside = collect_refined(input_, segments_, cuts_, triangulated_, refiners_, chords_.are_refiners_kept,
+                                          result_, control_);
       aside.exchange_with(meshes());
       const std::vector<Chord> found =
           find_chords(meshes(), input_.surface.vertex_count() + result_.first_inner, control_);
       const bool was_in_vain = chords_.are_refiners_kept && !chords_.is_any_split;
       if (!can_split_any(found) || passes == kMaxChordPasses || was_in_vain) {
-        drop_all(refiners_.items());
+        free_in_parallel(refiners_.items());
         result_.before = std::move(aside);
         const auto why = passes == kMaxChordPasses ? UnrefinedReason::kEffort : UnrefinedReason::kSizeFloor;
         if (!found.empty()) split_chords(input_.surface, triangulated_, result_, input_.is_frozen, why, control_);
@@ -101,7 +100,7 @@ class Rounds {
         continue;
       }
       ++passes;
-      take_on(found);
+      queue_chord_splits(found);
     }
   }
 
@@ -128,13 +127,13 @@ class Rounds {
 
   /// Runs rounds until no patch has any work.
   void settle() {
-    note_made();
+    record_made();
     while (!barrier_.dirty.empty() && barrier_.impossible.empty() && !budget_.is_too_much_made()) {
       ++result_.rounds;
       refine_dirty();
       if (budget_.is_too_much_made()) return;
       exchange_cuts();
-      note_made();
+      record_made();
     }
   }
 
@@ -150,7 +149,7 @@ class Rounds {
     return faces;
   }
 
-  void note_made() {
+  void record_made() {
     if (budget_.is_counted()) budget_.set_made(count_faces());
   }
 
@@ -176,7 +175,7 @@ class Rounds {
 
   /// If the budget has ended refinement, thinning out may have made room again. Then the patches with work resume. The
   /// number of times is limited, because refinement may add what thinning out removes.
-  bool take_up_again() {
+  bool resume_after_thinning() {
     const bool is_quick = input_.thinning_in_budget == Thinning::kQuick;
     if (!budget_.is_limited() || thinning_.times_taken_up == (is_quick ? kMaxTakenUpQuickly : kMaxTakenUp))
       return false;
@@ -204,7 +203,7 @@ class Rounds {
     chords_.is_any_split = true;
     thinning_.is_done = false;
     thinning_.times_taken_up = 0;
-    drop_all(refiners_.items());
+    free_in_parallel(refiners_.items());
     refiners_.items().resize(meshes().size());
     above_bounds_ = {};
     result_.new_positions.clear();
@@ -346,7 +345,7 @@ class Rounds {
   }
 
   /// Gives chords to their patches, which split them in the next round.
-  void take_on(const std::vector<Chord>& chords) {
+  void queue_chord_splits(const std::vector<Chord>& chords) {
     chords_.is_any_split = false;
     for (const Chord& chord : chords) {
       if (is_frozen(chord.patch)) continue;
@@ -390,7 +389,7 @@ class Rounds {
   SegmentTable segments_;
   SegmentCuts cuts_;
   FaceBudget budget_;
-  StepsAboveBounds above_bounds_;
+  ExtraWorkPool above_bounds_;
   PatchRefiners refiners_;
   /// One per thread. Parallel loops inside a turn do not run another patch's turn meanwhile (core/base/parallel.h).
   tbb::enumerable_thread_specific<RefinerScratch> scratch_;

@@ -90,7 +90,7 @@ std::map<SegmentId, std::vector<double>> column_cuts(const TriangulatedPatches& 
       check();
       const SegmentId s = table.all_sides()[i].segment;
       const BoundarySegment& segment = table[s];
-      if (segment.is_locked() || segment.shell_base[0] > 0 || segment.shell_base[1] > 0) continue;
+      if (segment.is_locked() || segment.ring_base[0] > 0 || segment.ring_base[1] > 0) continue;
       // A plane does not need the vertices of columns.
       const auto beside = table.sides(s);
       const bool has_plane = std::any_of(beside.begin(), beside.end(), [&](const SegmentSide& side) {

@@ -1,7 +1,6 @@
 #include "core/refinement/segments/column_grid.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <numbers>
 

@@ -1,7 +1,6 @@
 /// Stores the cuts of all segments during a refinement, and messages about cuts that patches still have to apply.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>

@@ -15,10 +15,10 @@ namespace {
 /// A relative slack for rounding, so that a length of ten sizes makes ten parts whatever its last digits are.
 constexpr double kCutSlack = 1e-12;
 
-double last_of(std::span<const double> shells) { return shells.empty() ? 0 : shells.back(); }
+double last_of(std::span<const double> rings) { return rings.empty() ? 0 : rings.back(); }
 
-double last_piece_of(std::span<const double> shells) {
-  return last_of(shells) - (shells.size() < 2 ? 0 : shells[shells.size() - 2]);
+double last_piece_of(std::span<const double> rings) {
+  return last_of(rings) - (rings.size() < 2 ? 0 : rings[rings.size() - 2]);
 }
 
 /// The way along a part of a segment, counted in sizes. Each step is about half as long as the last size, but not
@@ -62,7 +62,7 @@ std::vector<double> SegmentTable::size_cuts(SegmentId id, const SizeField& sizes
   std::vector<double> cuts;
   if (const auto known = column_cuts_.find(id); known != column_cuts_.end() && !s.is_locked()) return known->second;
   if (s.is_locked() || (sizes.is_uniform() && !std::isfinite(sizes.largest()))) return cuts;
-  const auto at_from = corner_shells_.at({id, true}), at_to = corner_shells_.at({id, false});
+  const auto at_from = corner_rings_.at({id, true}), at_to = corner_rings_.at({id, false});
   if (!at_from.empty() || !at_to.empty()) {
     cut_evenly(id, 0, 1, sizes, max_cuts, cuts);
     if (!cuts.empty()) cut_at_corners(id, at_from, at_to, sizes, max_cuts, cuts);
@@ -74,11 +74,11 @@ std::vector<double> SegmentTable::size_cuts(SegmentId id, const SizeField& sizes
   return cuts;
 }
 
-/// Cuts a segment on the shells of the sharp corners at its ends, and evenly between these.
+/// Cuts a segment on the rings of the sharp corners at its ends, and evenly between these.
 void SegmentTable::cut_at_corners(SegmentId id, std::span<const double> at_from, std::span<const double> at_to,
                                   const SizeField& sizes, std::uint64_t max_cuts, std::vector<double>& cuts) const {
   const BoundarySegment& s = segments_[id];
-  // If the shells of both ends meet, half a piece must fit between them.
+  // If the rings of both ends meet, half a piece must fit between them.
   while (last_of(at_from) + last_of(at_to) > s.length - (last_piece_of(at_from) + last_piece_of(at_to)) / 4) {
     auto& farther = last_of(at_from) >= last_of(at_to) ? at_from : at_to;
     farther = farther.first(farther.size() - 1);

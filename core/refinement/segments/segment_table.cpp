@@ -4,41 +4,85 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <tuple>
 #include <utility>
 
 #include "core/base/blocks.h"
-#include "core/base/grouping.h"
-#include "core/base/ids.h"
-#include "core/base/pages.h"
+#include "core/base/prefault_pages.h"
 #include "core/base/stoppable.h"
+#include "core/patches/charts/patch_chart.h"
 #include "core/patches/meshing/triangulated_patches.h"
 #include "core/refinement/goals/min_spacing.h"
 #include "core/refinement/segments/column_cuts.h"
-#include "core/refinement/segments/segment_depths.h"
 #include "core/refinement/segments/strips.h"
 #include "core/refinement/sizes/local_features.h"
 
 namespace remesh {
 namespace {
 
-/// Segments that meet under a smaller angle in a patch are cut on common shells. It is a little less than 60 degrees,
-/// because equilateral facets do not need shells.
+/// Returns the min length of a segment's pieces that follows from the depth of the segment below the surfaces of curved
+/// patches beside it. New vertices of such a patch lie on its surface. If pieces were shorter than the segment is deep,
+/// these vertices would be near in the plane and far away in space, and no triangle there would have good angles. The
+/// result is about 0 if cuts follow the curve in which the surfaces meet.
+double floor_below_surface(const SegmentTable& table, SegmentId s, const PatchCharts& charts) {
+  double depth = 0;
+  if (!charts.has_curved()) return 0;
+  for (const SegmentSide& side : table.sides(s)) {
+    const PatchChart chart = charts[side.patch];
+    if (chart.curved() == nullptr) continue;
+    for (const double t : {0.0, 0.25, 0.5, 0.75, 1.0})
+      depth = std::max(depth, std::fabs(chart.height(table.position(s, t))));
+  }
+  constexpr double kPerDepth = 2;
+  return kPerDepth * depth;
+}
+
+/// Returns the segments that would come too near to another boundary of a planar patch if they were cut on their
+/// curves. In a sliver that is thinner than the cuts would move, the boundaries would cross.
+/// Input:  `distance` gives the distance of each side of the table to the nearest feature, in model units.
+/// Output: a segment may occur twice.
+/// Errors: kCancelled, kTimeout - asked to stop through `control`.
+/// Cost:   O(n) in the sides of the table.
+std::vector<SegmentId> segments_without_room(const SegmentTable& table,
+                                             const std::function<double(std::uint32_t)>& distance,
+                                             const PatchCharts& charts, RunControl& control) {
+  // Two boundaries that both move by half of the distance between them meet exactly.
+  constexpr double kShareOfRoom = 0.5;
+  std::vector<SegmentId> found;
+  if (!charts.has_curved()) return found;
+  StopCheck check(control);
+  for (std::uint32_t i = 0; i < table.all_sides().size(); ++i) {
+    check();
+    const SegmentSide& side = table.all_sides()[i];
+    if (charts[side.patch].curved() != nullptr) continue;
+    const SegmentId s = side.segment;
+    const Vec3 &from = table.surface().positions[table[s].from], &to = table.surface().positions[table[s].to];
+    double moved = 0;
+    for (const double t : {0.25, 0.5, 0.75})
+      moved = std::max(moved, norm(table.position(s, t) - (from + t * (to - from))));
+    if (moved > kShareOfRoom * distance(i)) found.push_back(s);
+  }
+  return found;
+}
+
+/// Segments that meet under a smaller angle in a patch are cut on common rings. It is a little less than 60 degrees,
+/// because equilateral facets do not need rings.
 constexpr double kSmallAngle = (60 - 1e-6) * std::numbers::pi / 180;
 
 /// The distance that vertices keep from features, in rounding steps of their coordinates. With this distance, rounding
 /// moves no point to the other side of a feature.
 constexpr double kRoundings = 0x1p10;
 
-/// A piece of length d next to an end is cut at the largest shell that is no farther from the end than this share of d.
-constexpr double kShellShare = 2.0 / 3 * (1 + 1e-9);
+/// A piece of length d next to an end is cut at the largest ring that is no farther from the end than this share of d.
+constexpr double kRingShare = 2.0 / 3 * (1 + 1e-9);
 
 /// The number of segments in a task.
 constexpr std::size_t kSegments = 1024;
 
-/// Returns the largest shell base * 2^k that is at most `most`.
-double shell(double base, double most) { return std::ldexp(base, std::ilogb(most / base)); }
+/// Returns the largest ring base * 2^k that is at most `most`.
+double ring(double base, double most) { return std::ldexp(base, std::ilogb(most / base)); }
 
 struct SegmentUse {
   VertexId from, to;
@@ -228,7 +272,7 @@ SegmentTable::SegmentTable(const Surface& surface, const TriangulatedPatches& tr
   for (std::uint32_t e = 0; e < end_count; ++e) {
     check();
     const std::uint32_t root = clusters_.find(e);
-    if (members[root] > 1) shell_base(SegmentEnd::at(e)) = shortest[root] / 3;
+    if (members[root] > 1) ring_base(SegmentEnd::at(e)) = shortest[root] / 3;
   }
 
   for_each_segment([&](SegmentId s, BoundarySegment& segment) {
@@ -239,11 +283,11 @@ SegmentTable::SegmentTable(const Surface& surface, const TriangulatedPatches& tr
     if (!segment.is_locked() && size < goals.min_edge_length) segment.lock = Lock::kAsked;
     for (const double t : {0.0, 0.5, 1.0}) size = std::min(size, sizes.at(position(s, t)));
     const double angle = std::min(sharpest[SegmentEnd(s, true).index()], sharpest[SegmentEnd(s, false).index()]);
-    // Shells at an angle below 60 degrees are nearer to each other than to the corner.
+    // Rings at an angle below 60 degrees are nearer to each other than to the corner.
     const double shortest_piece = goals.min_edge_length / std::min(1.0, 2 * std::sin(angle / 2));
     const double of_features = std::max(kFloorShare * size, noise / std::sin(angle));
     segment.floor = std::max({shortest_piece, of_features, floor_below_surface(*this, s, triangulated.charts)});
-    segment.is_floor_asked = shortest_piece > of_features;
+    segment.is_min_edge_user_limit = shortest_piece > of_features;
     segment.is_floor_raised = segment.floor > kFloorShare * size;
   });
 }
@@ -256,9 +300,9 @@ void SegmentTable::plan_cuts(const TriangulatedPatches& triangulated, const Size
     for (; s < end; ++s) segments_[SegmentId(s)].parts = parts[s];
   });
   column_cuts_ = column_cuts(triangulated, *this, goals, sizes, control);
-  corner_shells_ = CornerShells(*this, std::exchange(corners_, {}), goals, sizes, control);
+  corner_rings_ = CornerRings(*this, std::exchange(corners_, {}), goals, sizes, control);
   UnionFind clusters = std::exchange(clusters_, UnionFind());
-  // Pieces that corner shells make next to a corner are cut in halves. (If all sizes are the same, that would take up
+  // Pieces that corner rings make next to a corner are cut in halves. (If all sizes are the same, that would take up
   // to a tenth more faces.)
   if (sizes.is_uniform()) return;
   const auto end_count = static_cast<std::uint32_t>(2 * segments_.size());
@@ -267,20 +311,19 @@ void SegmentTable::plan_cuts(const TriangulatedPatches& triangulated, const Size
   for (std::uint32_t e = 0; e < end_count; ++e) {
     check();
     double& least = first[clusters.find(e)];
-    if (const auto shells = corner_shells_.at(SegmentEnd::at(e)); !shells.empty())
-      least = std::min(least, shells.front());
+    if (const auto rings = corner_rings_.at(SegmentEnd::at(e)); !rings.empty()) least = std::min(least, rings.front());
   }
   for (std::uint32_t e = 0; e < end_count; ++e)
-    if (const double base = first[clusters.find(e)]; std::isfinite(base)) shell_base(SegmentEnd::at(e)) = base;
+    if (const double base = first[clusters.find(e)]; std::isfinite(base)) ring_base(SegmentEnd::at(e)) = base;
 }
 
 std::optional<double> SegmentTable::place_cut(const BoundarySegment& s, double t0, double t1) const {
   const double length = (t1 - t0) * s.length;
-  const bool at_from = t0 == 0 && s.shell_base[0] > 0;
-  const bool at_to = t1 == 1 && s.shell_base[1] > 0;
-  const bool use_from = at_from && (!at_to || s.shell_base[0] <= s.shell_base[1]);
-  const double t = use_from ? shell(s.shell_base[0], kShellShare * length) / s.length
-                   : at_to  ? 1 - shell(s.shell_base[1], kShellShare * length) / s.length
+  const bool at_from = t0 == 0 && s.ring_base[0] > 0;
+  const bool at_to = t1 == 1 && s.ring_base[1] > 0;
+  const bool use_from = at_from && (!at_to || s.ring_base[0] <= s.ring_base[1]);
+  const double t = use_from ? ring(s.ring_base[0], kRingShare * length) / s.length
+                   : at_to  ? 1 - ring(s.ring_base[1], kRingShare * length) / s.length
                             : s.parts.cut(t0, t1);
   if (!(t > t0 && t < t1)) return std::nullopt;
   return t;

@@ -17,7 +17,7 @@
 #include "core/patch_types/patch_mesh.h"
 #include "core/patches/charts/boundary_curve.h"
 #include "core/refinement/goals/goals.h"
-#include "core/refinement/segments/corner_shells.h"
+#include "core/refinement/segments/corner_rings.h"
 #include "core/refinement/segments/segment_end.h"
 #include "core/refinement/segments/traced_segments.h"
 #include "core/refinement/sizes/size_field.h"
@@ -53,13 +53,13 @@ enum class Lock : std::uint8_t {
 struct BoundarySegment {
   VertexId from, to;  ///< ordered by position, the smaller one first
   double length = 0;  ///< the length of its curve
-  /// One entry per end (SegmentEnd::place). Pieces at an end are cut on the shells with the radii base * 2^k, so that
+  /// One entry per end (SegmentEnd::place). Pieces at an end are cut on the rings with the radii base * 2^k, so that
   /// segments which meet at a small angle are cut alike. The base is 0 if no other segment is near there. Otherwise it
-  /// is a third of the shortest of these segments or, where sizes vary, the first distance of their CornerShells.
-  std::array<double, 2> shell_base{0, 0};
-  EvenParts parts;              ///< used where there are no shells
-  double floor = 0;             ///< no piece becomes shorter than this
-  bool is_floor_asked = false;  ///< the floor would be lower without the option min_edge_length
+  /// is a third of the shortest of these segments or, where sizes vary, the first distance of their CornerRings.
+  std::array<double, 2> ring_base{0, 0};
+  EvenParts parts;                      ///< used where there are no rings
+  double floor = 0;                     ///< no piece becomes shorter than this
+  bool is_min_edge_user_limit = false;  ///< the floor would be lower without the option min_edge_length
   /// The floor is higher than features and sizes require, because of min_edge_length or of rounding.
   bool is_floor_raised = false;
   Lock lock = Lock::kNone;
@@ -84,7 +84,7 @@ class SegmentTable {
  public:
   /// Input:  the patches are triangulated over vertices that stay. `is_frozen` has one entry per patch; the
   ///         boundary of a frozen patch stays as it is, and so do its neighbours there.
-  /// Source: rules.md, Owned segments; rules.md, Shells; rules.md, Floors.
+  /// Source: rules.md, Owned segments; rules.md, Corner rings; rules.md, Floors.
   SegmentTable(const Surface& surface, const TriangulatedPatches& triangulated,
                const IdVector<PatchId, std::uint8_t>& is_frozen, const SizeField& sizes, const Goals& goals,
                RunControl& control);
@@ -116,13 +116,13 @@ class SegmentTable {
     const Vec3 &from = surface_.positions[segments_[s].from], &to = surface_.positions[segments_[s].to];
     // Segments that meet at a small angle are cut at the same distances from their common end. Therefore they are
     // straight.
-    const bool has_shells = segments_[s].shell_base[0] > 0 || segments_[s].shell_base[1] > 0;
-    const CurveTrace* const trace = has_shells ? nullptr : traced_.of(s);
+    const bool has_rings = segments_[s].ring_base[0] > 0 || segments_[s].ring_base[1] > 0;
+    const CurveTrace* const trace = has_rings ? nullptr : traced_.of(s);
     return trace == nullptr ? BoundaryCurve::line(from, to) : BoundaryCurve::traced(from, to, *trace);
   }
   Vec3 position(SegmentId s, double t) const { return curve(s).position(t); }
 
-  /// Returns where the piece [t0, t1] is cut. Next to an end that has shells it is on a shell; otherwise it is between
+  /// Returns where the piece [t0, t1] is cut. Next to an end that has rings it is on a ring; otherwise it is between
   /// two parts or in the middle. Returns nothing if the segment is locked or if one half would be shorter than the
   /// floor.
   std::optional<double> cut(SegmentId s, double t0, double t1) const;
@@ -130,7 +130,7 @@ class SegmentTable {
   /// Returns the parameters, ascending, at which a segment is cut for its size before any other cut. It is divided into
   /// the min number of parts that are no longer than the size at their place; the parts are equal where the size is.
   /// The side of a strip is first cut between its parts and then by halves, until no piece is longer than the size in
-  /// its middle. Beside sharp corners, a segment is cut on their shells (CornerShells). If there would be more than
+  /// its middle. Beside sharp corners, a segment is cut on their rings (CornerRings). If there would be more than
   /// `max_cuts`, there are about `max_cuts`, in the same proportion. Beside sharp corners there may be some more. Sizes
   /// are read at no more than twice as many places.
   std::vector<double> size_cuts(SegmentId s, const SizeField& sizes, std::uint64_t max_cuts = Goals::kNoLimit) const;
@@ -141,7 +141,7 @@ class SegmentTable {
   void cut_between_parts(SegmentId s, const SizeField& sizes, std::uint64_t max_cuts, std::vector<double>& cuts) const;
   void cut_evenly(SegmentId s, double first, double last, const SizeField& sizes, std::uint64_t max_cuts,
                   std::vector<double>& cuts) const;
-  double& shell_base(SegmentEnd end) { return segments_[end.segment()].shell_base[end.place()]; }
+  double& ring_base(SegmentEnd end) { return segments_[end.segment()].ring_base[end.place()]; }
   std::optional<double> place_cut(const BoundarySegment& s, double t0, double t1) const;
 
   const Surface& surface_;
@@ -154,7 +154,7 @@ class SegmentTable {
   std::vector<std::uint32_t> begin_;
   TracedSegments traced_;
   Grouping by_patch_;  ///< indices of sides
-  CornerShells corner_shells_;
+  CornerRings corner_rings_;
   std::map<SegmentId, std::vector<double>> column_cuts_;  ///< size_cuts of segments along columns of curved patches
 };
 

@@ -6,12 +6,10 @@
 #include <cmath>
 #include <numeric>
 #include <tuple>
-#include <utility>
 #include <vector>
 
 #include "core/base/blocks.h"
 #include "core/base/union_find.h"
-#include "core/base/work_bound.h"
 #include "core/geometry/planes/projection.h"
 #include "core/geometry/trees/box_tree.h"
 #include "core/geometry/triangles/distances.h"

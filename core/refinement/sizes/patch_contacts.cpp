@@ -1,7 +1,6 @@
 #include "core/refinement/sizes/patch_contacts.h"
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <cmath>
 #include <utility>

@@ -1,10 +1,8 @@
 /// The normal of each patch at a place, and the two planes between which the patch lies.
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "core/base/ids.h"
 #include "core/base/run_control.h"

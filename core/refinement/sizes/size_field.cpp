@@ -5,7 +5,6 @@
 #include <iterator>
 #include <numeric>
 #include <utility>
-#include <vector>
 
 #include "core/base/blocks.h"
 #include "core/base/stoppable.h"
@@ -89,7 +88,7 @@ class SizeField::Sampler {
     for (const Vec3& p : surface.local) box_.add(p);
     floor_ = std::max({goals.min_edge_length / surface.unit, kFloor * box_.diagonal(),
                        kFloorTolerances * plane_tolerance / surface.unit});
-    is_floor_asked_ = floor_ * surface.unit <= goals.min_edge_length && goals.min_edge_length > 0;
+    is_min_edge_user_limit_ = floor_ * surface.unit <= goals.min_edge_length && goals.min_edge_length > 0;
     largest_ = goals.max_edge_length / surface.unit;
     coarse_ = kCoarse * box_.diagonal();
     tolerance_ = plane_tolerance / surface.unit;
@@ -105,7 +104,7 @@ class SizeField::Sampler {
   std::uint64_t steps() const { return work_.taken(); }
   bool is_cut_short() const { return work_.is_spent(); }
   double floor() const { return floor_; }
-  bool is_floor_asked() const { return is_floor_asked_; }
+  bool is_min_edge_user_limit() const { return is_min_edge_user_limit_; }
   void drop_floor() { floor_ = 0; }
   void raise_floor(double to) { floor_ = std::max(floor_, to); }
 
@@ -149,7 +148,7 @@ class SizeField::Sampler {
   Box3 box_;
   double proximity_;
   double floor_;
-  bool is_floor_asked_;
+  bool is_min_edge_user_limit_;
   double largest_;
   double coarse_;
   double tolerance_;
@@ -326,7 +325,7 @@ SizeField::SizeField(const Surface& surface, const GapSearch* gaps, std::span<co
       is_of_segments_(gaps == nullptr) {
   Sampler sampler(surface, goals, plane_tolerance, control);
   floor_ = sampler.floor() * surface.unit;
-  is_floor_asked_ = sampler.is_floor_asked();
+  is_min_edge_user_limit_ = sampler.is_min_edge_user_limit();
   sampler.raise_floor(coarsest / surface.unit);
   if (gaps != nullptr) {
     axes_.reserve(gaps->patch_count());
@@ -359,7 +358,7 @@ SizeField SizeField::without_floor(const Surface& surface, std::span<const std::
 SizeField SizeField::rescaled(double proximity, const Goals& goals, RunControl& control) const {
   SizeField field(goals.max_edge_length);
   field.floor_ = floor_;
-  field.is_floor_asked_ = is_floor_asked_;
+  field.is_min_edge_user_limit_ = is_min_edge_user_limit_;
   field.slope_ = goals.size_slope();
   field.centre_ = centre_;
   field.unit_ = unit_;
@@ -384,7 +383,7 @@ SizeField SizeField::with_floor(const Goals& goals, RunControl& control) const {
   if (is_uniform() || !(goals.min_edge_length > floor_)) return *this;
   SizeField field = *this;
   field.floor_ = goals.min_edge_length;
-  field.is_floor_asked_ = true;
+  field.is_min_edge_user_limit_ = true;
   const float floor = FloatBox::rounded_down(goals.min_edge_length / unit_);
   std::vector<Sample> samples;
   samples.reserve(samples_.size());

@@ -88,7 +88,7 @@ class SizeField {
   /// Returns the floor: gaps and short edges do not make sizes smaller than this. It is in model units.
   double floor() const { return floor_; }
   /// Returns whether the floor would be lower without the option min_edge_length.
-  bool is_floor_asked() const { return is_floor_asked_; }
+  bool is_min_edge_user_limit() const { return is_min_edge_user_limit_; }
 
   /// Returns the size at a place in model units. It may be called from any thread.
   double at(const Vec3& place) const;
@@ -145,7 +145,7 @@ class SizeField {
 
   double largest_;
   double floor_ = 0;
-  bool is_floor_asked_ = false;
+  bool is_min_edge_user_limit_ = false;
   double slope_ = 0;
   Vec3 centre_;  ///< the middle of local units, as in Surface
   double unit_ = 1;

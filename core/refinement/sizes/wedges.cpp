@@ -7,7 +7,6 @@
 
 #include "core/base/stoppable.h"
 #include "core/base/union_find.h"
-#include "core/geometry/triangles/distances.h"
 #include "core/refinement/sizes/patch_contacts.h"
 
 namespace remesh {

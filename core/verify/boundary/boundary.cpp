@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <cstdint>
 #include <numeric>
 #include <optional>
 #include <utility>
-#include <vector>
 
 #include "core/base/blocks.h"
 #include "core/base/stoppable.h"
@@ -97,13 +95,13 @@ class StoredChains {
 
 /// The places of vertices in the input.
 struct InputPoints {
-  const Model& model;
-  Vec3 operator()(VertexId v) const { return model.points[v.value]; }
+  const NumberedClaim& numbered;
+  Vec3 operator()(VertexId v) const { return numbered.points[v.value]; }
 };
 /// The places of vertices in the output.
 struct OutputPoints {
-  const Model& model;
-  Vec3 operator()(VertexId v) const { return model.output_point(v); }
+  const NumberedClaim& numbered;
+  Vec3 operator()(VertexId v) const { return numbered.output_point(v); }
 };
 
 /// Makes a list for the chains of a graph that need not grow. Growing would copy millions of them, and these copies
@@ -117,22 +115,22 @@ std::vector<Chain> list_for(const BoundaryGraph& graph, RunControl& control) {
 
 class BoundaryCheck {
  public:
-  BoundaryCheck(const Model& model, const Seams& seams, FoundFaults& faults, RunControl& control)
-      : model_(model), input_(seams.input), output_(seams.output), faults_(faults), control_(control) {
-    result_.deviation.assign(model.patch_count(), 0);
-    result_.slivers.assign(model.patch_count(), 0);
-    if (!model.has_curved()) return;
+  BoundaryCheck(const NumberedClaim& numbered, const Seams& seams, FoundFaults& faults, RunControl& control)
+      : numbered_(numbered), input_(seams.input), output_(seams.output), faults_(faults), control_(control) {
+    result_.deviation.assign(numbered.patch_count(), 0);
+    result_.slivers.assign(numbered.patch_count(), 0);
+    if (!numbered.has_curved()) return;
     for (auto* values : {&result_.on_surface, &result_.near_pole, &result_.allowed})
-      values->assign(model.patch_count(), 0);
+      values->assign(numbered.patch_count(), 0);
   }
 
   Boundary run() {
     std::vector<FoundFault> in_input, in_output;
-    std::vector<double> slivers_of_output(model_.patch_count(), 0);
+    std::vector<double> slivers_of_output(numbered_.patch_count(), 0);
     do_all([&] { walk_input(in_input); }, [&] { walk_output(in_output, slivers_of_output); });
     faults_.add(in_input);
     faults_.add(in_output);
-    for (std::size_t p = 0; p < model_.patch_count(); ++p) result_.slivers[p] += slivers_of_output[p];
+    for (std::size_t p = 0; p < numbered_.patch_count(); ++p) result_.slivers[p] += slivers_of_output[p];
     match_chains();
     check_joints();
     check_new_vertices();
@@ -149,9 +147,9 @@ class BoundaryCheck {
 
   /// True if a chain is compared not with the straight line between its ends, but with a chain of the other side.
   bool may_be_cut_anew(const Chain& chain, std::span<const Use> uses) const {
-    return model_.is_any_curved(uses) || model_.is_moved(chain.low) || model_.is_moved(chain.high);
+    return numbered_.is_any_curved(uses) || numbered_.is_moved(chain.low) || numbered_.is_moved(chain.high);
   }
-  bool is_in_output(VertexId v) const { return model_.is_in_output[v.value] != 0; }
+  bool is_in_output(VertexId v) const { return numbered_.is_in_output[v.value] != 0; }
 
   void walk_input(std::vector<FoundFault>& found) {
     input_.for_each_chain(
@@ -171,12 +169,12 @@ class BoundaryCheck {
 
   void walk_output(std::vector<FoundFault>& found, std::vector<double>& slivers) {
     output_.for_each_chain(
-        control_, [&](VertexId v) { return model_.is_new(v); },
+        control_, [&](VertexId v) { return numbered_.is_new(v); },
         [&](const Chain& chain, std::span<const VertexId> vertices) {
           output_chains_.push_back(chain);
           const std::span<const Use> uses = output_.edges()[chain.edge].uses;
           if (may_be_cut_anew(chain, uses)) stored_output_.add(output_chains_.back(), vertices);
-          if (!model_.is_any_curved(uses) && vertices.size() > 2)
+          if (!numbered_.is_any_curved(uses) && vertices.size() > 2)
             measure_new(output_.edges()[chain.edge], vertices, found, slivers);
         },
         [&](const Edge& edge, VertexId v, Stray) { blame(edge, Fault::kNewVertex, v, found); });
@@ -184,12 +182,12 @@ class BoundaryCheck {
   }
 
   void measure_dropped(const Edge& edge, std::span<const VertexId> chain, std::vector<FoundFault>& found) {
-    const Offset offset = measure(InputPoints{model_}, chain, control_);
+    const Offset offset = measure(InputPoints{numbered_}, chain, control_);
     double reach = 0;
     for (const VertexId v : chain)
-      reach = std::fmax(reach, norm(model_.points[v.value] - model_.points[chain[0].value]));
-    if (!model_.is_within_tolerance(offset.distance, reach) || !model_.is_within_tolerance(offset.backwards, reach))
-      blame(edge, Fault::kChord, chain[0], found);
+      reach = std::fmax(reach, norm(numbered_.points[v.value] - numbered_.points[chain[0].value]));
+    const auto is_within = [&](double distance) { return numbered_.is_within_tolerance(distance, reach); };
+    if (!is_within(offset.distance) || !is_within(offset.backwards)) blame(edge, Fault::kReplacedSpan, chain[0], found);
     for (const Use& use : edge.uses) {
       double& deviation = result_.deviation[use.patch().value];
       deviation = std::fmax(deviation, offset.distance);
@@ -199,10 +197,10 @@ class BoundaryCheck {
 
   void measure_new(const Edge& edge, std::span<const VertexId> chain, std::vector<FoundFault>& found,
                    std::vector<double>& slivers) {
-    const Offset offset = measure(OutputPoints{model_}, chain, control_);
-    const double reach = std::max(largest_coordinate(model_.output_point(chain.front())),
-                                  largest_coordinate(model_.output_point(chain.back())));
-    if (!(offset.distance <= Model::rounding(reach)) || !offset.is_ascending)
+    const Offset offset = measure(OutputPoints{numbered_}, chain, control_);
+    const double reach = std::max(largest_coordinate(numbered_.output_point(chain.front())),
+                                  largest_coordinate(numbered_.output_point(chain.back())));
+    if (!(offset.distance <= NumberedClaim::rounding(reach)) || !offset.is_ascending)
       blame(edge, Fault::kNewOffLine, chain.front(), found);
     for (const Use& use : edge.uses) slivers[use.patch().value] += offset.sliver;
   }
@@ -215,7 +213,7 @@ class BoundaryCheck {
       const Chain& chain = input_chains_[i];
       const Edge& edge = input_.edges()[chain.edge];
       while (o < output_chains_.size() && ends(output_chains_[o]) < ends(chain)) blame_output(o++);
-      if (model_.has_curved()) {
+      if (numbered_.has_curved()) {
         const auto last = [&](const std::vector<Chain>& chains, std::size_t k) {
           while (k < chains.size() && ends(chains[k]) == ends(chain)) ++k;
           return k;
@@ -280,7 +278,7 @@ class BoundaryCheck {
     });
   }
 
-  const Model& model_;
+  const NumberedClaim& numbered_;
   const BoundaryGraph& input_;
   const BoundaryGraph& output_;
   FoundFaults& faults_;
@@ -299,10 +297,10 @@ std::optional<ChainGap> BoundaryCheck::gap_between(const Chain& input, const Cha
     if (is_reversed && !is_loop) break;
     if (!have_same_uses(found, uses, (output.is_flipped != input.is_flipped) != is_reversed)) continue;
     if (!may_be_cut_anew(input, uses)) return ChainGap{};  // all these chains have been compared with the line
-    const std::vector<Vec3> from = stored_input_.points(input, InputPoints{model_});
-    std::vector<Vec3> to = stored_output_.points(output, OutputPoints{model_});
+    const std::vector<Vec3> from = stored_input_.points(input, InputPoints{numbered_});
+    std::vector<Vec3> to = stored_output_.points(output, OutputPoints{numbered_});
     if (is_reversed) std::reverse(to.begin(), to.end());
-    ChainGap gap = measure_gap(model_, from, to, uses, control_);
+    ChainGap gap = measure_gap(numbered_, from, to, uses, control_);
     if (!best || gap.distance < best->distance) best = std::move(gap);
   }
   return best;
@@ -310,19 +308,19 @@ std::optional<ChainGap> BoundaryCheck::gap_between(const Chain& input, const Cha
 
 void BoundaryCheck::add_gap(const Edge& edge, const Chain& chain, const ChainGap& gap) {
   const VertexId at = chain.low;
-  double allowed = std::max(model_.allowed_move(chain.low), model_.allowed_move(chain.high));
+  double allowed = std::max(numbered_.allowed_move(chain.low), numbered_.allowed_move(chain.high));
   for (const Use& use : edge.uses)
-    if (const CurvedSurface* surface = model_.curved_surface(use.patch()); surface != nullptr)
-      allowed = std::max(allowed, surface->tolerance + model_.tolerance);
+    if (const CurvedSurface* surface = numbered_.curved_surface(use.patch()); surface != nullptr)
+      allowed = std::max(allowed, surface->tolerance + numbered_.tolerance);
   // The coordinates are at most 1, and new vertices were rounded when they were made.
-  const double reach = largest_coordinate(model_.points[at.value]) + gap.distance;
-  const double rounding = Model::rounding(reach);
-  if (!Model::is_within(gap.distance, allowed + rounding, reach)) blame(edge, Fault::kChord, at);
+  const double reach = largest_coordinate(numbered_.points[at.value]) + gap.distance;
+  const double rounding = NumberedClaim::rounding(reach);
+  if (!NumberedClaim::is_within(gap.distance, allowed + rounding, reach)) blame(edge, Fault::kReplacedSpan, at);
   for (const PatchGap& of : gap.patches) {
     const std::size_t p = of.patch.value;
     // The distance of each of the two chains from the plane may be the tolerance, on different sides.
-    if (!Model::is_within(of.off_plane, 2 * model_.tolerance + rounding, reach))
-      faults_.add(of.patch, Fault::kChord, at.value);
+    if (!NumberedClaim::is_within(of.off_plane, 2 * numbered_.tolerance + rounding, reach))
+      faults_.add(of.patch, Fault::kReplacedSpan, at.value);
     const auto raise = [](double& value, double to) { value = std::fmax(value, to); };
     raise(result_.deviation[p], gap.distance);
     raise(result_.on_surface[p], of.on_surface);
@@ -402,11 +400,11 @@ auto in_order(const std::vector<Joints>& blocks, RunControl& control) {
 void BoundaryCheck::check_joints() {
   // Most vertices belong to one patch and need no list.
   constexpr std::uint32_t kUnknown = 0, kSeveral = 0xffffffffu;
-  std::vector<std::atomic<std::uint32_t>> only_patch(model_.points.size());  // the number of the patch plus 1
+  std::vector<std::atomic<std::uint32_t>> only_patch(numbered_.points.size());  // the number of the patch plus 1
   const auto number = [](PatchId p) { return p.value + 1; };
   const auto of = [&](VertexId v) { return only_patch[v.value].load(std::memory_order_relaxed); };
   // The thread that finds a second patch at a vertex records both patches. Every later thread records its own patch.
-  const auto of_input = map_corners<Joints>(model_.input, [&](VertexId v, PatchId p, Joints& joints) {
+  const auto of_input = map_corners<Joints>(numbered_.input, [&](VertexId v, PatchId p, Joints& joints) {
     std::uint32_t only = of(v);
     if (only == number(p)) return;
     if (only == kUnknown && only_patch[v.value].compare_exchange_strong(only, number(p), std::memory_order_relaxed))
@@ -428,8 +426,8 @@ void BoundaryCheck::check_joints() {
     Joints joints;
     std::vector<FoundFault> foreign;
   };
-  auto of_output = map_corners<OfOutput>(model_.output, [&](VertexId v, PatchId p, OfOutput& found) {
-    if (model_.is_new(v)) return;
+  auto of_output = map_corners<OfOutput>(numbered_.output, [&](VertexId v, PatchId p, OfOutput& found) {
+    if (numbered_.is_new(v)) return;
     if (of(v) == kSeveral)
       found.joints.push_back(joint(v, p));
     else if (of(v) != number(p))
@@ -466,14 +464,14 @@ void BoundaryCheck::check_joints() {
 }
 
 void BoundaryCheck::check_new_vertices() {
-  const std::size_t first = model_.surface_vertex_count;
-  if (model_.new_vertex_end == first) return;
-  std::vector<PatchId> only_patch(model_.new_vertex_end - first);
-  for (std::size_t f = 0; f < model_.output.count(); ++f) {
+  const std::size_t first = numbered_.surface_vertex_count;
+  if (numbered_.new_vertex_end == first) return;
+  std::vector<PatchId> only_patch(numbered_.new_vertex_end - first);
+  for (std::size_t f = 0; f < numbered_.output.count(); ++f) {
     if (f % kCheckEvery == 0) control_.check_and_move();
-    const PatchId p = model_.output.patch[f];
-    for (const VertexId v : model_.output.face(f)) {
-      if (!model_.is_new(v)) continue;
+    const PatchId p = numbered_.output.patch[f];
+    for (const VertexId v : numbered_.output.face(f)) {
+      if (!numbered_.is_new(v)) continue;
       PatchId& only = only_patch[v.value - first];
       if (!only.is_valid()) only = p;
       if (output_.has(v) ? !output_.is_passage_of(v, p) : only != p) faults_.add(p, Fault::kNewVertex, v.value);
@@ -488,8 +486,8 @@ void BoundaryCheck::check_new_vertices() {
 
 }  // namespace
 
-Boundary check_boundary(const Model& model, const Seams& seams, FoundFaults& faults, RunControl& control) {
-  return BoundaryCheck(model, seams, faults, control).run();
+Boundary check_boundary(const NumberedClaim& numbered, const Seams& seams, FoundFaults& faults, RunControl& control) {
+  return BoundaryCheck(numbered, seams, faults, control).run();
 }
 
 }  // namespace remesh::verification

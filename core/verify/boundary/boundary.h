@@ -33,7 +33,7 @@
 #include "core/base/run_control.h"
 #include "core/verify/claim/verification_faults.h"
 #include "core/verify/model/boundary_graph.h"
-#include "core/verify/model/model.h"
+#include "core/verify/model/numbered_claim.h"
 
 namespace remesh::verification {
 
@@ -44,7 +44,7 @@ struct Seams {
 
 struct Boundary {
   std::int64_t input_vertices = 0;  ///< number of input vertices that faces use
-  std::vector<double> deviation;    ///< largest distance of a dropped boundary vertex from its chord, by patch
+  std::vector<double> deviation;    ///< largest distance of a dropped boundary vertex from its replaced span, by patch
   std::vector<double> slivers;      ///< area between the input's chains and the output's, by patch
   // By patch, for curved patches (see curved_chain.h). They are empty if all patches are planes.
   std::vector<double> on_surface;  ///< largest PatchGap::on_surface
@@ -52,8 +52,8 @@ struct Boundary {
   std::vector<double> allowed;     ///< largest distance that is allowed along the patch's chains
 };
 
-/// Reports kLostVertex, kLostLoop, kBoundary, kChord, kForeignVertex, kNewVertex, kNewOffLine.
+/// Reports kLostVertex, kLostLoop, kBoundary, kReplacedSpan, kForeignVertex, kNewVertex, kNewOffLine.
 /// Cost:   O(n log n).
-Boundary check_boundary(const Model& model, const Seams& seams, FoundFaults& faults, RunControl& control);
+Boundary check_boundary(const NumberedClaim& numbered, const Seams& seams, FoundFaults& faults, RunControl& control);
 
 }  // namespace remesh::verification

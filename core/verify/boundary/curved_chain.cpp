@@ -108,7 +108,7 @@ double triangle_area(const Vec3& a, const Vec3& b, const Vec3& c) { return norm(
 
 }  // namespace
 
-ChainGap measure_gap(const Model& model, std::span<const Vec3> input, std::span<const Vec3> output,
+ChainGap measure_gap(const NumberedClaim& numbered, std::span<const Vec3> input, std::span<const Vec3> output,
                      std::span<const Use> uses, RunControl& control) {
   ChainGap gap;
   for (const Use& use : uses)
@@ -122,14 +122,14 @@ ChainGap measure_gap(const Model& model, std::span<const Vec3> input, std::span<
         gap.distance = std::max(gap.distance, norm(between));
         gap.sliver += triangle_area(x0, x1, y0) + triangle_area(x1, y1, y0);
         for (PatchGap& of : gap.patches)
-          if (model.curved_surface(of.patch) == nullptr)
-            of.off_plane = std::max(of.off_plane, std::fabs(dot(between, model.frames[of.patch.value].normal)));
+          if (numbered.curved_surface(of.patch) == nullptr)
+            of.off_plane = std::max(of.off_plane, std::fabs(dot(between, numbered.frames[of.patch.value].normal)));
       },
       check);
   for (PatchGap& of : gap.patches) {
-    const CurvedSurface* const surface = model.curved_surface(of.patch);
+    const CurvedSurface* const surface = numbered.curved_surface(of.patch);
     if (surface == nullptr) continue;
-    SurfaceGap on_surface(*surface, model.tolerance, of);
+    SurfaceGap on_surface(*surface, numbered.tolerance, of);
     couple(
         cut_finely(input, surface->shape), output, [&](const Vec3& p) { return surface->shape.normal(p); },
         [&](const Vec3& x0, const Vec3& y0, const Vec3& x1, const Vec3& y1) { on_surface.add(x0, y0, x1, y1); }, check);

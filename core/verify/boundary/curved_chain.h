@@ -7,7 +7,7 @@
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
 #include "core/verify/model/edge_table.h"
-#include "core/verify/model/model.h"
+#include "core/verify/model/numbered_claim.h"
 
 namespace remesh::verification {
 
@@ -47,10 +47,10 @@ struct ChainGap {
 /// root of the sum of the squares of the former and of (r + h cos a) w, with the largest distance r of the nearest
 /// points from the axis and the largest depth h, as curved_patch.h proves.
 ///
-/// Input:  `input`, `output` - at least two points each, in the model's scale, in the same direction; `uses` - the
-///         faces along the chain.
+/// Input:  `input`, `output` - at least two points each, in the numbered claim's scale, in the same direction; `uses` -
+///         the faces along the chain.
 /// Cost:   O((vertices of both) * uses). Edges of the input are cut into no more than 64 parts.
-ChainGap measure_gap(const Model& model, std::span<const Vec3> input, std::span<const Vec3> output,
+ChainGap measure_gap(const NumberedClaim& numbered, std::span<const Vec3> input, std::span<const Vec3> output,
                      std::span<const Use> uses, RunControl& control);
 
 }  // namespace remesh::verification

@@ -44,8 +44,9 @@ struct InputIntersections {
 /// The pipeline's claim that a patch samples a curved surface.
 struct CurvedClaim {
   AnalyticSurface shape;  ///< model units; kCylinder, kCone, kSphere or kTorus
-  /// Model units. Input and output of the patch may be this far apart, plus the plane tolerance, and each of them may
-  /// be this far from the surface. What exceeds half of the radius of a cylinder, sphere or tube has no effect.
+  /// NumberedClaim units. Input and output of the patch may be this far apart, plus the plane tolerance, and each of
+  /// them may be this far from the surface. What exceeds half of the radius of a cylinder, sphere or tube has no
+  /// effect.
   double tolerance = 0;
   /// The surface tolerance that the options allow, in model units. If there is none, the tolerance must be what the
   /// input's own facets explain, with what the number of edges per full turn adds.

@@ -17,7 +17,7 @@ static_assert(kFaultCount < 64);
 // patch_shape.h).
 constexpr std::uint64_t kAgainstSurface =
     bit(Fault::kMalformed) | bit(Fault::kMovedVertex) | bit(Fault::kForeignVertex) | bit(Fault::kNoFaces) |
-    bit(Fault::kLostLoop) | bit(Fault::kBoundary) | bit(Fault::kChord) | bit(Fault::kDeviation) |
+    bit(Fault::kLostLoop) | bit(Fault::kBoundary) | bit(Fault::kReplacedSpan) | bit(Fault::kDeviation) |
     bit(Fault::kFacingAway) | bit(Fault::kArea) | bit(Fault::kInverted) | bit(Fault::kEuler) | bit(Fault::kVolume) |
     bit(Fault::kNewVertex) | bit(Fault::kNewOffLine) | bit(Fault::kPolygon) | bit(Fault::kSurface) |
     bit(Fault::kCover) | bit(Fault::kUnexplained) | bit(Fault::kCap);
@@ -45,7 +45,7 @@ std::string words(const FoundFault& found) {
     case Fault::kLostLoop: return "a boundary loop through vertex " + id + " is gone";
     case Fault::kBoundary:
       return "the faces at a boundary edge of vertex " + id + " are not those that the input has there";
-    case Fault::kChord:
+    case Fault::kReplacedSpan:
       return "boundary vertices next to vertex " + id + " are too far from the edge that replaces them";
     case Fault::kDeviation: return "input and output are further apart than the tolerance";
     case Fault::kFacingAway: return "input face " + id + " faces away from the patch's normal";

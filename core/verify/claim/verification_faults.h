@@ -18,7 +18,7 @@ enum class Fault : std::uint8_t {
   kNoFaces,           ///< a patch has no faces in the output
   kLostLoop,          ///< a boundary loop has no vertex left
   kBoundary,          ///< the faces along a boundary edge differ from the input's
-  kChord,             ///< a dropped boundary vertex is further from the edge that replaces it than the tolerance
+  kReplacedSpan,      ///< a dropped boundary vertex is further from the edge that replaces it than the tolerance
   kDeviation,         ///< input and output are further apart than the tolerance
   kFacingAway,        ///< an input face points against its patch's normal, so the patch folds over
   kArea,              ///< the area of a patch has changed

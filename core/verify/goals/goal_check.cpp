@@ -60,10 +60,10 @@ class Triangle3 {
 
 class GoalCheck {
  public:
-  GoalCheck(const RefinementClaim& refinement, const Model& model, const EdgeTable& edges, const BoundaryGraph& seams,
-            const VaryingSizes* sizes, FoundFaults& faults, RunControl& control)
+  GoalCheck(const RefinementClaim& refinement, const NumberedClaim& numbered, const EdgeTable& edges,
+            const BoundaryGraph& seams, const VaryingSizes* sizes, FoundFaults& faults, RunControl& control)
       : claim_(refinement),
-        model_(model),
+        numbered_(numbered),
         edges_(edges),
         seams_(seams),
         sizes_(sizes),
@@ -71,16 +71,16 @@ class GoalCheck {
         control_(control),
         min_angle_(refinement.goals.min_angle_deg * std::numbers::pi / 180),
         // The area is multiplied by the scale twice, because the square of the scale may overflow or underflow.
-        max_area_(refinement.goals.max_area * model.scale * model.scale),
-        max_length_(refinement.goals.max_edge_length * model.scale),
-        min_length_(refinement.goals.min_edge_length * model.scale) {}
+        max_area_(refinement.goals.max_area * numbered.scale * numbered.scale),
+        max_length_(refinement.goals.max_edge_length * numbered.scale),
+        min_length_(refinement.goals.min_edge_length * numbered.scale) {}
 
   void run() {
-    if (model_.output.count() > claim_.goals.max_faces) faults_.add(PatchId(), Fault::kTooManyFaces);
+    if (numbered_.output.count() > claim_.goals.max_faces) faults_.add(PatchId(), Fault::kTooManyFaces);
     if (!claim_.goals.split_boundaries) check_locked_boundary();
     const bool is_any_across = std::find(claim_.reasons.begin(), claim_.reasons.end(),
                                          UnrefinedReason::kAcrossInputAngle) != claim_.reasons.end();
-    if (is_any_across || min_length_ > 0) lines_.emplace(model_, seams_, control_);
+    if (is_any_across || min_length_ > 0) lines_.emplace(numbered_, seams_, control_);
     find_patches_beside_frozen();
     check_faces();
     if (min_length_ > 0) check_new_edges();
@@ -92,7 +92,7 @@ class GoalCheck {
   void check_locked_boundary() {
     for (const Edge& edge : seams_.edges())
       for (const VertexId v : {edge.low, edge.high})
-        if (model_.is_new(v))
+        if (numbered_.is_new(v))
           for (const Use& use : edge.uses) faults_.add(use.patch(), Fault::kLockedBoundary, v.value);
   }
 
@@ -101,7 +101,7 @@ class GoalCheck {
     // gets fewer faces.
     const std::size_t block = sizes_ != nullptr ? 512 : kItemsPerBlock;
     const auto blocks =
-        map_blocks<Found>(model_.output.count(), block, control_, [&](std::size_t begin, std::size_t end) {
+        map_blocks<Found>(numbered_.output.count(), block, control_, [&](std::size_t begin, std::size_t end) {
           Found found;
           auto listed = std::lower_bound(claim_.unrefined.begin(), claim_.unrefined.end(), FaceId(begin));
           for (auto f = static_cast<std::uint32_t>(begin); f < end; ++f) {
@@ -109,7 +109,7 @@ class GoalCheck {
             const Triangle3 face = measure(f);
             const Standing size = size_of(face);
             const Standing standing = std::max(size, angle_of(face.least_angle()));
-            const auto report = [&](Fault fault) { found.push_back({model_.output.patch[f], fault, f}); };
+            const auto report = [&](Fault fault) { found.push_back({numbered_.output.patch[f], fault, f}); };
             if (!is_listed) {
               if (standing == Standing::kMisses || is_too_large_here(f)) report(Fault::kUnlisted);
               continue;
@@ -149,8 +149,8 @@ class GoalCheck {
   }
 
   Triangle3 measure(std::uint32_t f) const {
-    const auto corner = model_.output.face(f);
-    return {model_.output_point(corner[0]), model_.output_point(corner[1]), model_.output_point(corner[2])};
+    const auto corner = numbered_.output.face(f);
+    return {numbered_.output_point(corner[0]), numbered_.output_point(corner[1]), numbered_.output_point(corner[2])};
   }
 
   Standing size_of(const Triangle3& face) const {
@@ -167,10 +167,10 @@ class GoalCheck {
         return is_small_enough && is_across_input_angle(f, face) && !is_too_large_here(f);
       case UnrefinedReason::kMinEdgeLength: return min_length_ > 0;
       case UnrefinedReason::kBudget: return claim_.goals.max_faces < std::numeric_limits<std::uint64_t>::max();
-      case UnrefinedReason::kBoundaryLocked: return is_any_boundary_locked(model_.output.patch[f]);
+      case UnrefinedReason::kBoundaryLocked: return is_any_boundary_locked(numbered_.output.patch[f]);
       case UnrefinedReason::kSizeFloor:
       case UnrefinedReason::kEffort: return true;
-      // Nothing has been rounded for an output format yet. check_stored_form tests faces that are listed for this
+      // Nothing has been rounded for an output format yet. check_rounded tests faces that are listed for this
       // reason.
       case UnrefinedReason::kOutputRounding: return false;
     }
@@ -179,11 +179,11 @@ class GoalCheck {
 
   /// True if the only angle below the bound is at a vertex of the input, between two edges of the patch's boundary.
   bool is_at_input_angle(std::uint32_t f, const Triangle3& face) const {
-    const auto corner = model_.output.face(f);
+    const auto corner = numbered_.output.face(f);
     for (int i = 0; i < 3; ++i) {
       if (angle_of(face.angle(i)) == Standing::kMeets) continue;
       const VertexId at = corner[i], left = corner[(i + 1) % 3], right = corner[(i + 2) % 3];
-      if (at.value < model_.surface_vertex_count && is_bounding(at, left) && is_bounding(at, right) &&
+      if (at.value < numbered_.surface_vertex_count && is_bounding(at, left) && is_bounding(at, right) &&
           angle_of(face.angle((i + 1) % 3)) != Standing::kMisses &&
           angle_of(face.angle((i + 2) % 3)) != Standing::kMisses)
         return true;
@@ -196,16 +196,16 @@ class GoalCheck {
   /// True if the ends of the shortest side are on two lines that meet, equally far from their common point, and nearer
   /// to each other than to that point.
   bool is_across_input_angle(std::uint32_t f, const Triangle3& face) const {
-    const auto corner = model_.output.face(f);
+    const auto corner = numbered_.output.face(f);
     const double shortest = face.shortest_side();
     for (int i = 0; i < 3; ++i) {
       if (face.side[i] > shortest * (1 + kGoalMargin)) continue;
       const VertexId a = corner[(i + 1) % 3], b = corner[(i + 2) % 3];
-      const Vec3 pa = model_.output_point(a), pb = model_.output_point(b);
-      const bool is_found = lines_->any_meeting(a, b, model_.output.patch[f], [&](VertexId at) {
-        const Vec3 p = model_.output_point(at);
+      const Vec3 pa = numbered_.output_point(a), pb = numbered_.output_point(b);
+      const bool is_found = lines_->any_meeting(a, b, numbered_.output.patch[f], [&](VertexId at) {
+        const Vec3 p = numbered_.output_point(at);
         const double to_a = norm(pa - p), to_b = norm(pb - p);
-        const double noise = Model::rounding(std::max(largest_coordinate(pa), largest_coordinate(pb)));
+        const double noise = NumberedClaim::rounding(std::max(largest_coordinate(pa), largest_coordinate(pb)));
         return std::fabs(to_a - to_b) <= kGoalMargin * to_a + noise && face.side[i] <= (1 + kGoalMargin) * to_a;
       });
       if (is_found) return true;
@@ -220,9 +220,9 @@ class GoalCheck {
         map_blocks<Found>(edges_.vertex_count(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
           Found found;
           edges_.for_each_edge(begin, end, [&](const Edge& edge) {
-            if (!model_.is_new(edge.low) && !model_.is_new(edge.high)) return;
-            const Vec3 a = model_.output_point(edge.low), b = model_.output_point(edge.high);
-            const double noise = Model::rounding(std::max(largest_coordinate(a), largest_coordinate(b)));
+            if (!numbered_.is_new(edge.low) && !numbered_.is_new(edge.high)) return;
+            const Vec3 a = numbered_.output_point(edge.low), b = numbered_.output_point(edge.high);
+            const double noise = NumberedClaim::rounding(std::max(largest_coordinate(a), largest_coordinate(b)));
             if (!(norm(b - a) < min_length_ * (1 - kGoalMargin) - noise)) return;
             if (edge.is_interior() && is_in_input_angle(edge)) return;
             for (const Use& use : edge.uses) found.push_back({use.patch(), Fault::kShortEdge, edge.low.value});
@@ -234,20 +234,20 @@ class GoalCheck {
 
   bool is_in_input_angle(const Edge& edge) const {
     return lines_->any_meeting(edge.low, edge.high, edge.uses[0].patch(), [&](VertexId at) {
-      const Vec3 to_low = model_.output_point(edge.low) - model_.output_point(at);
-      const Vec3 to_high = model_.output_point(edge.high) - model_.output_point(at);
+      const Vec3 to_low = numbered_.output_point(edge.low) - numbered_.output_point(at);
+      const Vec3 to_high = numbered_.output_point(edge.high) - numbered_.output_point(at);
       return 2 * dot(to_low, to_high) > norm(to_low) * norm(to_high) * (1 - kGoalMargin);
     });
   }
 
   const RefinementClaim& claim_;
-  const Model& model_;
+  const NumberedClaim& numbered_;
   const EdgeTable& edges_;
   const BoundaryGraph& seams_;
   const VaryingSizes* sizes_;  ///< null: no bound varies from place to place
   FoundFaults& faults_;
   RunControl& control_;
-  // These are in the model's scale; the angle is in radians.
+  // These are in the numbered claim's scale; the angle is in radians.
   const double min_angle_, max_area_, max_length_, min_length_;
   std::optional<StraightLines> lines_;  ///< set if one of the tests needs it
   std::vector<std::uint8_t> is_beside_frozen_;
@@ -255,9 +255,9 @@ class GoalCheck {
 
 }  // namespace
 
-void check_goals(const RefinementClaim& refinement, const Model& model, const EdgeTable& edges,
+void check_goals(const RefinementClaim& refinement, const NumberedClaim& numbered, const EdgeTable& edges,
                  const BoundaryGraph& seams, const VaryingSizes* sizes, FoundFaults& faults, RunControl& control) {
-  GoalCheck(refinement, model, edges, seams, sizes, faults, control).run();
+  GoalCheck(refinement, numbered, edges, seams, sizes, faults, control).run();
 }
 
 Standing standing_of(const Goals& goals, const Vec3& a, const Vec3& b, const Vec3& c) {

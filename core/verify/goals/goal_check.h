@@ -8,7 +8,7 @@
 #include "core/verify/goals/varying_sizes.h"
 #include "core/verify/model/boundary_graph.h"
 #include "core/verify/model/edge_table.h"
-#include "core/verify/model/model.h"
+#include "core/verify/model/numbered_claim.h"
 
 namespace remesh::verification {
 
@@ -20,7 +20,7 @@ namespace remesh::verification {
 /// Input:  `edges` - the output's edges; `seams` - those of them that bound patches; `sizes` - the bounds that vary
 ///         from place to place, null if the goals have none.
 /// Cost:   O(n log n).
-void check_goals(const RefinementClaim& refinement, const Model& model, const EdgeTable& edges,
+void check_goals(const RefinementClaim& refinement, const NumberedClaim& numbered, const EdgeTable& edges,
                  const BoundaryGraph& seams, const VaryingSizes* sizes, FoundFaults& faults, RunControl& control);
 
 /// The relation of a number to a bound that it should not cross. Within 1e-9 of the bound it is kOnTheEdge.

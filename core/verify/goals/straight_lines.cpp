@@ -1,7 +1,6 @@
 #include "core/verify/goals/straight_lines.h"
 
 #include <algorithm>
-#include <cmath>
 
 #include "core/base/stoppable.h"
 
@@ -14,20 +13,20 @@ bool is_between(const Vec3& v, const Vec3& a, const Vec3& b) {
   const double length = norm(line);
   const double reach = std::max({largest_coordinate(v), largest_coordinate(a), largest_coordinate(b)});
   // All three points may have been rounded.
-  return length > 0 && norm(cross(line, d)) <= 3 * Model::rounding(reach) * length && dot(d, line) > 0 &&
+  return length > 0 && norm(cross(line, d)) <= 3 * NumberedClaim::rounding(reach) * length && dot(d, line) > 0 &&
          dot(v - b, line) < 0;
 }
 
 }  // namespace
 
-StraightLines::StraightLines(const Model& model, const BoundaryGraph& seams, RunControl& control)
-    : line_of_(model.points.size(), kNone) {
+StraightLines::StraightLines(const NumberedClaim& numbered, const BoundaryGraph& seams, RunControl& control)
+    : line_of_(numbered.points.size(), kNone) {
   const auto is_inner = [&](VertexId v) {
     if (!seams.is_passage(v)) return false;
     const auto [a, b] = seams.neighbours(v);
     // Where a curve was cut anew, its new vertices are bends.
-    const bool is_on_line = model.is_new(v) && !model.is_any_curved(seams.uses_at(v));
-    return is_on_line || is_between(model.output_point(v), model.output_point(a), model.output_point(b));
+    const bool is_on_line = numbered.is_new(v) && !numbered.is_any_curved(seams.uses_at(v));
+    return is_on_line || is_between(numbered.output_point(v), numbered.output_point(a), numbered.output_point(b));
   };
   seams.for_each_chain(
       control, is_inner,

@@ -9,7 +9,7 @@
 #include "core/base/ids.h"
 #include "core/base/run_control.h"
 #include "core/verify/model/boundary_graph.h"
-#include "core/verify/model/model.h"
+#include "core/verify/model/numbered_claim.h"
 
 namespace remesh::verification {
 
@@ -19,7 +19,7 @@ namespace remesh::verification {
 /// dropped one.
 class StraightLines {
  public:
-  StraightLines(const Model& model, const BoundaryGraph& seams, RunControl& control);
+  StraightLines(const NumberedClaim& numbered, const BoundaryGraph& seams, RunControl& control);
 
   /// Calls visit(one end, the other end, the uses of its edges) for each line.
   template <class Visit>

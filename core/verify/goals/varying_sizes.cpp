@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 #include <utility>
 
 #include "core/base/stoppable.h"
@@ -16,10 +15,11 @@ constexpr double kSingle = 1e-5;
 
 }  // namespace
 
-VaryingSizes::Graded::Graded(std::vector<Segment> segments, const Model& model, double slope, RunControl& control)
+VaryingSizes::Graded::Graded(std::vector<Segment> segments, const NumberedClaim& numbered, double slope,
+                             RunControl& control)
     : slope_(slope), segments_(std::move(segments)) {
   Box3 box;
-  for (std::size_t v = 0; v < model.surface_vertex_count; ++v) box.add(model.points[v]);
+  for (std::size_t v = 0; v < numbered.surface_vertex_count; ++v) box.add(numbered.points[v]);
   centre_ = 0.5 * box.min + 0.5 * box.max;
   const auto entries = BoxTree<Length>::make_entries(segments_.size(), control, [&](std::size_t i, auto& entry) {
     const auto& [a, b, size] = segments_[i];
@@ -47,16 +47,16 @@ bool VaryingSizes::Graded::is_too_long(double length, const Vec3& middle) const 
   return best != length;
 }
 
-VaryingSizes::VaryingSizes(const Claim& claim, const Model& model, const BoundaryGraph& input_seams,
+VaryingSizes::VaryingSizes(const Claim& claim, const NumberedClaim& numbered, const BoundaryGraph& input_seams,
                            const BoundaryGraph& output_seams, RunControl& control)
-    : model_(model), proximity_(claim.refinement->goals.proximity), slope_(claim.refinement->goals.size_slope()) {
+    : numbered_(numbered), proximity_(claim.refinement->goals.proximity), slope_(claim.refinement->goals.size_slope()) {
   if (proximity_ > 0) {
-    facets_.emplace(claim, model, input_seams, control);
+    facets_.emplace(claim, numbered, input_seams, control);
     return;
   }
   std::vector<Segment> lines, pieces;
   const auto add = [&](std::vector<Segment>& to, VertexId low, VertexId high) {
-    const Vec3 a = model.output_point(low), b = model.output_point(high);
+    const Vec3 a = numbered.output_point(low), b = numbered.output_point(high);
     to.push_back({a, b, norm(b - a)});
   };
   // Where a curve was cut anew, the result does not show which of its vertices existed before refinement, and so how
@@ -65,37 +65,37 @@ VaryingSizes::VaryingSizes(const Claim& claim, const Model& model, const Boundar
   StopCheck check(control);
   for (const Edge& edge : output_seams.edges()) {
     check();
-    if (!model.is_any_curved(edge.uses)) continue;
+    if (!numbered.is_any_curved(edge.uses)) continue;
     add(pieces, edge.low, edge.high);
     pieces.back().size *= -slope_;
   }
-  StraightLines(model, output_seams, control)
+  StraightLines(numbered, output_seams, control)
       .for_each_line([&](VertexId low, VertexId high, std::span<const Use> uses) {
-        if (!model.is_any_curved(uses)) add(lines, low, high);
+        if (!numbered.is_any_curved(uses)) add(lines, low, high);
       });
   // These pieces run between vertices of the input. They may be too short, because a new vertex may happen to have the
   // place of a dropped one.
   output_seams.for_each_chain(
-      control, [&](VertexId v) { return output_seams.is_passage(v) && model.is_new(v); },
+      control, [&](VertexId v) { return output_seams.is_passage(v) && numbered.is_new(v); },
       [&](const Chain& chain, std::span<const VertexId>) {
-        if (!model.is_any_curved(output_seams.edges()[chain.edge].uses)) add(pieces, chain.low, chain.high);
+        if (!numbered.is_any_curved(output_seams.edges()[chain.edge].uses)) add(pieces, chain.low, chain.high);
       },
       [](const Edge&, VertexId, Stray) {});
-  lines_ = Graded(std::move(lines), model, slope_, control);
-  pieces_ = Graded(std::move(pieces), model, slope_, control);
+  lines_ = Graded(std::move(lines), numbered, slope_, control);
+  pieces_ = Graded(std::move(pieces), numbered, slope_, control);
 }
 
-bool VaryingSizes::is_missed_clearly(std::uint32_t f) const { return is_missed(f, FacingFacets::Doubt::kIsNone); }
-bool VaryingSizes::may_be_missed(std::uint32_t f) const { return is_missed(f, FacingFacets::Doubt::kCounts); }
+bool VaryingSizes::is_missed_clearly(std::uint32_t f) const { return is_missed(f, GapCheck::Doubt::kIsNone); }
+bool VaryingSizes::may_be_missed(std::uint32_t f) const { return is_missed(f, GapCheck::Doubt::kCounts); }
 
-bool VaryingSizes::is_missed(std::uint32_t f, FacingFacets::Doubt doubt) const {
-  const bool must_be_clear = doubt == FacingFacets::Doubt::kIsNone;
+bool VaryingSizes::is_missed(std::uint32_t f, GapCheck::Doubt doubt) const {
+  const bool must_be_clear = doubt == GapCheck::Doubt::kIsNone;
   const double slack = Goals::kSizeSlack * (must_be_clear ? kClearly : 1 / kClearly);
-  const auto corner = model_.output.face(f);
+  const auto corner = numbered_.output.face(f);
   std::array<Vec3, 3> middle;
   std::array<double, 3> length{};
   for (std::size_t k = 0; k < 3; ++k) {
-    const Vec3 a = model_.output_point(corner[k]), b = model_.output_point(corner[(k + 1) % 3]);
+    const Vec3 a = numbered_.output_point(corner[k]), b = numbered_.output_point(corner[(k + 1) % 3]);
     middle[k] = 0.5 * (a + b);
     length[k] = norm(b - a);
   }
@@ -105,13 +105,13 @@ bool VaryingSizes::is_missed(std::uint32_t f, FacingFacets::Doubt doubt) const {
       if (graded.is_too_long(length[k] / slack, middle[k])) return true;
     return false;
   }
-  const PatchId patch = model_.output.patch[f];
+  const PatchId patch = numbered_.output.patch[f];
   const auto is_missed_at = [&](const Vec3& place) {
     double size = 0;  // an edge is too long if the size here is smaller than this
     for (std::size_t k = 0; k < 3; ++k) size = std::max(size, length[k] / slack - slope_ * norm(middle[k] - place));
     // Both sides of the gap may be off the places for which sizes were made, by the tolerance.
-    const double off = (must_be_clear ? -2 : 2) * model_.tolerance;
-    return facets_->is_any_within(place, patch, size * proximity_ - model_.tolerance + off, doubt);
+    const double off = (must_be_clear ? -2 : 2) * numbered_.tolerance;
+    return facets_->is_any_within(place, patch, size * proximity_ - numbered_.tolerance + off, doubt);
   };
   return is_missed_at((1.0 / 3) * (middle[0] + middle[1] + middle[2])) ||
          std::any_of(middle.begin(), middle.end(), is_missed_at);

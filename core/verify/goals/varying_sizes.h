@@ -1,19 +1,17 @@
 /// The checker's own computation of the bounds on edge lengths that vary from place to place.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
-#include <span>
 #include <vector>
 
 #include "core/base/run_control.h"
 #include "core/geometry/trees/box_tree.h"
 #include "core/verify/claim/claim.h"
-#include "core/verify/goals/facing_facets.h"
+#include "core/verify/goals/gap_check.h"
 #include "core/verify/goals/straight_lines.h"
 #include "core/verify/model/boundary_graph.h"
-#include "core/verify/model/model.h"
+#include "core/verify/model/numbered_claim.h"
 
 namespace remesh::verification {
 
@@ -36,7 +34,7 @@ class VaryingSizes {
  public:
   /// Input:  `claim` - its goals have proximity or gradation; `input_seams` - the edges that bound the input's
   ///         patches; `output_seams` - those that bound the output's. All of these must outlive this object.
-  VaryingSizes(const Claim& claim, const Model& model, const BoundaryGraph& input_seams,
+  VaryingSizes(const Claim& claim, const NumberedClaim& numbered, const BoundaryGraph& input_seams,
                const BoundaryGraph& output_seams, RunControl& control);
 
   bool is_missed_clearly(std::uint32_t output_face) const;
@@ -57,9 +55,9 @@ class VaryingSizes {
   class Graded {
    public:
     Graded() = default;
-    Graded(std::vector<Segment> segments, const Model& model, double slope, RunControl& control);
+    Graded(std::vector<Segment> segments, const NumberedClaim& numbered, double slope, RunControl& control);
     /// True if an edge of that length with that midpoint would be too long beside some segment.
-    /// Input: in the model's scale.
+    /// Input: in the numbered claim's scale.
     bool is_too_long(double length, const Vec3& middle) const;
 
    private:
@@ -69,11 +67,11 @@ class VaryingSizes {
     BoxTree<Length> tree_;
   };
 
-  bool is_missed(std::uint32_t output_face, FacingFacets::Doubt doubt) const;
+  bool is_missed(std::uint32_t output_face, GapCheck::Doubt doubt) const;
 
-  const Model& model_;
+  const NumberedClaim& numbered_;
   const double proximity_, slope_;
-  std::optional<FacingFacets> facets_;  ///< set with proximity
+  std::optional<GapCheck> facets_;  ///< set with proximity
   /// They are set without proximity. `lines_` requires the largest possible lengths, `pieces_` the smallest.
   Graded lines_, pieces_;
 };

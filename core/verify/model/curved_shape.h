@@ -2,8 +2,6 @@
 /// whole face.
 #pragma once
 
-#include <algorithm>
-#include <limits>
 #include <span>
 
 #include "core/base/vec.h"
@@ -19,7 +17,8 @@ struct RuledPoint {
   Vec2 across;        ///< the point's place in the plane across the axis
 };
 
-/// A cylinder, cone, sphere or torus in the model's scale. Distances are positive outside, and normals point there.
+/// A cylinder, cone, sphere or torus in the numbered claim's scale. Distances are positive outside, and normals point
+/// there.
 class CurvedShape {
  public:
   /// Input:  `claimed` - in model units; `scale` - model units times this give the units used here.

@@ -1,12 +1,11 @@
 #include "core/verify/model/edge_table.h"
 
-#include <algorithm>
 #include <atomic>
 #include <numeric>
 
 #include "core/base/blocks.h"
 #include "core/base/grouping.h"
-#include "core/base/put_in_order.h"
+#include "core/base/sort_few.h"
 
 namespace remesh::verification {
 namespace {
@@ -248,8 +247,8 @@ EdgeTable::Part EdgeTable::sort_part(std::size_t first, std::size_t last, std::u
   for (std::size_t v = first; v < last; ++v) {
     const std::size_t middle = place[2 * (v - first)], stop = place[2 * (v - first) + 1];
     const auto forward = sorted.subspan(start, middle - start), backward = sorted.subspan(middle, stop - middle);
-    put_in_order(all.subspan(start, forward.size()), forward, control_);
-    put_in_order(all.subspan(middle, backward.size()), backward, control_);
+    sort_few(all.subspan(start, forward.size()), forward, control_);
+    sort_few(all.subspan(middle, backward.size()), backward, control_);
     if (have_same_edges(forward, backward)) {
       for (std::size_t i = 0; i < forward.size(); ++i) {
         check();

@@ -1,14 +1,13 @@
 /// Measures of the faces of a patch that planes and curved surfaces share.
 #pragma once
 
-#include <cmath>
 #include <cstddef>
 #include <span>
 
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
 #include "core/verify/model/edge_table.h"
-#include "core/verify/model/model.h"
+#include "core/verify/model/numbered_claim.h"
 
 namespace remesh::verification {
 
@@ -34,9 +33,10 @@ struct Measures {
 
 /// True if the input has this triangle in this patch with the same orientation.
 /// Cost: O(log n + uses of the edge that fewest faces use).
-bool is_input_triangle(const Model& model, const EdgeTable& input_edges, PatchId patch, std::span<const VertexId> face);
+bool is_input_triangle(const NumberedClaim& numbered, const EdgeTable& input_edges, PatchId patch,
+                       std::span<const VertexId> face);
 
 /// True if all faces of a patch are unchanged.
-bool is_unchanged(const Model& model, const EdgeTable& input_edges, PatchId patch, RunControl& control);
+bool is_unchanged(const NumberedClaim& numbered, const EdgeTable& input_edges, PatchId patch, RunControl& control);
 
 }  // namespace remesh::verification

@@ -9,8 +9,8 @@
 #include "core/base/blocks.h"
 #include "core/base/stoppable.h"
 #include "core/verify/model/curved_shape.h"
-#include "core/verify/model/exact.h"
 #include "core/verify/model/face_measures.h"
+#include "core/verify/model/fixed_width_integers.h"
 #include "core/verify/patches/explained_distance.h"
 
 namespace remesh::verification {
@@ -60,34 +60,35 @@ struct CurvedReading {
 
 class CurvedPatchCheck {
  public:
-  CurvedPatchCheck(const Model& model, const EdgeTable& input_edges, const Boundary& boundary, PatchId patch,
+  CurvedPatchCheck(const NumberedClaim& numbered, const EdgeTable& input_edges, const Boundary& boundary, PatchId patch,
                    std::vector<FoundFault>& faults, RunControl& control)
-      : model_(model),
+      : numbered_(numbered),
         input_edges_(input_edges),
         boundary_(boundary),
         patch_(patch),
-        surface_(*model.curved_surface(patch)),
+        surface_(*numbered.curved_surface(patch)),
         faults_(faults),
         control_(control) {}
 
   double run(ShapeSums& sums) {
-    const auto input_faces = model_.input_by_patch[patch_.value], output_faces = model_.output_by_patch[patch_.value];
+    const auto input_faces = numbered_.input_by_patch[patch_.value],
+               output_faces = numbered_.output_by_patch[patch_.value];
     if (input_faces.empty() && output_faces.empty()) return 0;
     control_.check();
     if (input_faces.empty() || output_faces.empty()) {
       report(Fault::kNoFaces);
       return 0;
     }
-    if (is_unchanged(model_, input_edges_, patch_, control_)) return 0;
+    if (is_unchanged(numbered_, input_edges_, patch_, control_)) return 0;
     if (!surface_.shape.is_sound() || !(surface_.tolerance >= 0) || !std::isfinite(surface_.tolerance)) {
       report(Fault::kSurface);
       return 0;
     }
     input_ = read(
-        model_.input, input_faces, [&](VertexId v) { return model_.points[v.value]; },
+        numbered_.input, input_faces, [&](VertexId v) { return numbered_.points[v.value]; },
         [](std::uint32_t, CurvedReading&) {});
     output_ = read(
-        model_.output, output_faces, [&](VertexId v) { return model_.output_point(v); },
+        numbered_.output, output_faces, [&](VertexId v) { return numbered_.output_point(v); },
         [&](std::uint32_t f, CurvedReading& reading) { check_area(f, reading); });
     faults_.insert(faults_.end(), output_.faults.begin(), output_.faults.end());
     reach_ = std::max(input_.reach, output_.reach);
@@ -134,7 +135,7 @@ class CurvedPatchCheck {
       extent = std::max(extent, norm(corners[i] - corners[i == 0 ? corners.size() - 1 : i - 1]));
       reading.reach = std::max(reading.reach, largest_coordinate(corners[i]));
     }
-    const CurvedFace face = surface_.shape.read(corners, kSnap * model_.tolerance, reading.distance);
+    const CurvedFace face = surface_.shape.read(corners, kSnap * numbered_.tolerance, reading.distance);
     reading.distance.add(face.distance);
     reading.snapped = std::max(reading.snapped, face.snapped);
     reading.area.low += face.area.low;
@@ -142,7 +143,7 @@ class CurvedPatchCheck {
     const bool is_along = face.facing.low > 0, is_against = face.facing.high < 0;
     reading.along += is_along ? twice_area : is_against ? -twice_area : 0;
     const double height = extent > 0 ? twice_area / extent : 0;
-    const bool is_low = model_.is_within_tolerance(height, extent);
+    const bool is_low = numbered_.is_within_tolerance(height, extent);
     if (is_low) reading.low_area += twice_area / 2;
     const CurvedReading::Others other =
         is_low ? CurvedReading::Others{FaceId(), height} : CurvedReading::Others{FaceId(f), 0};
@@ -171,11 +172,12 @@ class CurvedPatchCheck {
   }
 
   void check_area(std::uint32_t f, CurvedReading& reading) const {
-    const auto face = model_.output.face(f);
-    const Vec3 a = model_.output_point(face[0]), b = model_.output_point(face[1]), c = model_.output_point(face[2]);
+    const auto face = numbered_.output.face(f);
+    const Vec3 a = numbered_.output_point(face[0]), b = numbered_.output_point(face[1]),
+               c = numbered_.output_point(face[2]);
     const double extent = std::max({norm(b - a), norm(c - b), norm(a - c)});
     if (!(norm(cross(b - a, c - a)) > 1e-12 * extent * extent) && is_collinear(a, b, c) &&
-        !is_input_triangle(model_, input_edges_, patch_, face))
+        !is_input_triangle(numbered_, input_edges_, patch_, face))
       reading.faults.push_back({patch_, Fault::kZeroArea, f});
   }
 
@@ -195,8 +197,9 @@ class CurvedPatchCheck {
     double rest = surface_.tolerance;
     if (claim.elements_per_circle)
       rest -= largest_radius() * (1 - std::cos(std::numbers::pi / *claim.elements_per_circle));
-    if (claim.surface_tolerance) return Model::is_within(rest, model_.scale * *claim.surface_tolerance, reach_);
-    return explains_distance(model_, input_edges_, patch_, claim.feature_angle_deg * std::numbers::pi / 180, rest,
+    if (claim.surface_tolerance)
+      return NumberedClaim::is_within(rest, numbered_.scale * *claim.surface_tolerance, reach_);
+    return explains_distance(numbered_, input_edges_, patch_, claim.feature_angle_deg * std::numbers::pi / 180, rest,
                              control_);
   }
 
@@ -205,10 +208,10 @@ class CurvedPatchCheck {
     if (surface_.shape.largest_radius() > 0) return surface_.shape.largest_radius();
     double largest = 0;
     StopCheck check(control_);
-    for (const std::uint32_t f : model_.input_by_patch[patch_.value])
-      for (const VertexId v : model_.input.face(f)) {
+    for (const std::uint32_t f : numbered_.input_by_patch[patch_.value])
+      for (const VertexId v : numbered_.input.face(f)) {
         check();
-        largest = std::max(largest, surface_.shape.ruled(model_.points[v.value]).radius);
+        largest = std::max(largest, surface_.shape.ruled(numbered_.points[v.value]).radius);
       }
     return largest;
   }
@@ -234,18 +237,18 @@ class CurvedPatchCheck {
   /// Returns a bound on the distance between input and output.
   double check_distance() {
     const Range &in = input_.distance, &out = output_.distance;
-    const double limit = std::min(surface_.tolerance + model_.tolerance, surface_.shape.largest_depth());
+    const double limit = std::min(surface_.tolerance + numbered_.tolerance, surface_.shape.largest_depth());
     depth_ = std::max({-in.low, in.high, -out.low, out.high, 0.0});
     between_ = std::max({in.high - out.low, out.high - in.low, 0.0});
     const double snapped = input_.snapped + output_.snapped;
-    const bool is_near =
-        Model::is_within(depth_ + snapped, limit, reach_) && Model::is_within(between_ + snapped, limit, reach_);
+    const bool is_near = NumberedClaim::is_within(depth_ + snapped, limit, reach_) &&
+                         NumberedClaim::is_within(between_ + snapped, limit, reach_);
     const double on_surface = boundary_.on_surface[patch_.value] + low_height_;
     const double near_pole = boundary_.near_pole[patch_.value];
     const double bound = std::max(std::hypot(between_, on_surface), between_ + 2 * near_pole) + snapped;
     // Along its boundary, the patch may move as far as its neighbours are allowed to move.
-    const double allowed = std::max(surface_.tolerance + model_.tolerance, boundary_.allowed[patch_.value]);
-    if (!is_near || !Model::is_within(bound, allowed, reach_)) report(Fault::kDeviation);
+    const double allowed = std::max(surface_.tolerance + numbered_.tolerance, boundary_.allowed[patch_.value]);
+    if (!is_near || !NumberedClaim::is_within(bound, allowed, reach_)) report(Fault::kDeviation);
     return bound;
   }
 
@@ -268,7 +271,7 @@ class CurvedPatchCheck {
                          input_.measures.rounding() + output_.measures.rounding();
   }
 
-  const Model& model_;
+  const NumberedClaim& numbered_;
   const EdgeTable& input_edges_;
   const Boundary& boundary_;
   const PatchId patch_;
@@ -285,9 +288,9 @@ class CurvedPatchCheck {
 
 }  // namespace
 
-double check_curved_patch(const Model& model, const EdgeTable& input_edges, const Boundary& boundary, PatchId patch,
-                          ShapeSums& sums, std::vector<FoundFault>& faults, RunControl& control) {
-  return CurvedPatchCheck(model, input_edges, boundary, patch, faults, control).run(sums);
+double check_curved_patch(const NumberedClaim& numbered, const EdgeTable& input_edges, const Boundary& boundary,
+                          PatchId patch, ShapeSums& sums, std::vector<FoundFault>& faults, RunControl& control) {
+  return CurvedPatchCheck(numbered, input_edges, boundary, patch, faults, control).run(sums);
 }
 
 }  // namespace remesh::verification

@@ -39,7 +39,7 @@
 #include "core/verify/boundary/boundary.h"
 #include "core/verify/claim/verification_faults.h"
 #include "core/verify/model/edge_table.h"
-#include "core/verify/model/model.h"
+#include "core/verify/model/numbered_claim.h"
 #include "core/verify/patches/shape_sums.h"
 
 namespace remesh::verification {
@@ -49,7 +49,7 @@ namespace remesh::verification {
 /// Input:  a patch with a curved surface.
 /// Output: the proven distance between its input and its output; `sums` get its share.
 /// Cost:   O(n); for a torus, a face may cost as much as 1,024.
-double check_curved_patch(const Model& model, const EdgeTable& input_edges, const Boundary& boundary, PatchId patch,
-                          ShapeSums& sums, std::vector<FoundFault>& faults, RunControl& control);
+double check_curved_patch(const NumberedClaim& numbered, const EdgeTable& input_edges, const Boundary& boundary,
+                          PatchId patch, ShapeSums& sums, std::vector<FoundFault>& faults, RunControl& control);
 
 }  // namespace remesh::verification

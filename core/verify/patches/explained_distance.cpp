@@ -30,11 +30,11 @@ struct FlatPiece {
 
 class Explained {
  public:
-  Explained(const Model& model, const EdgeTable& edges, PatchId patch, double max_turn, RunControl& control)
-      : model_(model),
+  Explained(const NumberedClaim& numbered, const EdgeTable& edges, PatchId patch, double max_turn, RunControl& control)
+      : numbered_(numbered),
         edges_(edges),
-        shape_(model.curved_surface(patch)->shape),
-        faces_(model.input_by_patch[patch.value]),
+        shape_(numbered.curved_surface(patch)->shape),
+        faces_(numbered.input_by_patch[patch.value]),
         min_cosine_(std::cos(max_turn)),
         is_taken_(faces_.size(), 0),
         check_(control) {}
@@ -48,7 +48,7 @@ class Explained {
     std::sort(from_large.begin(), from_large.end());
     for (const auto& [area, f] : from_large) {
       if (area == 0 || is_taken_[place_of(f)] != 0) continue;
-      if (kSlack * explained(facet_of(f)) + kSlackInTolerances * model_.tolerance >= distance) return true;
+      if (kSlack * explained(facet_of(f)) + kSlackInTolerances * numbered_.tolerance >= distance) return true;
     }
     return false;
   }
@@ -61,24 +61,24 @@ class Explained {
   }
 
   Vec3 area_vector(std::uint32_t face) const {
-    const auto corners = model_.input.face(face);
-    const Vec3 first = model_.points[corners[0].value];
+    const auto corners = numbered_.input.face(face);
+    const Vec3 first = numbered_.points[corners[0].value];
     Vec3 twice;
     for (std::size_t i = 2; i < corners.size(); ++i)
-      twice += cross(model_.points[corners[i - 1].value] - first, model_.points[corners[i].value] - first);
+      twice += cross(numbered_.points[corners[i - 1].value] - first, numbered_.points[corners[i].value] - first);
     return twice;
   }
 
   /// Calls visit(face) for each face beyond an edge that has one other face.
   template <class Visit>
   void for_each_beyond(std::uint32_t face, const Visit& visit) {
-    const auto corners = model_.input.face(face);
+    const auto corners = numbered_.input.face(face);
     for (std::size_t i = 0; i < corners.size(); ++i) {
       check_();
       const std::vector<Use> uses = edges_.find(corners[i], corners[i + 1 == corners.size() ? 0 : i + 1]);
       if (uses.size() != 2) continue;
       for (const Use& use : uses) {
-        const auto begin = model_.input.face_begin;
+        const auto begin = numbered_.input.face_begin;
         const auto next = std::upper_bound(begin.begin(), begin.end(), use.half_edge);
         const auto other = static_cast<std::uint32_t>(next - begin.begin() - 1);
         if (other != face) visit(other);
@@ -92,21 +92,22 @@ class Explained {
     facet.faces.push_back(first);
     is_taken_[place_of(first)] = 1;
     facet.normal = normalized(area_vector(first));
-    const Vec3 origin = model_.points[model_.input.face(first)[0].value];
+    const Vec3 origin = numbered_.points[numbered_.input.face(first)[0].value];
     for (std::size_t k = 0; k < facet.faces.size(); ++k)
       for_each_beyond(facet.faces[k], [&](std::uint32_t f) {
         const std::size_t place = place_of(f);
         if (place == faces_.size() || is_taken_[place] != 0) return;
         if (!(dot(area_vector(f), facet.normal) > 0)) return;
-        for (const VertexId v : model_.input.face(f))
-          if (!(std::fabs(dot(model_.points[v.value] - origin, facet.normal)) <= kFlat * model_.tolerance)) return;
+        for (const VertexId v : numbered_.input.face(f))
+          if (!(std::fabs(dot(numbered_.points[v.value] - origin, facet.normal)) <= kFlat * numbered_.tolerance))
+            return;
         is_taken_[place] = 1;
         facet.faces.push_back(f);
       });
     Vec3 twice;
     for (const std::uint32_t f : facet.faces) {
       twice += area_vector(f);
-      for (const VertexId v : model_.input.face(f)) facet.corners.push_back(model_.points[v.value]);
+      for (const VertexId v : numbered_.input.face(f)) facet.corners.push_back(numbered_.points[v.value]);
     }
     facet.normal = normalized(twice);
     for (const Vec3& p : facet.corners) facet.middle += (1 / static_cast<double>(facet.corners.size())) * p;
@@ -131,9 +132,9 @@ class Explained {
         if (facet.faces.size() < kManyFaces && is_own(g)) return;
         add(g);
         if (!is_triangle || !(dot(normalized(area_vector(g)), facet.normal) >= min_cosine_)) return;
-        const auto own = model_.input.face(f);
+        const auto own = numbered_.input.face(f);
         for_each_beyond(g, [&](std::uint32_t h) {
-          const auto corners = model_.input.face(h);
+          const auto corners = numbered_.input.face(h);
           if (h != f && std::find_first_of(own.begin(), own.end(), corners.begin(), corners.end()) != own.end()) add(h);
         });
       });
@@ -142,9 +143,9 @@ class Explained {
 
   /// Returns whether a face turns against a facet by more than noise explains.
   bool leaves_plane(std::uint32_t face, const FlatPiece& facet) const {
-    const auto corners = model_.input.face(face);
+    const auto corners = numbered_.input.face(face);
     return std::any_of(corners.begin(), corners.end(), [&](VertexId v) {
-      return std::fabs(dot(model_.points[v.value] - facet.middle, facet.normal)) > kFlat * model_.tolerance;
+      return std::fabs(dot(numbered_.points[v.value] - facet.middle, facet.normal)) > kFlat * numbered_.tolerance;
     });
   }
 
@@ -191,7 +192,7 @@ class Explained {
 
   static constexpr std::size_t kManyFaces = 64;
 
-  const Model& model_;
+  const NumberedClaim& numbered_;
   const EdgeTable& edges_;
   const CurvedShape& shape_;
   std::span<const std::uint32_t> faces_;  ///< of the patch, ascending
@@ -202,9 +203,9 @@ class Explained {
 
 }  // namespace
 
-bool explains_distance(const Model& model, const EdgeTable& input_edges, PatchId patch, double max_turn,
+bool explains_distance(const NumberedClaim& numbered, const EdgeTable& input_edges, PatchId patch, double max_turn,
                        double distance, RunControl& control) {
-  return Explained(model, input_edges, patch, max_turn, control).explains(distance);
+  return Explained(numbered, input_edges, patch, max_turn, control).explains(distance);
 }
 
 }  // namespace remesh::verification

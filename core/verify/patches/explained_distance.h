@@ -1,11 +1,9 @@
 /// Computes independently which distance of the input's faces from a curved surface the faces themselves explain.
 #pragma once
 
-#include <cstdint>
-
 #include "core/base/run_control.h"
 #include "core/verify/model/edge_table.h"
-#include "core/verify/model/model.h"
+#include "core/verify/model/numbered_claim.h"
 
 namespace remesh::verification {
 
@@ -19,7 +17,7 @@ namespace remesh::verification {
 ///         `distance` is in the units of the model.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:   O(n log n), and usually much less, because few facets have to be tested.
-bool explains_distance(const Model& model, const EdgeTable& input_edges, PatchId patch, double max_turn,
+bool explains_distance(const NumberedClaim& numbered, const EdgeTable& input_edges, PatchId patch, double max_turn,
                        double distance, RunControl& control);
 
 }  // namespace remesh::verification

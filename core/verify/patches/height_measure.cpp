@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/base/stoppable.h"
-#include "core/verify/model/exact.h"
+#include "core/verify/model/fixed_width_integers.h"
 
 namespace remesh::verification {
 namespace {
@@ -163,7 +163,7 @@ Raised raise(const Frame& frame, const Vec3& point) {
 
 /// The wanted vertices of some faces, each once.
 template <class IsWanted>
-std::vector<Raised> collect_probes(const Model& model, const Frame& frame, const Faces& faces,
+std::vector<Raised> collect_probes(const NumberedClaim& numbered, const Frame& frame, const Faces& faces,
                                    std::span<const std::uint32_t> of_patch, const IsWanted& is_wanted,
                                    RunControl& control) {
   std::vector<VertexId> wanted;
@@ -179,34 +179,34 @@ std::vector<Raised> collect_probes(const Model& model, const Frame& frame, const
   probes.reserve(wanted.size());
   for (const VertexId v : wanted) {
     check();
-    probes.push_back(raise(frame, model.points[v.value]));
+    probes.push_back(raise(frame, numbered.points[v.value]));
   }
   return probes;
 }
 
 }  // namespace
 
-double largest_height_of_dropped(const Model& model, std::size_t patch, const BoundaryGraph& input_seams,
+double largest_height_of_dropped(const NumberedClaim& numbered, std::size_t patch, const BoundaryGraph& input_seams,
                                  RunControl& control) {
-  const Frame& frame = model.frames[patch];
+  const Frame& frame = numbered.frames[patch];
   std::vector<Facet> facets;
   StopCheck check(control);
-  for (const std::uint32_t f : model.output_by_patch[patch]) {
+  for (const std::uint32_t f : numbered.output_by_patch[patch]) {
     check();
-    const auto face = model.output.face(f);
+    const auto face = numbered.output.face(f);
     Facet& facet = facets.emplace_back();
     for (std::size_t i = 0; i < 3; ++i)
-      facet[i] = {model.corner_uv[3 * f + i], raise(frame, model.output_point(face[i])).height};
+      facet[i] = {numbered.corner_uv[3 * f + i], raise(frame, numbered.output_point(face[i])).height};
   }
   return HeightMeasure(std::move(facets), frame.grid, control)
       .run(collect_probes(
-          model, frame, model.input, model.input_by_patch[patch],
-          [&](VertexId v) { return !model.is_in_output[v.value] && !input_seams.has(v); }, control));
+          numbered, frame, numbered.input, numbered.input_by_patch[patch],
+          [&](VertexId v) { return !numbered.is_in_output[v.value] && !input_seams.has(v); }, control));
 }
 
-double largest_height_of_new(const Model& model, std::size_t patch, const BoundaryGraph& output_seams,
+double largest_height_of_new(const NumberedClaim& numbered, std::size_t patch, const BoundaryGraph& output_seams,
                              RunControl& control) {
-  const Frame& frame = model.frames[patch];
+  const Frame& frame = numbered.frames[patch];
   // The input has no stored plane coordinates. They may lie slightly outside the frame's square.
   const auto to_grid = [&](Vec2 uv) {
     return Vec2{std::nearbyint(uv.x / frame.grid) * frame.grid, std::nearbyint(uv.y / frame.grid) * frame.grid};
@@ -214,13 +214,13 @@ double largest_height_of_new(const Model& model, std::size_t patch, const Bounda
   const auto is_near = [](Vec2 uv) { return std::fabs(uv.x) < 2 && std::fabs(uv.y) < 2; };
   std::vector<Facet> facets;
   StopCheck check(control);
-  for (const std::uint32_t f : model.input_by_patch[patch]) {
+  for (const std::uint32_t f : numbered.input_by_patch[patch]) {
     check();
-    const auto face = model.input.face(f);
+    const auto face = numbered.input.face(f);
     if (face.size() != 3) return HUGE_VAL;
     Facet& facet = facets.emplace_back();
     for (std::size_t i = 0; i < 3; ++i) {
-      facet[i] = raise(frame, model.points[face[i].value]);
+      facet[i] = raise(frame, numbered.points[face[i].value]);
       facet[i].at = to_grid(facet[i].at);
       if (!is_near(facet[i].at)) return HUGE_VAL;
     }
@@ -228,8 +228,8 @@ double largest_height_of_new(const Model& model, std::size_t patch, const Bounda
   }
   return HeightMeasure(std::move(facets), frame.grid, control)
       .run(collect_probes(
-          model, frame, model.output, model.output_by_patch[patch],
-          [&](VertexId v) { return model.is_new(v) && !output_seams.has(v); }, control));
+          numbered, frame, numbered.output, numbered.output_by_patch[patch],
+          [&](VertexId v) { return numbered.is_new(v) && !output_seams.has(v); }, control));
 }
 
 }  // namespace remesh::verification

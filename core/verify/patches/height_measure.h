@@ -6,7 +6,7 @@
 
 #include "core/base/run_control.h"
 #include "core/verify/model/boundary_graph.h"
-#include "core/verify/model/model.h"
+#include "core/verify/model/numbered_claim.h"
 
 namespace remesh::verification {
 
@@ -16,12 +16,12 @@ namespace remesh::verification {
 /// Input:  a patch with a sound frame, whose output triangles all turn counter-clockwise in their plane coordinates.
 /// Output: infinity if no triangle covers one of the vertices.
 /// Cost:   O(n log n): a sweep over the plane that stores in order the edges under the triangles.
-double largest_height_of_dropped(const Model& model, std::size_t patch, const BoundaryGraph& input_seams,
+double largest_height_of_dropped(const NumberedClaim& numbered, std::size_t patch, const BoundaryGraph& input_seams,
                                  RunControl& control);
 
 /// The largest difference of height between a new vertex and the input triangle that covers it.
 /// Output: infinity also if the input does not consist of triangles that all turn counter-clockwise in the plane.
-double largest_height_of_new(const Model& model, std::size_t patch, const BoundaryGraph& output_seams,
+double largest_height_of_new(const NumberedClaim& numbered, std::size_t patch, const BoundaryGraph& output_seams,
                              RunControl& control);
 
 }  // namespace remesh::verification

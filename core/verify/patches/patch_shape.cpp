@@ -6,10 +6,10 @@
 
 #include "core/base/blocks.h"
 #include "core/base/stoppable.h"
-#include "core/verify/model/exact.h"
 #include "core/verify/model/face_measures.h"
+#include "core/verify/model/fixed_width_integers.h"
 #include "core/verify/patches/curved_patch.h"
-#include "core/verify/patches/folded.h"
+#include "core/verify/patches/folded_faces.h"
 #include "core/verify/patches/height_measure.h"
 
 namespace remesh::verification {
@@ -68,15 +68,15 @@ double longest_extent(std::span<const VertexId> face, const Points& points) {
 
 class PatchCheck {
  public:
-  PatchCheck(const Model& model, const EdgeTable& input_edges, const Seams& seams, const Boundary& boundary,
+  PatchCheck(const NumberedClaim& numbered, const EdgeTable& input_edges, const Seams& seams, const Boundary& boundary,
              std::size_t patch, std::vector<std::uint8_t>& is_positive, std::vector<FoundFault>& faults,
              RunControl& control)
-      : model_(model),
+      : numbered_(numbered),
         input_edges_(input_edges),
         seams_(seams),
         boundary_(boundary),
         patch_(patch),
-        frame_(model.frames[patch]),
+        frame_(numbered.frames[patch]),
         is_positive_(is_positive),
         faults_(faults),
         control_(control) {}
@@ -105,8 +105,8 @@ class PatchCheck {
   }
 
  private:
-  std::span<const std::uint32_t> input_faces() const { return model_.input_by_patch[patch_]; }
-  std::span<const std::uint32_t> output_faces() const { return model_.output_by_patch[patch_]; }
+  std::span<const std::uint32_t> input_faces() const { return numbered_.input_by_patch[patch_]; }
+  std::span<const std::uint32_t> output_faces() const { return numbered_.output_by_patch[patch_]; }
 
   void report(Fault fault, std::uint32_t element = 0) { faults_.push_back({PatchId(patch_), fault, element}); }
 
@@ -163,12 +163,12 @@ class PatchCheck {
   }
 
   void read_input(std::uint32_t f, FlatReading& reading) const {
-    const auto face = model_.input.face(f);
+    const auto face = numbered_.input.face(f);
     const Vec3 twice_area = add_face(
-        face, [&](VertexId v) { return model_.points[v.value]; }, reading);
+        face, [&](VertexId v) { return numbered_.points[v.value]; }, reading);
     if (!(dot(twice_area, frame_.normal) > 0)) {
-      const double extent = longest_extent(face, model_.points);
-      const bool is_high = extent > 0 && !model_.is_within_tolerance(norm(twice_area) / extent / 2, extent);
+      const double extent = longest_extent(face, numbered_.points);
+      const bool is_high = extent > 0 && !numbered_.is_within_tolerance(norm(twice_area) / extent / 2, extent);
       if (is_high && !reading.facing_away.is_valid()) reading.facing_away = FaceId(f);
       reading.folded.push_back(f);
     }
@@ -176,15 +176,16 @@ class PatchCheck {
 
   void read_output(std::uint32_t f, FlatReading& reading) const {
     const auto report = [&](Fault fault) { reading.faults.push_back({PatchId(patch_), fault, f}); };
-    const auto face = model_.output.face(f);
+    const auto face = numbered_.output.face(f);
     const Vec3 twice_area = add_face(
-        face, [&](VertexId v) { return model_.output_point(v); }, reading);
+        face, [&](VertexId v) { return numbered_.output_point(v); }, reading);
     // A new or moved vertex was rounded when it was made. That rounding depends on its coordinates, not on its distance
     // from the frame's origin.
     for (const VertexId v : face)
-      if (is_made(v)) reading.reach = std::max(reading.reach, largest_coordinate(model_.output_point(v)));
+      if (is_made(v)) reading.reach = std::max(reading.reach, largest_coordinate(numbered_.output_point(v)));
 
-    const Vec3 a = model_.output_point(face[0]), b = model_.output_point(face[1]), c = model_.output_point(face[2]);
+    const Vec3 a = numbered_.output_point(face[0]), b = numbered_.output_point(face[1]),
+               c = numbered_.output_point(face[2]);
     const double extent = std::sqrt(std::max({norm_squared(b - a), norm_squared(c - b), norm_squared(a - c)}));
     const double twice_size = std::sqrt(norm_squared(twice_area));
     if (!(twice_size > 1e-12 * extent * extent) && is_collinear(a, b, c) && !is_input_triangle(face))
@@ -192,7 +193,7 @@ class PatchCheck {
     // The triangle points away in space. For a triangle no higher than the tolerance, noise decides the direction, so
     // it is exempt.
     const bool is_away = !(dot(twice_area, frame_.normal) > 0) &&
-                         !(extent > 0 && model_.is_within_tolerance(twice_size / extent, extent));
+                         !(extent > 0 && numbered_.is_within_tolerance(twice_size / extent, extent));
     const bool is_turned_over = !read_plane_coordinates(f, face, reading) || is_away;
     if (is_turned_over && !is_input_triangle(face)) report(Fault::kInverted);
   }
@@ -201,7 +202,7 @@ class PatchCheck {
   /// Output: true if the corners turn counter-clockwise.
   bool read_plane_coordinates(std::uint32_t f, std::span<const VertexId> face, FlatReading& reading) const {
     if (!has_frame_) return true;  // there is nothing to compare with; the frame has been reported
-    const Vec2* uv = &model_.corner_uv[3 * f];
+    const Vec2* uv = &numbered_.corner_uv[3 * f];
     for (int i = 0; i < 3; ++i) {
       if (is_on_grid(uv[i], frame_.grid) && is_projection(uv[i], face[i])) continue;
       reading.faults.push_back({PatchId(patch_), Fault::kPlaneCoordinates, f});
@@ -219,22 +220,22 @@ class PatchCheck {
   /// sum of |d|'s coordinates. On the fine grid they may differ by a whole grid step, because the stage raises
   /// triangles of height 0 there. A new vertex may have been made in the plane; then the point in space was rounded.
   bool is_projection(Vec2 uv, VertexId v) const {
-    const Vec3 p = model_.output_point(v);
+    const Vec3 p = numbered_.output_point(v);
     const Vec3 d = p - frame_.origin;
     double noise = 0x1p-49 * (std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z)) / frame_.scale;
-    if (is_made(v)) noise += Model::rounding(largest_coordinate(p)) / frame_.scale;
+    if (is_made(v)) noise += NumberedClaim::rounding(largest_coordinate(p)) / frame_.scale;
     const double allowed = (frame_.grid == kFineGrid ? frame_.grid : frame_.grid / 2) + noise;
     return std::fabs(uv.x - dot(d, frame_.x_axis) / frame_.scale) <= allowed &&
            std::fabs(uv.y - dot(d, frame_.y_axis) / frame_.scale) <= allowed;
   }
 
-  bool is_made(VertexId v) const { return model_.is_new(v) || model_.is_moved(v); }
+  bool is_made(VertexId v) const { return numbered_.is_new(v) || numbered_.is_moved(v); }
 
   bool is_input_triangle(std::span<const VertexId> face) const {
-    return verification::is_input_triangle(model_, input_edges_, PatchId(patch_), face);
+    return verification::is_input_triangle(numbered_, input_edges_, PatchId(patch_), face);
   }
 
-  bool is_unchanged() const { return verification::is_unchanged(model_, input_edges_, PatchId(patch_), control_); }
+  bool is_unchanged() const { return verification::is_unchanged(numbered_, input_edges_, PatchId(patch_), control_); }
 
   /// The area vector depends on the boundary alone (Stokes). So it may change by the slivers at the boundary, and by
   /// rounding.
@@ -250,20 +251,20 @@ class PatchCheck {
     height_bound_ =
         std::max({input_.heights.high - output_.heights.low, output_.heights.high - input_.heights.low, 0.0});
     if (!has_frame_) return along_boundary;
-    const bool is_flat = model_.is_within_tolerance(height_bound_, reach_);
+    const bool is_flat = numbered_.is_within_tolerance(height_bound_, reach_);
     if ((!is_flat || input_.facing_away.is_valid()) && is_unchanged()) {
       height_bound_ = 0;
       return 0;
     }
     if (input_.facing_away.is_valid()) report(Fault::kFacingAway, input_.facing_away.value);
     const double known = is_flat ? std::max(along_boundary, height_bound_) : along_boundary;
-    const double of_folds = farthest_of_folded(model_, patch_, input_.folded, known, control_);
-    if (!model_.is_within_tolerance(of_folds, reach_)) report(Fault::kDeviation);
+    const double of_folds = farthest_of_folded(numbered_, patch_, input_.folded, known, control_);
+    if (!numbered_.is_within_tolerance(of_folds, reach_)) report(Fault::kDeviation);
     if (is_flat) return std::max({along_boundary, height_bound_, of_folds});
     const double measured = std::max(
-        output_.are_all_positive ? largest_height_of_dropped(model_, patch_, seams_.input, control_) : height_bound_,
+        output_.are_all_positive ? largest_height_of_dropped(numbered_, patch_, seams_.input, control_) : height_bound_,
         bound_of_new_heights());
-    if (!model_.is_within_tolerance(measured, reach_)) report(Fault::kDeviation);
+    if (!numbered_.is_within_tolerance(measured, reach_)) report(Fault::kDeviation);
     return std::max({along_boundary, std::min(measured, height_bound_), of_folds});
   }
 
@@ -274,14 +275,14 @@ class PatchCheck {
     StopCheck check(control_);
     for (const std::uint32_t f : output_faces()) {
       check();
-      for (const VertexId v : model_.output.face(f))
-        if (model_.is_new(v) && !seams_.output.has(v)) {
-          const double h = height(model_.points[v.value]);
+      for (const VertexId v : numbered_.output.face(f))
+        if (numbered_.is_new(v) && !seams_.output.has(v)) {
+          const double h = height(numbered_.points[v.value]);
           bound = std::max({bound, input_.heights.high - h, h - input_.heights.low});
         }
     }
-    if (model_.is_within_tolerance(bound, reach_)) return bound;
-    return std::min(bound, largest_height_of_new(model_, patch_, seams_.output, control_));
+    if (numbered_.is_within_tolerance(bound, reach_)) return bound;
+    return std::min(bound, largest_height_of_new(numbered_, patch_, seams_.output, control_));
   }
 
   /// Adds the change of volume and its bound. Input and output of the patch, and the slivers between their boundaries,
@@ -295,7 +296,7 @@ class PatchCheck {
                          input_.measures.rounding() + output_.measures.rounding();
   }
 
-  const Model& model_;
+  const NumberedClaim& numbered_;
   const EdgeTable& input_edges_;
   const Seams& seams_;
   const Boundary& boundary_;
@@ -313,22 +314,22 @@ class PatchCheck {
 
 }  // namespace
 
-ShapeSums check_shapes(const Model& model, const EdgeTable& input_edges, const Seams& seams, const Boundary& boundary,
-                       std::vector<std::uint8_t>& is_positive, std::vector<double>& bounds, FoundFaults& faults,
-                       RunControl& control) {
+ShapeSums check_shapes(const NumberedClaim& numbered, const EdgeTable& input_edges, const Seams& seams,
+                       const Boundary& boundary, std::vector<std::uint8_t>& is_positive, std::vector<double>& bounds,
+                       FoundFaults& faults, RunControl& control) {
   struct Block {
     ShapeSums sums;
     std::vector<FoundFault> faults;
   };
-  is_positive.assign(model.output.count(), 0);
-  bounds.assign(model.patch_count(), 0);
+  is_positive.assign(numbered.output.count(), 0);
+  bounds.assign(numbered.patch_count(), 0);
   const auto check_patch = [&](std::size_t p, Block& block) {
-    if (model.curved_surface(PatchId(p)) == nullptr)
-      return PatchCheck(model, input_edges, seams, boundary, p, is_positive, block.faults, control).run(block.sums);
-    return check_curved_patch(model, input_edges, boundary, PatchId(p), block.sums, block.faults, control);
+    if (numbered.curved_surface(PatchId(p)) == nullptr)
+      return PatchCheck(numbered, input_edges, seams, boundary, p, is_positive, block.faults, control).run(block.sums);
+    return check_curved_patch(numbered, input_edges, boundary, PatchId(p), block.sums, block.faults, control);
   };
   const auto blocks =
-      map_blocks<Block>(model.patch_count(), kPatchesPerBlock, control, [&](std::size_t begin, std::size_t end) {
+      map_blocks<Block>(numbered.patch_count(), kPatchesPerBlock, control, [&](std::size_t begin, std::size_t end) {
         Block block;
         for (std::size_t p = begin; p < end; ++p) bounds[p] = check_patch(p, block);
         return block;

@@ -23,7 +23,7 @@
 #include "core/verify/boundary/boundary.h"
 #include "core/verify/claim/verification_faults.h"
 #include "core/verify/model/edge_table.h"
-#include "core/verify/model/model.h"
+#include "core/verify/model/numbered_claim.h"
 #include "core/verify/patches/shape_sums.h"
 
 namespace remesh::verification {
@@ -35,8 +35,8 @@ namespace remesh::verification {
 ///         0 for all faces of curved patches. `bounds` - one per patch: no point of its input is further from its
 ///         output, or the other way round.
 /// Cost:   O(n); O(n log n) if distances must be measured.
-ShapeSums check_shapes(const Model& model, const EdgeTable& input_edges, const Seams& seams, const Boundary& boundary,
-                       std::vector<std::uint8_t>& is_positive, std::vector<double>& bounds, FoundFaults& faults,
-                       RunControl& control);
+ShapeSums check_shapes(const NumberedClaim& numbered, const EdgeTable& input_edges, const Seams& seams,
+                       const Boundary& boundary, std::vector<std::uint8_t>& is_positive, std::vector<double>& bounds,
+                       FoundFaults& faults, RunControl& control);
 
 }  // namespace remesh::verification

@@ -1,10 +1,8 @@
 #include "core/verify/polygons/caps.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "core/base/stoppable.h"
@@ -17,8 +15,8 @@ namespace {
 
 class CapCheck {
  public:
-  CapCheck(const Claim& claim, const Model& model, const EdgeTable& edges, RunControl& control)
-      : claim_(claim), model_(model), edges_(edges), control_(control), is_cap_(claim.surface.face_count(), 0) {
+  CapCheck(const Claim& claim, const NumberedClaim& numbered, const EdgeTable& edges, RunControl& control)
+      : claim_(claim), numbered_(numbered), edges_(edges), control_(control), is_cap_(claim.surface.face_count(), 0) {
     for (const FaceId cap : claim.surface.caps) is_cap_[cap.value] = 1;
   }
 
@@ -38,7 +36,7 @@ class CapCheck {
 
   bool is_flat_cap(FaceId cap, StopCheck& check) const {
     std::vector<Vec3> loop;
-    for (const VertexId v : model_.input.face(cap.value)) loop.push_back(model_.points[v.value]);
+    for (const VertexId v : numbered_.input.face(cap.value)) loop.push_back(numbered_.points[v.value]);
     const OutlineMeasures outline = measure_outline(loop, check);
     const Vec3 normal = normalized(outline.twice_area);
     if (normal == Vec3{}) return false;
@@ -50,21 +48,22 @@ class CapCheck {
       low = std::min(low, dot(p - loop[0], normal));
       high = std::max(high, dot(p - loop[0], normal));
     }
-    return high - low <= 2 * model_.tolerance + 0x1p-45 * outline.length;
+    return high - low <= 2 * numbered_.tolerance + 0x1p-45 * outline.length;
   }
 
   /// Returns whether the edges of a cap would be open without it, and whether the face that is its source is at one of
   /// them.
   bool is_rim_filled(FaceId cap, StopCheck& check) const {
-    const std::uint32_t begin = model_.input.face_begin[cap.value], end = model_.input.face_begin[cap.value + 1];
+    const std::uint32_t begin = numbered_.input.face_begin[cap.value], end = numbered_.input.face_begin[cap.value + 1];
     const auto face_of = [&](std::uint32_t half_edge) {
-      const auto after = std::upper_bound(model_.input.face_begin.begin(), model_.input.face_begin.end(), half_edge);
-      return FaceId(static_cast<std::size_t>(after - model_.input.face_begin.begin()) - 1);
+      const auto after =
+          std::upper_bound(numbered_.input.face_begin.begin(), numbered_.input.face_begin.end(), half_edge);
+      return FaceId(static_cast<std::size_t>(after - numbered_.input.face_begin.begin()) - 1);
     };
     bool is_source_at_rim = false;
     for (std::uint32_t h = begin; h < end; ++h) {
       check();
-      const VertexId from = model_.input.corners[h], to = model_.input.corners[h + 1 == end ? begin : h + 1];
+      const VertexId from = numbered_.input.corners[h], to = numbered_.input.corners[h + 1 == end ? begin : h + 1];
       if (edges_.count_uses(from, to) != 2) return false;
       const std::vector<Use> uses = edges_.find(from, to);
       if (uses[0].is_forward() == uses[1].is_forward()) return false;
@@ -100,7 +99,7 @@ class CapCheck {
   }
 
   const Claim& claim_;
-  const Model& model_;
+  const NumberedClaim& numbered_;
   const EdgeTable& edges_;
   RunControl& control_;
   std::vector<std::uint8_t> is_cap_;
@@ -108,13 +107,13 @@ class CapCheck {
 
 }  // namespace
 
-void check_caps(const Claim& claim, const Model& model, const EdgeTable& edges, FoundFaults& faults,
+void check_caps(const Claim& claim, const NumberedClaim& numbered, const EdgeTable& edges, FoundFaults& faults,
                 RunControl& control) {
   const std::vector<FaceId>& caps = claim.surface.caps;
   if (claim.input == nullptr || caps.empty()) return;
   if (!std::is_sorted(caps.begin(), caps.end()) || caps.back().value >= claim.surface.face_count())
     return faults.add(PatchId(), Fault::kMalformed);
-  CapCheck(claim, model, edges, control).run(faults);
+  CapCheck(claim, numbered, edges, control).run(faults);
 }
 
 }  // namespace remesh::verification

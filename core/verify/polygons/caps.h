@@ -5,7 +5,7 @@
 #include "core/verify/claim/claim.h"
 #include "core/verify/claim/verification_faults.h"
 #include "core/verify/model/edge_table.h"
-#include "core/verify/model/model.h"
+#include "core/verify/model/numbered_claim.h"
 
 namespace remesh::verification {
 
@@ -22,7 +22,7 @@ namespace remesh::verification {
 /// Holds:   the faults do not depend on the number of threads.
 /// Errors:  kCancelled, kTimeout - stopped through `control`.
 /// Cost:    nothing without such faces; with them, that of a search for intersections with them.
-void check_caps(const Claim& claim, const Model& model, const EdgeTable& edges, FoundFaults& faults,
+void check_caps(const Claim& claim, const NumberedClaim& numbered, const EdgeTable& edges, FoundFaults& faults,
                 RunControl& control);
 
 }  // namespace remesh::verification

@@ -13,7 +13,7 @@
 
 #include "core/geometry/triangles/triangle_intersection.h"
 #include "core/io/obj/obj.h"
-#include "core/verify/model/exact.h"
+#include "core/verify/model/fixed_width_integers.h"
 #include "tests/support/cgal_space.h"
 #include "tests/support/invariance.h"
 #include "tests/support/random.h"

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/io/common/bytes.h"
-#include "core/io/common/text.h"
+#include "core/io/common/number_parsing.h"
 #include "tests/support/errors.h"
 #include "tests/support/reading.h"
 

@@ -22,7 +22,7 @@ struct Dropped {
   bool is_changed = false;
 };
 
-Dropped drop(const PolygonMesh& mesh, Mend mend = Mend::kYes) {
+Dropped drop(const PolygonMesh& mesh, MendMode mend = MendMode::kYes) {
   RunControl control;
   Dropped result{shapes::surface(mesh), {}, false};
   const Adjacency edges(result.surface.vertex_count(), result.surface.face_begin, result.surface.corners, control);
@@ -172,7 +172,7 @@ TEST(drop_duplicate_faces, a_wall_between_solids_stays_where_a_fin_goes_on_from_
 }
 
 TEST(drop_duplicate_faces, where_nothing_is_to_be_mended_they_are_counted_only) {
-  const Dropped result = drop(tetrahedron_and({{1, 3, 0}, {1, 0, 3}}), Mend::kNo);
+  const Dropped result = drop(tetrahedron_and({{1, 3, 0}, {1, 0, 3}}), MendMode::kNo);
   EXPECT_FALSE(result.is_changed);
   EXPECT_EQ(result.surface.face_count(), 6u);
   ASSERT_EQ(result.diagnostics.size(), 1u);

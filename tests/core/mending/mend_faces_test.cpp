@@ -241,7 +241,7 @@ TEST(mend_faces, a_stop_is_obeyed_while_faces_without_area_are_dropped) {
   });
   bool is_stopped = false;
   try {
-    mend_faces(surface, 1e-6, {}, Mend::kYes, diagnostics, control);
+    mend_faces(surface, 1e-6, {}, MendMode::kYes, diagnostics, control);
   } catch (const Error& error) {
     is_stopped = error.code == Code::kCancelled;
   }

@@ -28,7 +28,7 @@ Surface surface_of(const PolygonMesh& mesh) {
 void mend(Surface& surface) {
   std::vector<Diagnostic> diagnostics;
   RunControl control;
-  mend_faces(surface, kTolerance, {}, Mend::kYes, diagnostics, control);
+  mend_faces(surface, kTolerance, {}, MendMode::kYes, diagnostics, control);
 }
 
 /// Returns how many sides of faces lie on each edge. Vertices are named by their places, since mending renumbers them.

@@ -28,7 +28,7 @@ struct Closed {
   bool is_changed = false;
 };
 
-Closed close(const PolygonMesh& mesh, Mend mend = Mend::kYes, double tolerance = kSeamTolerance,
+Closed close(const PolygonMesh& mesh, MendMode mend = MendMode::kYes, double tolerance = kSeamTolerance,
              bool takes_alike = false) {
   RunControl control;
   std::vector<Diagnostic> of_weld;
@@ -36,7 +36,7 @@ Closed close(const PolygonMesh& mesh, Mend mend = Mend::kYes, double tolerance =
   const Adjacency edges(result.surface.vertex_count(), result.surface.face_begin, result.surface.corners, control);
   Seams seams({tolerance / result.surface.unit, takes_alike});
   result.is_changed = seams.close(result.surface, edges, mend, control);
-  seams.tell(result.diagnostics);
+  seams.report(result.diagnostics);
   result.surface.detach();  // the mesh may be gone when it is looked at
   return result;
 }
@@ -114,7 +114,7 @@ TEST(seams, a_crack_wider_than_the_tolerance_stays) {
 TEST(seams, it_is_told_and_left_if_it_is_not_to_be_mended) {
   const PolygonMesh whole = shapes::sphere(2);
   const PolygonMesh mesh = torn::in_two(whole, torn::above_a_plane(1), torn::noise(1, kSeamTolerance / 4));
-  const Closed result = close(mesh, Mend::kNo);
+  const Closed result = close(mesh, MendMode::kNo);
   EXPECT_FALSE(result.is_changed);
   EXPECT_EQ(result.surface.vertex_count(), mesh.vertex_count());
   EXPECT_EQ(count_of(result), torn::edges_between(whole, torn::above_a_plane(1)));
@@ -184,7 +184,7 @@ TEST(seams, no_face_collapses) {
   const double w = 0.5e-9;
   const PolygonMesh mesh = shapes::from_lists({{0, 0, 0}, {-w, 1, 0}, {w, 1, 0}, {-1, 0.5, 0}, {1, 0.5, 0}, {0, 2, 0}},
                                               {{0, 1, 3}, {2, 0, 4}, {1, 2, 5}});
-  const Closed result = close(mesh, Mend::kYes, 2e-9);
+  const Closed result = close(mesh, MendMode::kYes, 2e-9);
   for (std::uint32_t f = 0; f < 3; ++f) {
     const auto loop = result.surface.face(FaceId(f));
     EXPECT_EQ(std::set<VertexId>(loop.begin(), loop.end()).size(), 3u);

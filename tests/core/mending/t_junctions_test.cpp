@@ -21,7 +21,7 @@ struct SplitResult {
   bool is_changed = false;
 };
 
-SplitResult split(const PolygonMesh& mesh, double tolerance, Mend mend = Mend::kYes,
+SplitResult split(const PolygonMesh& mesh, double tolerance, MendMode mend = MendMode::kYes,
                   const std::vector<std::uint8_t>& keep_verbatim = {}) {
   RunControl control;
   SplitResult result{shapes::surface(mesh), {}, false};
@@ -90,12 +90,12 @@ TEST(split_t_junctions, a_vertex_near_the_end_of_an_edge_is_a_matter_of_welding)
 }
 
 TEST(split_t_junctions, where_nothing_is_to_be_mended_or_a_face_takes_none_it_stays) {
-  const SplitResult found = split(comb(4), 1e-9, Mend::kNo);
+  const SplitResult found = split(comb(4), 1e-9, MendMode::kNo);
   EXPECT_FALSE(found.is_changed);
   ASSERT_EQ(found.diagnostics.size(), 1u);
   EXPECT_EQ(found.diagnostics[0].count, 3u);
   EXPECT_EQ(loop_of(found.surface, 0).size(), 3u);
-  EXPECT_FALSE(split(comb(4), 1e-9, Mend::kYes, {1, 0, 0, 0, 0}).is_changed);
+  EXPECT_FALSE(split(comb(4), 1e-9, MendMode::kYes, {1, 0, 0, 0, 0}).is_changed);
 }
 
 TEST(split_t_junctions, a_closed_surface_and_inner_vertices_are_left_alone) {
@@ -265,7 +265,7 @@ TEST(split_t_junctions, where_there_are_far_too_many_none_is_split_and_that_is_t
   EXPECT_GT(diagnostics[0].count, mesh.corners.size());
   EXPECT_LT(diagnostics[0].count, 8 * mesh.corners.size());
   EXPECT_NE(diagnostics[0].message.find("so many"), std::string::npos);
-  for (const Mend mend : {Mend::kYes, Mend::kNo}) {
+  for (const MendMode mend : {MendMode::kYes, MendMode::kNo}) {
     const SplitResult result = tbb::task_arena(8).execute([&] { return split(mesh, 1e-9, mend); });
     ASSERT_EQ(result.diagnostics.size(), 1u);
     EXPECT_EQ(result.diagnostics[0].count, diagnostics[0].count);
@@ -319,7 +319,7 @@ TEST(split_t_junctions, those_found_are_those_of_all_pairs) {
     const double tolerance = std::pow(10, -3 - i % 4);
     for (Vec3& p : mesh.positions) p += 2 * tolerance * Vec3{any(random), any(random), any(random)};
     if (i % 2 == 0) mesh = shapes::rotated(mesh, {any(random), 1, any(random)}, 180 * any(random));
-    const SplitResult result = split(mesh, tolerance, Mend::kNo);
+    const SplitResult result = split(mesh, tolerance, MendMode::kNo);
     const std::size_t count = result.diagnostics.empty() ? 0 : result.diagnostics[0].count;
     EXPECT_EQ(count, junctions_of_all_pairs(mesh, tolerance)) << i;
     total += count;

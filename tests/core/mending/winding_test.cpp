@@ -19,22 +19,22 @@ struct Wound {
 };
 
 template <class Stage>
-Wound run(const PolygonMesh& mesh, Mend mend, const Stage& stage) {
+Wound run(const PolygonMesh& mesh, MendMode mend, const Stage& stage) {
   RunControl control;
   Wound result{shapes::surface(mesh), {}, false};
   const Adjacency edges(result.surface.vertex_count(), result.surface.face_begin, result.surface.corners, control);
   result.is_changed = stage(result.surface, edges, mend, result.diagnostics, control);
   return result;
 }
-Wound unify(const PolygonMesh& mesh, Mend mend = Mend::kYes) {
+Wound unify(const PolygonMesh& mesh, MendMode mend = MendMode::kYes) {
   return run(mesh, mend,
-             [&](Surface& surface, const Adjacency& edges, Mend if_asked, auto& diagnostics, auto& control) {
+             [&](Surface& surface, const Adjacency& edges, MendMode if_asked, auto& diagnostics, auto& control) {
                return unify_winding(surface, edges, mesh.labels, if_asked, diagnostics, control);
              });
 }
-Wound turn(const PolygonMesh& mesh, Mend mend = Mend::kYes) {
+Wound turn(const PolygonMesh& mesh, MendMode mend = MendMode::kYes) {
   return run(mesh, mend,
-             [&](Surface& surface, const Adjacency& edges, Mend if_asked, auto& diagnostics, auto& control) {
+             [&](Surface& surface, const Adjacency& edges, MendMode if_asked, auto& diagnostics, auto& control) {
                return turn_inside_out(surface, edges, mesh.labels, if_asked, diagnostics, control);
              });
 }
@@ -136,7 +136,7 @@ TEST(unify_winding, a_moebius_strip_stays_and_is_reported) {
 }
 
 TEST(unify_winding, where_nothing_is_to_be_mended_the_edges_are_counted) {
-  const Wound result = unify(with_turned(shapes::box({1, 1, 1}), {0}), Mend::kNo);
+  const Wound result = unify(with_turned(shapes::box({1, 1, 1}), {0}), MendMode::kNo);
   EXPECT_FALSE(result.is_changed);
   ASSERT_EQ(result.diagnostics.size(), 1u);
   EXPECT_EQ(result.diagnostics[0].count, 3u);
@@ -150,7 +150,7 @@ TEST(unify_winding, edges_of_more_than_two_faces_connect_nothing) {
 TEST(turn_inside_out, a_closed_piece_that_looks_inwards_is_reported_and_turned_where_asked) {
   const PolygonMesh mesh =
       shapes::joined(shapes::box({1, 1, 1}), shapes::moved(shapes::turned_over(shapes::box({1, 1, 1})), {3, 0, 0}));
-  const Wound found = turn(mesh, Mend::kNo);
+  const Wound found = turn(mesh, MendMode::kNo);
   EXPECT_FALSE(found.is_changed);
   ASSERT_EQ(found.diagnostics.size(), 1u);
   EXPECT_EQ(found.diagnostics[0].code, DiagnosticCode::kInsideOut);
@@ -164,7 +164,7 @@ TEST(turn_inside_out, polygons_are_judged_as_what_they_cover) {
   const auto in_notch = shapes::moved(small, {1.25, 2, 0.25}), in_arm = shapes::moved(small, {0.25, 2, 0.25});
   const std::vector<std::uint64_t> inner{solid.face_count()};
   const auto elements = [&](const PolygonMesh& body) {
-    const Wound found = turn(shapes::joined(solid, body), Mend::kNo);
+    const Wound found = turn(shapes::joined(solid, body), MendMode::kNo);
     return found.diagnostics.empty() ? std::vector<std::uint64_t>{} : found.diagnostics[0].elements;
   };
   EXPECT_EQ(elements(in_arm), inner);

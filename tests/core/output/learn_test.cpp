@@ -21,20 +21,20 @@ constexpr std::size_t kFaces = 10;
 Goals goals_in_proportion() {
   Goals goals{};
   goals.max_faces = 1'000'000;
-  goals.faces_without_floor = 1000;
-  goals.lowest_floor = 0x1p-10;
+  goals.faces_without_min_edge = 1000;
+  goals.lowest_min_edge = 0x1p-10;
   return goals;
 }
 
-Decisions first() { return Decisions(FloorSearch(goals_in_proportion())); }
+Decisions first() { return Decisions(MinEdgeSearch(goals_in_proportion())); }
 
 Outcome outcome_of(End end) {
   Outcome outcome;
   outcome.end = end;
   outcome.input_faces = kFaces;
-  outcome.facts.are_goals_set = outcome.facts.is_any_refined = outcome.facts.is_floor_automatic = true;
+  outcome.facts.are_goals_set = outcome.facts.is_any_refined = outcome.facts.is_min_edge_automatic = true;
   outcome.facts.max_faces = goals_in_proportion().max_faces;
-  outcome.facts.faces_without_floor = goals_in_proportion().faces_without_floor;
+  outcome.facts.faces_without_min_edge = goals_in_proportion().faces_without_min_edge;
   return outcome;
 }
 
@@ -73,7 +73,7 @@ std::vector<Row> rows() {
   Outcome too_many = outcome_of(End::kTooManyFaces);
   too_many.faces = 1001;
   Outcome far_too_many = outcome_of(End::kTooManyFaces);
-  far_too_many.facts.is_floor_automatic = false;
+  far_too_many.facts.is_min_edge_automatic = false;
   far_too_many.faces = 1'000'001;
   Outcome gaps = outcome_of(End::kGapsTooFine);
   gaps.coarsest = 0.5;
@@ -93,7 +93,7 @@ std::vector<Row> rows() {
       {"triangulation", first(), with_failure(outcome_of(End::kPatchesFailed), 2),
        "divide 2 input faces into smaller patches"},
       {"in_vain", first(), outcome_of(End::kWorkInVain), "refine nothing until a result passes the check"},
-      {"floor_predicted", first(), outcome_of(End::kFloorTooLow), "min_edge_length 0.000976562"},
+      {"floor_predicted", first(), outcome_of(End::kMinEdgeTooShort), "min_edge_length 0.000976562"},
       {"floor_made", first(), too_many, "min_edge_length 0.000976562"},
       {"floor_made_soon", first(), outcome_of(End::kTooManyMade), "min_edge_length 0.000976562"},
       {"budget", first(), far_too_many, "stop refining at 999024 faces, apart from edges that must be cut"},
@@ -172,13 +172,13 @@ TEST(learn, frozen_faces_stay_frozen_after_much_work_alone) {
 
 TEST(learn, a_floor_that_was_found_stays_after_the_input_is_mended_anew) {
   Decisions now = first();
-  for (int i = 0; i < 5; ++i) now.refinement.floors.note_too_many();
+  for (int i = 0; i < 5; ++i) now.refinement.min_edge.record_too_many();
   Outcome failed = with_failure(outcome_of(End::kPatchesFailed), 2);
   failed.failed[0].is_kept = true;
   const std::optional<Decisions> next = learn(now, failed, {});
   ASSERT_TRUE(next);
   EXPECT_NE(next->mending, now.mending);
-  EXPECT_EQ(next->refinement.floors.floor(), now.refinement.floors.floor());
+  EXPECT_EQ(next->refinement.min_edge.min_edge_length(), now.refinement.min_edge.min_edge_length());
   EXPECT_EQ(next->rungs, FaceRungs());
 }
 

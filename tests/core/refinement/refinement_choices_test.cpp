@@ -11,17 +11,17 @@ constexpr std::uint64_t kLimit = 20'000;
 
 RefinementChoices first_choices(std::uint64_t in_proportion = Goals::kNoLimit) {
   Goals goals{};
-  goals.faces_without_floor = in_proportion;
-  goals.lowest_floor = 0x1p-10;
-  return RefinementChoices(FloorSearch(goals));
+  goals.faces_without_min_edge = in_proportion;
+  goals.lowest_min_edge = 0x1p-10;
+  return RefinementChoices(MinEdgeSearch(goals));
 }
 
 RefinementFacts facts_with(std::uint64_t max_faces, std::uint64_t in_proportion = Goals::kNoLimit) {
   RefinementFacts facts;
   facts.are_goals_set = facts.is_any_refined = true;
-  facts.is_floor_automatic = in_proportion != Goals::kNoLimit;
+  facts.is_min_edge_automatic = in_proportion != Goals::kNoLimit;
   facts.max_faces = max_faces;
-  facts.faces_without_floor = in_proportion;
+  facts.faces_without_min_edge = in_proportion;
   facts.predicted = 1e6;
   return facts;
 }
@@ -106,7 +106,7 @@ TEST(refinement_choices, a_floor_is_raised_where_faces_are_out_of_proportion_or_
     const AfterFaces after = after_faces(now, are_angles_worse ? 100 : kLimit + 1, are_angles_worse, facts);
     EXPECT_TRUE(after.is_repeated);
     EXPECT_FALSE(after.counts);
-    EXPECT_GT(after.choices.floors.floor(), now.floors.floor());
+    EXPECT_GT(after.choices.min_edge.min_edge_length(), now.min_edge.min_edge_length());
     EXPECT_EQ(after.choices.too_many_predicted, facts.predicted);
   }
 }

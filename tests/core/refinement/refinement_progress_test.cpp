@@ -1,4 +1,4 @@
-#include "core/refinement/refiner/refinement_progress.h"
+#include "core/refinement/refiner/patch_refiner.h"
 
 #include <gtest/gtest.h>
 

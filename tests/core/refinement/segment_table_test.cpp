@@ -45,14 +45,14 @@ struct TableSubject {
   }
   /// How far from that end the piece next to it is cut, if only there is a cut: on the whole segment at first, then on
   /// what is left at that end.
-  std::vector<double> shells_at(const Vec3& end, SegmentId s) const {
-    std::vector<double> shells;
+  std::vector<double> rings_at(const Vec3& end, SegmentId s) const {
+    std::vector<double> rings;
     const bool is_from = table[s].from == chain.at(end);
     for (double t = is_from ? 1 : 0;;) {
       const auto cut = is_from ? table.cut(s, 0, t) : table.cut(s, t, 1);
-      if (!cut) return shells;
+      if (!cut) return rings;
       t = *cut;
-      shells.push_back((is_from ? t : 1 - t) * table[s].length);
+      rings.push_back((is_from ? t : 1 - t) * table[s].length);
     }
   }
 
@@ -109,8 +109,8 @@ TEST(segment_table, a_box_has_twelve_segments_of_two_sides_each) {
     const BoundarySegment& segment = subject.table[SegmentId(s)];
     lengths.insert(segment.length);
     EXPECT_LT(subject.chain.surface.positions[segment.from], subject.chain.surface.positions[segment.to]);
-    EXPECT_EQ(segment.shell_base[0], 0) << "right angles need no shells";
-    EXPECT_EQ(segment.shell_base[1], 0);
+    EXPECT_EQ(segment.ring_base[0], 0) << "right angles need no rings";
+    EXPECT_EQ(segment.ring_base[1], 0);
     EXPECT_FALSE(segment.is_locked());
     const auto sides = subject.table.sides(SegmentId(s));
     ASSERT_EQ(sides.size(), 2u);
@@ -160,17 +160,17 @@ TEST(segment_table, segments_at_a_small_angle_are_cut_on_common_shells) {
                                                 {5, 5},
                                                 {second_end.x - std::sin(angle), second_end.y + std::cos(angle)},
                                                 {second_end.x, second_end.y}}));
-    const std::vector<double> on_first = subject.shells_at({0, 0, 0}, subject.between({0, 0, 0}, first_end)),
-                              on_second = subject.shells_at({0, 0, 0}, subject.between({0, 0, 0}, second_end));
+    const std::vector<double> on_first = subject.rings_at({0, 0, 0}, subject.between({0, 0, 0}, first_end)),
+                              on_second = subject.rings_at({0, 0, 0}, subject.between({0, 0, 0}, second_end));
     ASSERT_GE(on_first.size(), 2u) << degrees;
     ASSERT_GE(on_second.size(), 2u) << degrees;
     // A third of the shortest segment, times a power of two.
-    for (const auto& shells : {on_first, on_second})
-      for (std::size_t i = 0; i < shells.size(); ++i) {
-        const double octave = std::log2(shells[i]);
+    for (const auto& rings : {on_first, on_second})
+      for (std::size_t i = 0; i < rings.size(); ++i) {
+        const double octave = std::log2(rings[i]);
         EXPECT_NEAR(octave, std::round(octave), 1e-9) << degrees;
         if (i > 0) {
-          EXPECT_NEAR(shells[i] / shells[i - 1], 0.5, 1e-9) << degrees;
+          EXPECT_NEAR(rings[i] / rings[i - 1], 0.5, 1e-9) << degrees;
         }
       }
     // The pieces on both sides of the first cut are long enough.
@@ -181,7 +181,7 @@ TEST(segment_table, segments_at_a_small_angle_are_cut_on_common_shells) {
 
 TEST(segment_table, at_sixty_degrees_there_are_no_shells) {
   const TableSubject subject(shapes::triangle(60, 1, 1));
-  for (std::uint32_t s = 0; s < 3; ++s) EXPECT_EQ(subject.table[SegmentId(s)].shell_base[0], 0);
+  for (std::uint32_t s = 0; s < 3; ++s) EXPECT_EQ(subject.table[SegmentId(s)].ring_base[0], 0);
 }
 
 TEST(segment_table, a_cluster_reaches_over_all_patches_around_a_vertex) {
@@ -194,7 +194,7 @@ TEST(segment_table, a_cluster_reaches_over_all_patches_around_a_vertex) {
   for (std::uint32_t v = 1; v <= 21; ++v) {
     const SegmentId s = subject.between({0, 0, 0}, fan.positions[VertexId(v)]);
     const bool is_from = subject.table[s].from == subject.chain.at({0, 0, 0});
-    EXPECT_DOUBLE_EQ(subject.table[s].shell_base[is_from ? 0 : 1], expected) << v;
+    EXPECT_DOUBLE_EQ(subject.table[s].ring_base[is_from ? 0 : 1], expected) << v;
   }
 }
 
@@ -205,7 +205,7 @@ TEST(segment_table, angles_of_different_patches_at_a_vertex_are_different_cluste
   const TableSubject subject(mesh);
   const auto base = [&](std::uint32_t v) {
     const SegmentId s = subject.between({0, 0, 0}, mesh.positions[VertexId(v)]);
-    return subject.table[s].shell_base[subject.table[s].from == subject.chain.at({0, 0, 0}) ? 0 : 1];
+    return subject.table[s].ring_base[subject.table[s].from == subject.chain.at({0, 0, 0}) ? 0 : 1];
   };
   EXPECT_DOUBLE_EQ(base(1), 1);
   EXPECT_DOUBLE_EQ(base(2), 1);
@@ -245,11 +245,11 @@ TEST(segment_table, a_shortest_edge_is_a_floor) {
     EXPECT_GE(subject.table[SegmentId(s)].floor, 0.3);
     EXPECT_EQ(all_cuts(subject.table, SegmentId(s)), (std::vector<double>{0.5}));
   }
-  // On shells at a sharp corner, the two segments' cuts are that far from each other, too.
+  // On rings at a sharp corner, the two segments' cuts are that far from each other, too.
   const TableSubject sharp(shapes::triangle(20, 1, 1), goals(0.05));
   const double apart = 2 * std::sin(10 * std::numbers::pi / 180);
   const SegmentId side = sharp.between({0, 0, 0}, {1, 0, 0});
-  for (const double shell : sharp.shells_at({0, 0, 0}, side)) EXPECT_GE(shell * apart, 0.05);
+  for (const double ring : sharp.rings_at({0, 0, 0}, side)) EXPECT_GE(ring * apart, 0.05);
 }
 
 TEST(segment_table, sizes_divide_evenly_into_the_fewest_parts) {

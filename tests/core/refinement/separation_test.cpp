@@ -25,7 +25,7 @@ class RefinedSheets {
     Options options;
     options.max_edge_length = max_edge_length;
     const Goals goals = goals_of(options, std::sqrt(18));
-    RefinementChoices choices{FloorSearch(goals)};
+    RefinementChoices choices{MinEdgeSearch(goals)};
     choices.has_budget = choices.is_thinning_quick = true;
     refinement_ = SurfaceRefinement(goals, {}, chain_.control)
                       .refine({chain_.surface, chain_.adjacency, chain_.patches, 1e-9}, choices, {},

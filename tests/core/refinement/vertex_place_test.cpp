@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "core/refinement/refiner/triangle_state.h"
+#include "core/refinement/refiner/working_patch.h"
 
 namespace remesh {
 namespace {

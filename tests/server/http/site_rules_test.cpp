@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "tests/server/stub_service.h"
+#include "tests/server/stub_daemon.h"
 
 namespace remesh::server {
 namespace {
@@ -156,7 +156,7 @@ TEST(public_url, it_has_an_origin_and_a_prefix) {
     EXPECT_THROW(PublicUrl{bad}, std::invalid_argument) << bad;
 }
 
-using sites = StubService;
+using sites = StubDaemon;
 
 std::string from_page(const std::string& origin, const std::string& site = "") {
   return "Origin: " + origin + "\r\n" + (site.empty() ? "" : "Sec-Fetch-Site: " + site + "\r\n");
@@ -176,7 +176,7 @@ TEST_F(sites, a_page_of_another_site_starts_nothing_and_reads_nothing) {
   EXPECT_EQ(post(port_, "/v1/remesh", "good", from_page("https://evil.example")).status, 403);
   EXPECT_EQ(post(port_, "/v1/jobs", "good", from_page("null")).status, 403);
   EXPECT_EQ(stub_.calls, 0);
-  for (const int port : {port_, service_->ops_port()}) {
+  for (const int port : {port_, daemon_->ops_port()}) {
     const Answer rebound = get_as(port, "/metrics", "evil.example:8080");
     EXPECT_EQ(rebound.status, 421);
     EXPECT_EQ(code_of(rebound), "misdirected_request");

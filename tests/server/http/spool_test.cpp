@@ -79,7 +79,7 @@ TEST(spool, without_a_folder_answers_stay_in_memory_up_to_a_bound) {
   EXPECT_EQ(spool.held(), 100u);
   ConnectedPair other;
   Spool::Reader second(spool, *other.connection);
-  reader.note_sent(1'000'000);
+  reader.record_sent(1'000'000);
   EXPECT_THROW(second.place(sample(1)), ConnectionLost) << "it is the slowest";
 }
 
@@ -90,7 +90,7 @@ TEST(spool, the_slowest_reader_makes_room_for_another) {
   std::optional<Spool::Reader> first(std::in_place, spool, *slow.connection);
   EXPECT_TRUE(first->place(sample(800)));
   Spool::Reader second(spool, *fast.connection);
-  second.note_sent(1'000'000);
+  second.record_sent(1'000'000);
   std::thread owner([&] {
     // The connection of the slowest one ends, and then its own thread frees its place.
     EXPECT_EQ(slow.read(1), "");

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "server/jobs/sql_store.h"
-#include "tests/server/stub_service.h"
+#include "tests/server/stub_daemon.h"
 
 namespace remesh::server::jobs {
 namespace {
@@ -16,11 +16,11 @@ namespace {
 const std::string kMesh = R"({"vertices": [[0,0,0],[1,0,0],[0,1,0]], "faces": [[0,1,2]]})";
 
 /// The daemon with a folder for jobs of its own. It does not work on them.
-class submission : public StubService {
+class submission : public StubDaemon {
  protected:
   ~submission() override {
     stub_.released = true;
-    service_.reset();
+    daemon_.reset();
     std::filesystem::remove_all(folder_);
   }
   void start_with_jobs() {
@@ -129,7 +129,7 @@ TEST_F(submission, who_leaves_or_cancels_while_a_check_waits_gets_no_job) {
 TEST_F(submission, a_check_that_waits_is_refused_when_the_daemon_stops) {
   start_busy();
   const auto waiting = submit_and_wait();
-  service_->stop();
+  daemon_->stop();
   EXPECT_EQ(code_of(waiting->answer()), "draining");
   EXPECT_EQ(stored_jobs(), 0);
 }

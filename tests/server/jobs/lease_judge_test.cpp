@@ -17,13 +17,13 @@ class lease_judge : public ::testing::Test {
   void pass(seconds time) {
     for (seconds i{0}; i < time; ++i) {
       now_ += seconds(1);
-      judge_.note_reached(now_, now_);
+      judge_.record_reached(now_, now_);
     }
   }
   /// Lets time pass in which the store does not answer.
   void outage(seconds time) {
     now_ += time;
-    judge_.note_failed();
+    judge_.record_failed();
   }
   std::vector<LeaseJudge::Sign> judge(std::int64_t version = 1, std::int64_t token = 1) {
     return judge_.judge({{"job", token, version, milliseconds(5000)}});
@@ -91,7 +91,7 @@ TEST_F(lease_judge, the_time_of_a_call_that_waited_does_not_count) {
   // A lock on the table held up these calls, and all renewals with them. A single one would count as a pause, which
   // is shorter than the lease.
   for (int i = 0; i < 10; ++i) {
-    judge_.note_reached(now_, now_ + seconds(60));
+    judge_.record_reached(now_, now_ + seconds(60));
     now_ += seconds(60);
     EXPECT_TRUE(judge().empty()) << i;
   }

@@ -11,7 +11,7 @@
 
 #include "api/machine_limits.h"
 #include "server/work/worker_pool.h"
-#include "tests/server/stub_service.h"
+#include "tests/server/stub_daemon.h"
 #include "tests/support/sanitizer.h"
 
 namespace remesh::server {

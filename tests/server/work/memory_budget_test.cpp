@@ -12,7 +12,7 @@
 #include "api/machine_limits.h"
 #include "server/work/memory_wait.h"
 #include "server/work/memory_watch.h"
-#include "tests/server/stub_service.h"
+#include "tests/server/stub_daemon.h"
 
 namespace remesh::server {
 namespace {
@@ -147,7 +147,7 @@ TEST_F(memory_line, newcomers_pass_while_what_ran_before_leaves_no_room_for_the_
 
 TEST_F(memory_line, memory_that_is_really_in_use_by_what_ran_before_counts_for_it) {
   auto before = holder(1);
-  budget_.note_used(600);
+  budget_.record_used(600);
   const auto large = budget_.open_share(1);
   EXPECT_FALSE(tries(large, 800));
   now_ += seconds(60);
@@ -261,15 +261,15 @@ TEST(memory_budget, what_is_really_in_use_counts_where_it_is_more) {
   const auto other = budget.open_share();
   other->hold_body(1, 1);
   const auto share = budget.open_share();
-  budget.note_used(900 * kFactor);
+  budget.record_used(900 * kFactor);
   EXPECT_EQ(status_of(*share, 101, 101), 503);
-  budget.note_used(0);
+  budget.record_used(0);
   EXPECT_EQ(status_of(*share, 101, 101), 200);
 }
 
 TEST(memory_budget, an_idle_process_takes_whatever_it_does_not_refuse_for_ever) {
   MemoryBudget budget(1000 * kFactor);
-  budget.note_used(900 * kFactor);
+  budget.record_used(900 * kFactor);
   EXPECT_EQ(budget.available(), 1000 * kFactor);
   const auto share = budget.open_share();
   EXPECT_EQ(status_of(*share, 0, 1000), 200);
@@ -330,7 +330,7 @@ TEST(memory_watch, a_request_is_alone_only_where_nobody_else_holds_memory) {
 TEST(memory_watch, a_request_is_not_alone_with_what_is_stored_in_memory) {
   log::set_up(log::Format::kText, log::Level::kError);
   MemoryBudget budget(1000);
-  budget.note_stored(600);
+  budget.record_stored(600);
   RequestRegistry registry;
   const auto eviction_at = [&](std::uint64_t used) {
     MemoryWatch watch(budget, registry, std::chrono::hours(1));
@@ -400,7 +400,7 @@ TEST(memory_wait, no_more_than_so_many_wait) {
   EXPECT_EQ(budget.waiting(), 3u) << "a job";
 }
 
-using memory = StubService;
+using memory = StubDaemon;
 
 TEST_F(memory, a_body_that_cannot_fit_is_refused_before_it_is_sent) {
   config_.memory_budget = 160;  // less than the process: every body is too much now, or for ever
@@ -505,7 +505,7 @@ TEST_F(memory, a_stop_ends_a_request_that_waits_for_memory) {
   waiting.send(kLargeHead);
   std::this_thread::sleep_for(milliseconds(100));
   EXPECT_FALSE(waiting.has_input());
-  service_->stop();
+  daemon_->stop();
   EXPECT_EQ(code_of(waiting.answer()), "draining");
 }
 
@@ -571,7 +571,7 @@ TEST(memory_watch, files_in_memory_count_as_used) {
   const MemoryWatch watch(budget, registry, milliseconds(5));
   std::this_thread::sleep_for(milliseconds(50));
   EXPECT_EQ(request->eviction, RunningRequest::Eviction::kNone);
-  budget.note_stored(512 << 20);
+  budget.record_stored(512 << 20);
   EXPECT_TRUE(eventually([&] { return request->eviction != RunningRequest::Eviction::kNone; }));
 }
 

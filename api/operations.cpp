@@ -1,0 +1,353 @@
+#include "api/operations.h"
+
+#include <algorithm>
+
+#include "api/file_name.h"
+#include "api/job.h"
+#include "api/json_reader.h"
+#include "api/multipart.h"
+#include "api/negotiation.h"
+#include "api/quoting.h"
+#include "api/request_code.h"
+#include "api/result_archive.h"
+#include "core/base/number_text.h"
+#include "core/io/gzip.h"
+#include "core/io/mesh_files.h"
+#include "core/mesh/quality.h"
+#include "core/output/result/round_for_format.h"
+
+namespace remesh::api {
+namespace {
+
+/// A parsed request.
+struct ParsedRequest {
+  Job job;
+  std::string file_name;  ///< the name of a form's upload, if it had one; not trusted
+  std::string decoded;    ///< the body if it was compressed; `job` refers to it
+};
+
+/// True if the whole body is compressed.
+/// Errors: kUnsupportedMediaType - a coding that is not gzip.
+bool is_compressed(const Request& request) {
+  bool is_gzip = false;
+  for (std::string_view rest = request.content_encoding; !rest.empty();) {
+    const auto [element, others] = cut(rest, ',');
+    rest = others;
+    const std::string coding = ascii_lower(trim(element));
+    if (coding.empty() || coding == "identity") continue;
+    if (is_gzip || (coding != "gzip" && coding != "x-gzip")) {
+      throw Error(Code::kUnsupportedMediaType, Stage::kRead,
+                  "the content coding " + in_quotes(request.content_encoding) +
+                      " is not supported; the "
+                      "supported coding is gzip");
+    }
+    is_gzip = true;
+  }
+  return is_gzip;
+}
+
+/// Returns the body without its Content-Encoding.
+/// Input: `decoded` - receives the body if it had one.
+/// Errors: kUnsupportedMediaType; kMalformedRequest - the body does not follow its coding.
+std::string_view decoded_body(const Request& request, const Limits& limits, RunControl& control, std::string& decoded) {
+  if (!is_compressed(request)) return request.body;
+  try {
+    decoded = gunzip(request.body, limits.decompression, control);
+  } catch (const Error& error) {
+    if (error.code != Code::kInvalidMesh) throw;
+    Error malformed(as_code(RequestCode::kMalformedRequest), Stage::kRead, error.what());
+    malformed.byte = error.byte;
+    throw malformed;
+  }
+  return decoded;
+}
+
+/// Reads the options of a form.
+/// Errors: as read_json_options. The message says that the fault is in the options, because a line or byte alone would
+///         be taken for a place in the mesh.
+void read_options_part(std::string_view content, RunControl& control, OptionReader& options) {
+  try {
+    read_json_options(content, control, options);
+  } catch (const Error& error) {
+    Error named(error.code, error.stage, "in the part \"options\" of the form: " + std::string(error.what()));
+    named.line = error.line;
+    named.byte = error.byte;
+    named.element = error.element;
+    named.option = error.option;
+    named.limit = error.limit;
+    throw named;
+  }
+}
+
+/// True if a body looks like `name=value&...` with a name that cannot begin a mesh.
+bool is_urlencoded(std::string_view body) {
+  const std::size_t equals = body.substr(0, 200).find('=');
+  if (equals == 0 || equals == std::string_view::npos) return false;
+  return std::all_of(body.begin(), body.begin() + static_cast<std::ptrdiff_t>(equals), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') ||
+           std::string_view("_-.%+[]").find(c) != std::string_view::npos;
+  });
+}
+
+/// Reads the mesh and the options of a form. Other parts are refused: a misspelt part for options would otherwise be
+/// ignored.
+void read_form(std::string_view body, const Request& request, RunControl& control, ParsedRequest& parsed) {
+  bool has_mesh = false;
+  bool has_options = false;
+  for (const FormPart& part : parse_multipart(body, request.content_type)) {
+    bool& seen = part.name == "mesh" ? has_mesh : has_options;
+    if (part.name != "mesh" && part.name != "options") {
+      throw Error(as_code(RequestCode::kMalformedMultipart), Stage::kRead,
+                  "the form has a part " + in_quotes(part.name) +
+                      "; the only parts allowed are \"mesh\" and "
+                      "\"options\"");
+    }
+    if (std::exchange(seen, true)) {
+      throw Error(as_code(RequestCode::kMalformedMultipart), Stage::kRead,
+                  "the form has more than one part " + in_quotes(part.name));
+    }
+    if (part.name == "options") {
+      read_options_part(part.content, control, parsed.job.options);
+    } else {
+      parsed.job.mesh = part.content;
+      parsed.job.input_format = format_of_content_type(part.content_type);
+      parsed.file_name = part.file_name;
+    }
+  }
+  if (!has_mesh) throw Error(as_code(RequestCode::kMalformedMultipart), Stage::kRead, "the form has no part \"mesh\"");
+}
+
+/// Fills `parsed` in place, because its `job` refers to its other members.
+void parse_request(const Request& request, const Limits& limits, RunControl& control, ParsedRequest& parsed) {
+  if (request.body.size() > limits.max_body) {
+    throw Error(as_code(RequestCode::kBodyTooLarge), Stage::kRead,
+                "the body is longer than " + std::to_string(limits.max_body) + " bytes")
+        .with_limit(limits.max_body);
+  }
+  const std::string_view body = decoded_body(request, limits, control, parsed.decoded);
+  parsed.job.accept = request.accept;
+  parsed.job.trace = limits.trace;
+  parsed.job.release_mesh = [&] {
+    std::string().swap(parsed.decoded);
+    if (request.release_body) request.release_body();
+  };
+  for (const auto& [name, value] : request.query) parsed.job.options.add(name, value);
+  if (media_type_of(request.content_type) == "multipart/form-data") {
+    read_form(body, request, control, parsed);
+  } else {
+    // Many clients give this type to every body, so the content decides.
+    if (media_type_of(request.content_type) == "application/x-www-form-urlencoded" && is_urlencoded(body)) {
+      throw Error(Code::kUnsupportedMediaType, Stage::kRead,
+                  "the body is a urlencoded form; send the mesh itself as the body, or a form of the type "
+                  "multipart/form-data with the mesh in its part \"mesh\"");
+    }
+    parsed.job.mesh = body;
+    parsed.job.input_format = format_of_content_type(request.content_type);
+  }
+}
+
+/// Formats the value of Server-Timing: `read;dur=1.2, ..., total;dur=30`.
+std::string server_timing(const StageTimes& times) {
+  std::string text;
+  for (int s = 0; s < kStageCount; ++s) {
+    const Stage stage = static_cast<Stage>(s);
+    if (times.ran(stage)) text.append(stage_name(stage)).append(";dur=" + shortest_text(times.of(stage)) + ", ");
+  }
+  return text + "total;dur=" + shortest_text(times.total());
+}
+
+/// Counts the work. The caller sets `output_faces` after a remeshing.
+WorkDone work_done(const Report& report, const StageTimes& times) {
+  WorkDone done;
+  done.input_faces = report.input.faces;
+  for (const PatchSummary& patch : report.patches) {
+    ++(patch.status == PatchStatus::kRemeshed  ? done.remeshed
+       : patch.status == PatchStatus::kReduced ? done.reduced
+                                               : done.kept);
+  }
+  for (int s = 0; s < kStageCount; ++s) {
+    const Stage stage = static_cast<Stage>(s);
+    if (times.ran(stage)) done.stages_ms.emplace_back(stage_name(stage), times.of(stage));
+  }
+  return done;
+}
+
+/// The limits for the mesh of a request. A mesh that is compressed within a compressed body may use the ratio only
+/// once.
+Limits limits_of_mesh(const ParsedRequest& parsed, const Request& request, Limits limits) {
+  if (!parsed.decoded.empty())
+    limits.decompression.max_bytes = most_decompressed(request.body.size(), limits.decompression);
+  return limits;
+}
+
+/// Makes the header fields of a result.
+Fields result_headers(std::string_view summary, std::string_view timing, std::string_view file_name, Format format) {
+  Fields headers{{"Remesh-Summary", std::string(summary)}, {"Server-Timing", std::string(timing)}};
+  if (format != Format::kJson) {
+    headers.emplace_back("Content-Disposition", content_disposition(file_name, format));
+  }
+  return headers;
+}
+
+/// Updates the members of a summary that change with rounding.
+void update_summary(const Result& rounded, Summary& summary, RunControl& control) {
+  summary.min_angle_deg = measure_surface(rounded.mesh, control).quality.min_angle_deg;
+  summary.origin = rounded.report.output_origin;
+  summary.unrefined.clear();
+  for (const Unrefined& left : summarise_unrefined(rounded.rounding_input.unrefined, rounded.mesh.positions.items(),
+                                                   rounded.mesh.faces.items(), rounded.rounding_input.goals, control))
+    summary.unrefined.emplace_back(left.reason, left.count);
+}
+
+}  // namespace
+
+Response run_remesh(const Request& request, const Limits& limits, RunControl& control) {
+  control.enter(Stage::kRead);
+  ParsedRequest parsed;
+  parse_request(request, limits, control, parsed);
+  RemeshAnswer answer = run_remesh_job(std::move(parsed.job), limits_of_mesh(parsed, request, limits), control);
+
+  Response response;
+  response.content_type = content_type(answer.format);
+  response.body = std::move(answer.body);
+  response.headers = result_headers(summary_line(summary_of(answer.report)), server_timing(answer.times),
+                                    parsed.file_name, answer.format);
+  response.done = work_done(answer.report, answer.times);
+  response.done->output_faces = answer.report.output.faces;
+  return response;
+}
+
+Response run_analyze(const Request& request, const Limits& limits, RunControl& control) {
+  control.enter(Stage::kRead);
+  ParsedRequest parsed;
+  parse_request(request, limits, control, parsed);
+  const AnalysisAnswer answer =
+      run_analyze_job(std::move(parsed.job), limits_of_mesh(parsed, request, limits), control);
+
+  JsonWriter json;
+  json.begin_object();
+  json.key("report");
+  write_report(json, answer.report, answer.options, ReportKind::kAnalysis, answer.times, control);
+  json.end_object();
+  Response response;
+  response.content_type = media_type(Format::kJson);
+  response.body = json.take();
+  response.headers = {{"Server-Timing", server_timing(answer.times)}};
+  response.done = work_done(answer.report, answer.times);
+  response.done->remeshed = response.done->reduced = response.done->kept = 0;
+  return response;
+}
+
+StoredRemesh run_remesh_to_keep(const Request& request, const Limits& limits, RunControl& control) {
+  control.enter(Stage::kRead);
+  ParsedRequest parsed;
+  parse_request(request, limits, control, parsed);
+  Remeshed remeshed =
+      remesh_for_job(std::move(parsed.job), limits_of_mesh(parsed, request, limits), Purpose::kKeeping, control);
+  const Format format = remeshed.wanted.format;
+  const auto report_text = [&](const Report& report) {
+    JsonWriter json;
+    write_report(json, report, remeshed.options, ReportKind::kRemesh, remeshed.times, control);
+    return json.take();
+  };
+
+  control.enter(Stage::kWrite);
+  KeptResult kept;
+  kept.format = format;
+  kept.local_origin = remeshed.options.core.local_origin;
+  kept.summary = summary_of(remeshed.result.report);
+  kept.server_timing = server_timing(remeshed.times);
+  kept.file_name = std::move(parsed.file_name);
+  StoredRemesh answer;
+  answer.report = report_text(remeshed.result.report);
+  if (storage_of(format) != Storage::kDouble) kept.exact_report = answer.report;
+  kept.result = std::move(remeshed.result);
+  answer.mesh = pack_result(kept);
+  // The report describes the result in the job's own format. If this format cannot hold the result, the report stays
+  // about doubles, and the job gives the result in all other formats.
+  const Rounded rounded =
+      round_for_format(storage_of(format), kept.local_origin, OutputRounding::kIfHeld, kept.result, control);
+  if (rounded == Rounded::kMoved) {
+    measure_output(kept.result, control);
+    answer.report = report_text(kept.result.report);
+  } else if (rounded == Rounded::kNotHeld) {
+    kept.exact_report.clear();
+    if (rounding_for(remeshed.wanted) == OutputRounding::kIfHeld) {
+      kept.format = text_form(format);
+      remeshed.options.format = kept.format;
+      kept.summary = summary_of(kept.result.report);
+      answer.report = report_text(kept.result.report);
+    }
+    answer.mesh = pack_result(kept);
+  }
+  answer.done = work_done(kept.result.report, remeshed.times);
+  answer.done.output_faces = kept.result.report.output.faces;
+  return answer;
+}
+
+bool check_remesh(const Request& request, const Limits& limits) {
+  RunControl control;
+  ParsedRequest parsed;
+  // A compressed body is not checked here, but later when it is read.
+  Request head = request;
+  if (is_compressed(request)) head.body = head.content_encoding = head.content_type = "";
+  parse_request(head, limits, control, parsed);
+  const Job& job = parsed.job;
+  check_job(job, limits);
+  return job.input_format ? *job.input_format == Format::kJson && !is_gzip(job.mesh)
+                          : sniff_format(job.mesh) == Format::kJson;
+}
+
+void check_json(const Request& request, const Limits& limits, RunControl& control) {
+  control.enter(Stage::kRead);
+  ParsedRequest parsed;
+  parse_request(request, limits, control, parsed);
+  check_json_text(parsed.job.mesh, limits.input, control, parsed.job.options);
+  check_job(parsed.job, limits);
+}
+
+Response write_kept(std::string mesh, const std::function<std::string()>& report, const Request& wanted,
+                    RunControl& control) {
+  control.enter(Stage::kWrite);
+  OptionReader options;
+  bool is_origin_named = false;
+  for (const auto& [name, value] : wanted.query) {
+    if (name != "format" && name != "local_origin") {
+      throw Error(as_code(RequestCode::kUnknownOption), Stage::kWrite,
+                  "a result takes the options \"format\" and \"local_origin\" only, not " + in_quotes(name))
+          .for_option(shortened(name));
+    }
+    is_origin_named = is_origin_named || name == "local_origin";
+    options.add(name, value);
+  }
+  options.check();
+  KeptResult kept = unpack_result(mesh);
+  std::string().swap(mesh);  // the following steps take several times as much memory
+  const Format format = choose_output_format(options.options().format, wanted.accept, kept.format).format;
+  Response response;
+  response.content_type = content_type(format);
+  if (format == Format::kJson) {
+    JsonWriter json;
+    json.begin_object();
+    json.key("mesh");
+    write_mesh(json, kept.result, control);
+    json.key("report");
+    json.raw(kept.exact_report.empty() ? report() : kept.exact_report);
+    json.end_object();
+    response.body = json.take();
+  } else {
+    const bool local_origin = is_origin_named ? options.options().core.local_origin : kept.local_origin;
+    // If a job did not ask for its format by name, the chosen format can hold the result.
+    if (round_for_format(storage_of(format), local_origin, OutputRounding::kRequired, kept.result, control) ==
+        Rounded::kMoved)
+      update_summary(kept.result, kept.summary, control);
+    response.body = write_mesh(format,
+                               {kept.result.mesh, kept.result.face_patch, summary_comments(kept.summary),
+                                kept.result.report.surfaces.of_patch.items()},
+                               control);
+  }
+  response.headers = result_headers(summary_line(kept.summary), kept.server_timing, kept.file_name, format);
+  return response;
+}
+
+}  // namespace remesh::api
