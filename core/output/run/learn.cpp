@@ -37,8 +37,8 @@ std::optional<Decisions> one_step_up(Decisions next, const Outcome& outcome, con
   if (next.refinement.part != RefinedPart::kAll) next.refinement.part = RefinedPart::kNothingYet;
   forget_patches(next.refinement, effort);
   if (!outcome.faults.empty()) {
-    // Attempts take long where patches of the input cross, and where min_edge are looked for. For a default, not much of
-    // that work is spent in vain.
+    // Attempts take long where patches of the input cross, and where a min_edge_length is looked for. For a default,
+    // not much of that work is spent in vain.
     const MinEdgeSearch& min_edge = now.refinement.min_edge;
     const bool has_found_floor =
         min_edge.min_edge_length() > min_edge.asked() && outcome.facts.may_change_min_edge(now.refinement);
