@@ -63,8 +63,9 @@ void compare_curved(const CurvedChoices& now, const CurvedChoices& next, Differe
 
 void compare_refinement(const RefinementChoices& now, const RefinementChoices& next, Differences& found) {
   if (next.min_edge.min_edge_length() != now.min_edge.min_edge_length())
-    found.add("min_edge_length " + number_text(next.min_edge.min_edge_length()));
-  if (next.coarsest != now.coarsest) found.add("no sizes below " + number_text(next.coarsest) + " because of gaps");
+    found.add((next.min_edge.min_edge_length() > now.min_edge.min_edge_length() ? "raise" : "lower") +
+              std::string(" min_edge_length to ") + number_text(next.min_edge.min_edge_length()));
+  if (next.coarsest != now.coarsest) found.add("no edges below " + number_text(next.coarsest) + " because of gaps");
   if (next.has_budget && next.budget && (!now.has_budget || next.budget != now.budget))
     found.add(*next.budget == Goals::kNoLimit
                   ? "thin out quickly"
@@ -93,14 +94,15 @@ std::string about_faces(const Decisions& now, const Outcome& outcome) {
     case Outcome::End::kTooManyMade:
       if (facts.max_faces == Goals::kNoLimit && !facts.is_min_edge_automatic) return "the number of faces has no limit";
       return "stopped while refining: about " + whole(facts.predicted) + " faces are predicted, at most " + allowed;
-    case Outcome::End::kGapsTooFine: return "narrow gaps would need far more faces than the " + allowed;
+    case Outcome::End::kGapsTooFine:
+      return "narrow gaps would need far more faces than the " + limit + " that are allowed";
     default: break;
   }
   const std::string faces = std::to_string(outcome.faces.value_or(0)) + " faces";
   if (*outcome.faces > facts.expected_limit()) return faces + ", at most " + allowed;
   if (outcome.are_angles_worse) return faces + ", with smaller angles than before refinement";
   if (!now.refinement.has_budget && facts.is_min_edge_automatic)
-    return faces + " are few enough; a smaller min_edge_length may leave more";
+    return faces + ", no worse angles: acceptable, but a smaller min_edge_length may leave more";
   return faces + ", at most " + allowed;
 }
 
@@ -133,8 +135,8 @@ std::string shown(const Decisions& now, const Outcome& outcome) {
     case Outcome::End::kCheckFailed: return about_failures(outcome);
     case Outcome::End::kWorkInVain: return "too much work was spent on results that failed the check";
     case Outcome::End::kFacetsCoarser:
-      return outcome.compared.coarser.empty() ? "the facets that were kept have more faces than curved patches had"
-                                              : "flat facets would have fewer faces than curved patches";
+      return outcome.compared.coarser.empty() ? "facets that were kept need more faces than curved patches did"
+                                              : "flat facets are expected to need fewer faces than some curved patches";
     case Outcome::End::kOffsetsImpossible: return "curved patches have too few vertices that may move to keep volumes";
     case Outcome::End::kOffsetsChanged:
       return "the offsets of curved surfaces do not keep their volumes closely enough";
@@ -154,7 +156,8 @@ std::string difference(const Decisions& now, const Decisions& next) {
     return std::move(found).text();
   }
   if (next.details.replaced.size() > now.details.replaced.size()) return "divide the surface without them";
-  found.add_faces("divide", count_different(now.rungs.zone, next.rungs.zone), " into smaller patches");
+  found.add_faces("divide", count_different(now.rungs.zone, next.rungs.zone),
+                  " into smaller patches (step " + std::to_string(next.rungs.steps) + ")");
   compare_curved(now.curved, next.curved, found);
   compare_refinement(now.refinement, next.refinement, found);
   return std::move(found).text();
