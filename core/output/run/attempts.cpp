@@ -67,6 +67,7 @@ Decisions Attempts::first_decisions() {
 }
 
 Outcome Attempts::divide(const Decisions& decisions) {
+  products_->choices = decisions.refinement;
   Outcome outcome;
   make_surface(decisions);
   if (!make_patches(decisions, outcome))
