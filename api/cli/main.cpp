@@ -81,6 +81,8 @@ bool has_unknown_ending(const std::string& path) {
 
 /// Errors: UsageError - a required path is missing, or two outputs have the same path.
 void check_paths(const Arguments& arguments) {
+  if (arguments.is_traced && (!arguments.batch.empty() || arguments.is_analysis || !arguments.server.empty()))
+    throw UsageError("--trace cannot be combined with --batch, --analyze or --server");
   if (!arguments.batch.empty()) {
     if (arguments.is_analysis) throw UsageError("--analyze cannot be combined with --batch");
     if (!arguments.input.empty()) throw UsageError("--batch cannot be combined with the input " + arguments.input);

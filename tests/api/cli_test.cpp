@@ -229,6 +229,14 @@ TEST_F(cli, options_have_hyphens) {
   EXPECT_EQ(options["reference_axis"], "-1,0,0");
 }
 
+TEST_F(cli, a_trace_goes_to_standard_error_and_changes_nothing) {
+  const Outcome plain = run({"square.obj", "-o", "-"}), traced = run({"square.obj", "-o", "-", "--trace"});
+  ASSERT_EQ(traced.status, 0) << traced.err;
+  EXPECT_EQ(traced.out, plain.out);
+  EXPECT_EQ(plain.err, "");
+  EXPECT_THAT(traced.err, StartsWith("remesh: attempt 1: verified, "));
+}
+
 TEST_F(cli, misuse_is_told_in_one_line_and_exits_with_2) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
       {{}, "input is required"},
@@ -252,6 +260,8 @@ TEST_F(cli, misuse_is_told_in_one_line_and_exits_with_2) {
       {{"square.obj", "--analyze", "--format", "obj"}, "an analysis is written as json only"},
       {{"square.obj", "-o", "o.obj", "--server", "ftp://host"}, "ftp://host is not an http or https URL"},
       {{"square.obj", "-o", "o.obj", "--server", "http://host", "--workers", "1"}, "--workers cannot be combined"},
+      {{"square.obj", "--analyze", "--trace"}, "--trace cannot be combined with"},
+      {{"square.obj", "-o", "o.obj", "--server", "http://host", "--trace"}, "--trace cannot be combined with"},
       {{"square.obj", "-o", "o.xyz"}, "the ending of o.xyz does not name a format"}};
   for (const auto& [arguments, message] : cases) {
     const Outcome outcome = run(arguments);

@@ -324,5 +324,25 @@ TEST(automatic_elements, facets_of_the_bracket_stay_where_they_are_coarser) {
   }
 }
 
+TEST(elements_per_circle, corners_that_an_exporter_put_off_the_surface_cost_no_edges) {
+  // The rim of 50 edges is divided into as many edges as are asked for, whether or not the corners are exact.
+  for (const double off : {0.0, 2e-6, 1e-5}) {
+    PolygonMesh mesh = shapes::cylinder(50, 1.5, 10);
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+      Vec3& p = mesh.positions[VertexId(v)];
+      const double factor = 1 - off * static_cast<double>(v % 3) / 3;
+      p.x *= factor;
+      p.y *= factor;
+    }
+    Options options;
+    options.elements_per_circle = 16;
+    const Result result = remeshed(mesh, options);
+    ASSERT_TRUE(result.report.verified.all_true());
+    std::size_t at_rim = 0;
+    for (const Vec3& p : result.mesh.positions) at_rim += std::fabs(p.z) < 1e-9 && std::hypot(p.x, p.y) > 1.49 ? 1 : 0;
+    EXPECT_EQ(at_rim, 16u) << off;
+  }
+}
+
 }  // namespace
 }  // namespace remesh

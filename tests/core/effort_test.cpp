@@ -148,7 +148,7 @@ TEST(effort, when_attempts_have_taken_all_the_work_nothing_is_refined_and_all_is
   const PatchedSurface on{chain.surface, chain.adjacency, chain.patches, 1e-6};
   const Effort spent{.triangles = kWorkOfAttempts.steps(0, goals.max_faces)};
   RefinementChoices choices{MinEdgeSearch(goals)};
-  choices.has_budget = true;
+  choices.budget = first_budget(goals.max_faces);
   const Refinement refinement =
       SurfaceRefinement(goals, {}, chain.control)
           .refine(on, choices, spent, IdVector<PatchId, std::uint8_t>(chain.patches.count(), 0), chain.triangulated)
@@ -194,7 +194,7 @@ TEST(effort, when_half_of_the_work_was_in_vain_patches_that_have_not_failed_are_
   // allows.
   RefinementChoices choices{MinEdgeSearch(goals)};
   choices.part = RefinedPart::kRest;
-  choices.has_budget = true;
+  choices.budget = first_budget(goals.max_faces);
   const PatchId failed(0);
   IdVector<PatchId, std::uint8_t> frozen(chain.patches.count(), 0);
   frozen[failed] = 1;

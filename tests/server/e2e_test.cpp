@@ -59,6 +59,21 @@ TEST(end_to_end, a_plain_request_is_refined) {
   EXPECT_EQ(report["verified"]["quality"], true);
 }
 
+TEST(end_to_end, attempts_are_in_the_log_at_level_debug_alone) {
+  for (const bool is_debug : {false, true}) {
+    DaemonProcess daemon({"--log-level", is_debug ? "debug" : "info"});
+    const Answer answer = post(daemon.port(), "/v1/remesh", kFrame);
+    ASSERT_EQ(answer.status, 200);
+    daemon.send_signal(SIGTERM);
+    daemon.wait();
+    const std::string log = daemon.log();
+    EXPECT_EQ(log.find("attempt 1: verified") != std::string::npos, is_debug) << log;
+    if (is_debug) {
+      EXPECT_NE(log.find("\"event\":\"attempt\",\"id\":\"" + answer.header("x-request-id")), std::string::npos) << log;
+    }
+  }
+}
+
 TEST(end_to_end, what_must_get_too_large_is_refused_at_once) {
   const DaemonProcess daemon({"--max-output-faces", "1000"});
   // 28 units squared in triangles of at most 4.4e-9: 6e9 of them.

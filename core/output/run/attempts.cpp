@@ -238,7 +238,7 @@ bool Attempts::remove_details(const FaceMarks& kept) {
     return true;
   });
   made.prepared.without_area = std::move(replaced->without_area);
-  made.report.plane_tolerance = made.detail_limits.plane_tolerance;
+  made.report.plane_tolerance = made.detail_limits.plane_tolerance = replaced->plane_tolerance;
   control().memory().set_input(std::max(counted_faces(made.input), counted_faces(surface())));
   forget_surface();
   return true;

@@ -187,7 +187,7 @@ Surface make_surface(const WithoutDetails& without, std::vector<Vec3>&& places, 
 
 /// Removes details from triangles that were proven to be the surface.
 std::optional<Replaced> remove(const DetailContext& context, const Candidate& candidate, const Verdict& verdict,
-                               DetailLimits& limits, RemovedDetails& told, RunControl& control) {
+                               const DetailLimits& limits, RemovedDetails& told, RunControl& control) {
   const Surface& before = context.surface;
   const PatchSet& patches = context.patches;
   const IdVector<FaceId, FaceId> source = face_source(before, patches, candidate.triangulated, control);
@@ -223,11 +223,11 @@ std::optional<Replaced> remove(const DetailContext& context, const Candidate& ca
                     std::min(volume_change(rules, without) * before.unit * before.unit * before.unit, DBL_MAX / 4);
   const double within_size = (limits.size - (context.spent_distance + replaced.distance)) * (1 - kRoundingShare);
   if (!limits.is_size_given) {
-    limits.plane_tolerance = within_size;
+    replaced.plane_tolerance = within_size;
   } else {
     // A corner may be off its plane by half of the tolerance.
     const double bend = 2 * before.unit * find_bend(rules, without, control);
-    limits.plane_tolerance = std::max(limits.plane_tolerance, std::min(bend, within_size));
+    replaced.plane_tolerance = std::max(limits.plane_tolerance, std::min(bend, within_size));
   }
   told.joined_edges += without.joined_edges;
   told.closed_slivers += without.closed_slivers;
@@ -276,7 +276,7 @@ bool are_details_there(const DetailLimits& limits, const TriangulatedPatches& tr
   return false;
 }
 
-std::optional<Replaced> without_details(const DetailContext& context, Candidate& candidate, DetailLimits& limits,
+std::optional<Replaced> without_details(const DetailContext& context, Candidate& candidate, const DetailLimits& limits,
                                         RemovedDetails& removed, Stopwatch& watch, RunControl& control) {
   const Surface& surface = context.surface;
   watch.enter(Stage::kAssembly);

@@ -63,11 +63,11 @@ struct DetailContext {
 /// for where they matter: between vertices that would stay. First it is proven that the triangles are the surface.
 /// Input:   a candidate that has been triangulated without failures, and no more. It is empty afterwards.
 /// Output:  nothing, if nothing was removed or proven. Otherwise the new surface. Its faces have the sources of the
-///          faces under them, and the first face of each patch covers all input faces that the patch covered. `limits`
-///          have the plane tolerance that counts from now on, and `removed` what was removed.
+///          faces under them, and the first face of each patch covers all input faces that the patch covered. What was
+///          removed is added to `removed`.
 /// Errors:  kCancelled, kTimeout - through `control`.
 /// Cost:    that of remove_details, of a check and of a search for intersections.
-std::optional<Replaced> without_details(const DetailContext& context, Candidate& candidate, DetailLimits& limits,
+std::optional<Replaced> without_details(const DetailContext& context, Candidate& candidate, const DetailLimits& limits,
                                         RemovedDetails& removed, Stopwatch& watch, RunControl& control);
 
 /// Tells what was removed. Something was.

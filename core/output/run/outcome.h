@@ -36,7 +36,7 @@ struct Outcome {
 
   std::size_t input_faces = 0;          ///< the number of all input faces
   bool are_details_done = false;        ///< details were looked for in vain
-  bool are_elements_automatic = false;  ///< curved patches were not asked for in so many words
+  bool are_elements_automatic = false;  ///< nobody has asked for curved patches; they are the default
   bool are_any_crossing = false;        ///< patches cross or touch each other in the input
   bool are_any_moved = false;           ///< curved surfaces are moved outwards
   bool was_any_joined = false;          ///< mending has joined or divided faces, which may be at fault

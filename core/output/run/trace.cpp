@@ -66,7 +66,7 @@ void compare_refinement(const RefinementChoices& now, const RefinementChoices& n
     found.add((next.min_edge.min_edge_length() > now.min_edge.min_edge_length() ? "raise" : "lower") +
               std::string(" min_edge_length to ") + number_text(next.min_edge.min_edge_length()));
   if (next.coarsest != now.coarsest) found.add("no edges below " + number_text(next.coarsest) + " because of gaps");
-  if (next.has_budget && next.budget && (!now.has_budget || next.budget != now.budget))
+  if (next.budget && next.budget != now.budget)
     found.add(*next.budget == Goals::kNoLimit
                   ? "thin out quickly"
                   : "stop refining at " + std::to_string(*next.budget) + " faces, apart from edges that must be cut");
@@ -101,7 +101,7 @@ std::string about_faces(const Decisions& now, const Outcome& outcome) {
   const std::string faces = std::to_string(outcome.faces.value_or(0)) + " faces";
   if (*outcome.faces > facts.expected_limit()) return faces + ", at most " + allowed;
   if (outcome.are_angles_worse) return faces + ", with smaller angles than before refinement";
-  if (!now.refinement.has_budget && facts.is_min_edge_automatic)
+  if (!now.refinement.budget && facts.is_min_edge_automatic)
     return faces + ", no worse angles: acceptable, but a smaller min_edge_length may leave more";
   return faces + ", at most " + allowed;
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <utility>
 
@@ -270,22 +271,27 @@ std::vector<CurvedFault> JoinedFacets::faults(const std::vector<FailedPatch>& fa
   }
   sort_stoppable(found.begin(), found.end(), control);
   found.erase(std::unique(found.begin(), found.end()), found.end());
-  std::vector<CurvedFault> faults;
-  for (const PatchId p : found) {
-    const SurfaceId s = patches.of(p)->surface;
-    faults.push_back(
-        {covered_by(surface, of.faces_of(p)), s, outside ? outside->moved_at(s) : std::vector<SurfaceId>()});
-  }
-  return faults;
+  return faults_at(found, of, surface);
 }
 
 std::vector<CurvedFault> JoinedFacets::faults_of(std::span<const SurfaceId> some, const PatchSet& of,
                                                  const Surface& surface) const {
+  std::vector<PatchId> found;
+  for (PatchId p(0); p.value < patches.at.size(); ++p.value)
+    if (const CurvedPatch* const patch = patches.of(p))
+      if (std::find(some.begin(), some.end(), patch->surface) != some.end()) found.push_back(p);
+  return faults_at(found, of, surface);
+}
+
+std::vector<CurvedFault> JoinedFacets::faults_at(std::span<const PatchId> curved, const PatchSet& of,
+                                                 const Surface& surface) const {
+  // Many patches may belong to one surface, and to look for those beside it takes time.
+  std::map<SurfaceId, std::vector<SurfaceId>> moved;
   std::vector<CurvedFault> faults;
-  for (PatchId p(0); p.value < patches.at.size(); ++p.value) {
-    const CurvedPatch* const patch = patches.of(p);
-    if (patch == nullptr || std::find(some.begin(), some.end(), patch->surface) == some.end()) continue;
-    faults.push_back({covered_by(surface, of.faces_of(p)), patch->surface, outside->moved_at(patch->surface)});
+  for (const PatchId p : curved) {
+    const SurfaceId s = patches.of(p)->surface;
+    if (outside && moved.count(s) == 0) moved[s] = outside->moved_at(s);
+    faults.push_back({covered_by(surface, of.faces_of(p)), s, moved[s]});
   }
   return faults;
 }

@@ -73,6 +73,10 @@ struct JoinedFacets {
   CoarserFaces compare(const std::vector<std::uint64_t>& triangles, const PatchSet& patches, const Surface& surface,
                        const IdVector<PatchId, SurfaceId>& of_patch, const CurvedChoices& choices,
                        const CurvedGoals& goals) const;
+
+ private:
+  std::vector<CurvedFault> faults_at(std::span<const PatchId> curved, const PatchSet& patches,
+                                     const Surface& surface) const;
 };
 
 /// Joins facets, and cuts the boundaries of the patches that come of that.

@@ -22,8 +22,7 @@ constexpr std::uint64_t kSearches = 4, kMinSearched = 1 << 15;
 
 }  // namespace
 
-std::uint64_t budget_of(const RefinementChoices& choices, std::uint64_t max_faces) {
-  if (choices.budget) return *choices.budget;
+std::uint64_t first_budget(std::uint64_t max_faces) {
   return max_faces == Goals::kNoLimit ? max_faces : max_faces - max_faces / kReserve;
 }
 
@@ -35,8 +34,8 @@ RefinementChoices after_too_many_made(const RefinementChoices& now, const Refine
     next.too_many_predicted = facts.predicted;
     next.min_edge.record_too_many();
   } else {
-    next.has_budget = next.is_thinning_quick = true;
-    next.budget = budget_of(now, facts.max_faces);
+    next.is_thinning_quick = true;
+    next.budget = first_budget(facts.max_faces);
   }
   return next;
 }
@@ -46,7 +45,7 @@ AfterFaces after_faces(const RefinementChoices& now, std::uint64_t faces, bool a
   AfterFaces after{now};
   RefinementChoices& next = after.choices;
   if (!facts.has_goals(now)) return after;
-  const bool is_min_edge_chosen = facts.is_any_refined && facts.is_min_edge_automatic && !now.has_budget;
+  const bool is_min_edge_chosen = facts.is_any_refined && facts.is_min_edge_automatic && !now.budget;
   const bool is_min_edge_too_short = faces > facts.faces_without_min_edge || are_angles_worse;
   if (is_min_edge_chosen && is_min_edge_too_short && now.min_edge.may_go_on()) {
     next = after_too_many_made(now, facts);
@@ -60,10 +59,9 @@ AfterFaces after_faces(const RefinementChoices& now, std::uint64_t faces, bool a
   }
   if (faces <= facts.max_faces || is_budget_too_small(now)) return after;
   after.is_repeated = true;
-  if (!now.has_budget) {
+  if (!now.budget) {
     // The attempt failed by its number of faces alone. The next one may make all faces that are allowed.
-    next.has_budget = true;
-    next.budget = budget_of(now, facts.max_faces);
+    next.budget = first_budget(facts.max_faces);
     next.is_thinning_quick = now.is_thinning_quick || static_cast<double>(facts.max_faces) > kFewFaces;
     after.counts = false;
     return after;
@@ -74,8 +72,7 @@ AfterFaces after_faces(const RefinementChoices& now, std::uint64_t faces, bool a
   // The faces that exceed a budget mostly grow with it. So each retry reserves a little more of it.
   const double share = static_cast<double>(facts.max_faces) / static_cast<double>(faces);
   constexpr double kReserved = 1.0 / 32;
-  next.budget = static_cast<std::uint64_t>(static_cast<double>(budget_of(now, facts.max_faces)) * share *
-                                           (1 - kReserved * next.retries));
+  next.budget = static_cast<std::uint64_t>(static_cast<double>(*now.budget) * share * (1 - kReserved * next.retries));
   return after;
 }
 

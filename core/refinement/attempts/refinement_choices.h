@@ -26,13 +26,12 @@ struct RefinementChoices {
   MinEdgeSearch min_edge;  ///< the floor under the lengths of edges
   /// Gaps do not make sizes smaller than this, in model units.
   double coarsest = 0;
-  /// The attempt must make no more faces than the budget. Without it, many faces may be removed when patches are
+  /// Refinement ends when it has made so many faces. Without a budget, many faces may be removed when patches are
   /// thinned out, so that they are no reason to leave anything undone.
-  bool has_budget = false;
-  bool is_thinning_quick = false;       ///< there are so many faces that the best way to save some takes too long
-  std::optional<std::uint64_t> budget;  ///< in faces; the first one if there is no value
-  int retries = 0;                      ///< those with a budget; one that saved nothing counts more
-  std::uint64_t last_faces = 0;         ///< those of the last result that was over its budget; 0: none yet
+  std::optional<std::uint64_t> budget;
+  bool is_thinning_quick = false;  ///< there are so many faces that the best way to save some takes too long
+  int retries = 0;                 ///< those with a budget; one that saved nothing counts more
+  std::uint64_t last_faces = 0;    ///< those of the last result that was over its budget; 0: none yet
   /// The rough prediction for the last floor that an attempt has shown to be too low.
   double too_many_predicted = HUGE_VAL;
   RefinedPart part = RefinedPart::kAll;
@@ -57,15 +56,15 @@ struct RefinementFacts {
     return are_goals_set && choices.part != RefinedPart::kNothingYet;
   }
   bool may_change_min_edge(const RefinementChoices& choices) const {
-    return is_min_edge_automatic && !choices.has_budget && choices.min_edge.may_go_on();
+    return is_min_edge_automatic && !choices.budget && choices.min_edge.may_go_on();
   }
   /// Returns the number of faces that bounds the work of all attempts.
   std::uint64_t expected_limit() const { return is_min_edge_automatic ? faces_without_min_edge : max_faces; }
 };
 
-/// Returns the budget of the next attempt, in faces. A part of what is allowed is reserved for cuts that neighbours
-/// make and for points in chords, since another attempt would take as long as the first.
-std::uint64_t budget_of(const RefinementChoices& choices, std::uint64_t max_faces);
+/// Returns the first budget, in faces. A part of what is allowed is reserved for cuts that neighbours make and for
+/// points in chords, since another attempt would take as long as the first.
+std::uint64_t first_budget(std::uint64_t max_faces);
 
 /// Returns whether retries with smaller budgets have not helped, or not soon enough. Then nothing is refined.
 bool is_budget_too_small(const RefinementChoices& choices);
@@ -73,9 +72,8 @@ bool is_budget_too_small(const RefinementChoices& choices);
 /// The choices after a result with a number of faces.
 struct AfterFaces {
   RefinementChoices choices;
-  bool is_repeated =
-      false;           ///< the result is not good enough: there are too many faces, or another floor may do better
-  bool counts = true;  ///< the work of the attempt counts, since its number of faces was not its only fault
+  bool is_repeated = false;  ///< there are too many faces, or another floor may do better
+  bool counts = true;        ///< the work of the attempt counts, since its number of faces was not its only fault
 };
 
 /// Decides whether a result with so many faces needs another attempt. Either the floor is changed, if the faces are out

@@ -136,21 +136,21 @@ RefinementAttempt SurfaceRefinement::refine(const PatchedSurface& on, const Refi
     return attempt;
   }
   const double hopeless = std::max(kFewFaces, kHopeless * static_cast<double>(goals.max_faces));
-  if (!choices.has_budget && !facts().may_change_min_edge(choices) &&
+  if (!choices.budget && !facts().may_change_min_edge(choices) &&
       (goals.max_faces == Goals::kNoLimit || std::floor(prediction.expected) > hopeless)) {
     attempt.end = RefinementAttempt::End::kTooManyMade;
     return attempt;
   }
   // The first attempt may make all faces that are allowed, and later ones what the bound on the work leaves.
-  const std::uint64_t left = effort.left(limit), budget = budget_of(choices, goals.max_faces);
+  const std::uint64_t left = effort.left(limit), budget = choices.budget.value_or(first_budget(goals.max_faces));
   attempt.is_cut_short = effort.triangles > 0 && left < budget;
   Goals within_budget = goals;
   within_budget.max_faces = Goals::kNoLimit;
   // Half of what is left remains for yet another attempt, so that one of them is small enough to be worth its result.
-  if (choices.has_budget) within_budget.max_faces = attempt.is_cut_short ? left / 2 : budget;
+  if (choices.budget) within_budget.max_faces = attempt.is_cut_short ? left / 2 : budget;
   if (goals.min_angle_deg > 0) within_budget.min_angle_deg += curved_.angle_margin;
   const std::uint64_t max_made =
-      choices.has_budget ? Goals::kNoLimit : this->max_made(choices, effort, prediction.expected);
+      choices.budget ? Goals::kNoLimit : this->max_made(choices, effort, prediction.expected);
   control_.memory().set_output(
       std::max<std::uint64_t>(triangulated.triangle_count(), std::min(within_budget.max_faces, max_made)));
   SegmentTable segments(on.surface, triangulated, attempt.frozen, sizes, goals, control_);
@@ -173,8 +173,8 @@ RefinementAttempt SurfaceRefinement::refine(const PatchedSurface& on, const Refi
     const bool may_be_too_many =
         is_min_edge_automatic() &&
         (choices.min_edge.may_try_another() || attempt.refinement.reason.size() > goals.faces_without_min_edge);
-    attempt.are_sizes_unmeasured = attempt.may_measure_later &&
-                                   (effort.wrong > 0 || choices.has_budget || !on.crossing.empty() || may_be_too_many);
+    attempt.are_sizes_unmeasured =
+        attempt.may_measure_later && (effort.wrong > 0 || choices.budget || !on.crossing.empty() || may_be_too_many);
     if (!attempt.are_sizes_unmeasured)
       record_oversized_triangles(on.surface, triangulated.meshes, attempt.frozen,
                                  {goals, on.plane_tolerance, sizes, gaps.get(), graded ? &*graded : nullptr},

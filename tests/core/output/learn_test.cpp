@@ -59,12 +59,11 @@ struct Row {
 };
 
 std::vector<Row> rows() {
-  Decisions nothing_yet = first(), rest = first(), with_budget = first(), on_last_rung = first(), tightened = first();
+  Decisions nothing_yet = first(), rest = first(), on_last_rung = first(), tightened = first();
   nothing_yet.refinement.part = RefinedPart::kNothingYet;
   nothing_yet.refinement.failed.assign(kFaces, 0);
   nothing_yet.refinement.failed[4] = 1;
   rest.refinement.part = RefinedPart::kRest;
-  with_budget.refinement.has_budget = true;
   for (int rung = 0; rung < kSingleFace; ++rung)
     on_last_rung.rungs = one_rung_up(on_last_rung.rungs, with_failure(outcome_of(End::kCheckFailed), 2).failed, kFaces);
   tightened.curved.rung.assign(kFaces, CurvedRung::kJoined);
@@ -128,10 +127,6 @@ TEST(learn, decides_what_the_table_says) {
 }
 
 TEST(learn, decides_nothing_after_success) { EXPECT_FALSE(learn(first(), outcome_of(End::kVerified), {})); }
-
-TEST(learn, an_outcome_decides_the_same_whenever_it_comes) {
-  for (const Row& row : rows()) EXPECT_EQ(learn(row.now, row.outcome, {}), learn(row.now, row.outcome, {})) << row.name;
-}
 
 TEST(learn, what_fails_for_ever_ends) {
   // Whatever fails, and however often, something else is decided each time, until nothing is left.

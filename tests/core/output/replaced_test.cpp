@@ -143,8 +143,7 @@ TEST(replaced, distances_and_volumes_add_up) {
 }
 
 TEST(replaced, new_faces_of_a_patch_cover_all_that_the_patch_covered) {
-  const Stages made({cut_each_face});
-  // Four halves lie in each side. A stage makes two faces of each, with the sources 2 i and 2 i + 1.
+  // Two faces lie in each side of the box. A stage makes two new ones of them.
   const StageChain sides(shapes::box({1, 1, 1}, 1));
   ASSERT_EQ(sides.patches.count(), 6u);
   IdVector<FaceId, PatchId> patch;

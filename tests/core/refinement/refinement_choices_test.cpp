@@ -79,9 +79,9 @@ TEST(refinement_choices, the_first_result_with_too_many_faces_costs_nothing_and_
   const AfterFaces after = after_faces(first_choices(), kLimit + 1, false, facts_with(kLimit));
   EXPECT_TRUE(after.is_repeated);
   EXPECT_FALSE(after.counts);
-  EXPECT_TRUE(after.choices.has_budget);
-  EXPECT_LT(budget_of(after.choices, kLimit), kLimit);
-  EXPECT_GT(budget_of(after.choices, kLimit), kLimit / 100 * 99);
+  ASSERT_TRUE(after.choices.budget);
+  EXPECT_LT(*after.choices.budget, kLimit);
+  EXPECT_GT(*after.choices.budget, kLimit / 100 * 99);
 }
 
 TEST(refinement_choices, budgets_shrink_until_nothing_is_refined) {
@@ -91,8 +91,8 @@ TEST(refinement_choices, budgets_shrink_until_nothing_is_refined) {
   for (; !is_budget_too_small(choices); ++attempts) {
     const AfterFaces after = after_faces(choices, kLimit + kLimit / 4, false, facts_with(kLimit));
     ASSERT_TRUE(after.is_repeated);
-    EXPECT_LE(budget_of(after.choices, kLimit), last);
-    last = budget_of(after.choices, kLimit);
+    EXPECT_LE(*after.choices.budget, last);
+    last = *after.choices.budget;
     choices = after.choices;
   }
   EXPECT_LE(attempts, 5) << "retries that save nothing count more";
@@ -115,7 +115,7 @@ TEST(refinement_choices, when_no_floor_is_left_there_is_a_budget) {
   const RefinementFacts facts = facts_with(1'000'000, kLimit);
   RefinementChoices choices = first_choices(kLimit);
   int floors = 0;
-  for (; !choices.has_budget; ++floors) {
+  for (; !choices.budget; ++floors) {
     ASSERT_LT(floors, 100);
     choices = after_too_many_made(choices, facts);
   }

@@ -26,7 +26,8 @@ class RefinedSheets {
     options.max_edge_length = max_edge_length;
     const Goals goals = goals_of(options, std::sqrt(18));
     RefinementChoices choices{MinEdgeSearch(goals)};
-    choices.has_budget = choices.is_thinning_quick = true;
+    choices.budget = first_budget(goals.max_faces);
+    choices.is_thinning_quick = true;
     refinement_ = SurfaceRefinement(goals, {}, chain_.control)
                       .refine({chain_.surface, chain_.adjacency, chain_.patches, 1e-9}, choices, {},
                               IdVector<PatchId, std::uint8_t>(chain_.patches.count(), 0), chain_.triangulated)
