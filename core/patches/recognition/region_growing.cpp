@@ -9,14 +9,6 @@
 namespace remesh {
 namespace {
 
-/// A few facets determine a surface badly. So corners that are far from these facets may be off by this many tolerances
-/// until more facets are found.
-constexpr double kFirstSlack = 20;
-
-/// Where facets are so small that they are hardly off their surface, any smooth surface would fit with much slack. So
-/// corners may be off by this part of the facets' distance from the surface, and at least by some tolerances.
-constexpr double kSlackOfHeight = 0.15, kMinFirstSlack = 2;
-
 /// The surface is fitted to at most this many facets while it grows, evenly chosen.
 constexpr std::size_t kFitFacets = 64, kExactFitFacets = 256;
 
@@ -31,10 +23,6 @@ constexpr std::size_t kFewFacets = 32;
 
 /// A fit is good enough to grow further if the root mean square of the distances is this many tolerances.
 constexpr double kGoodEnough = 0.2;
-
-/// In each corner of a facet, the cosine of the angle between its normal and that of its surface is at least this.
-/// The normals of facets that meet smoothly differ from the surface's normals by up to about half the feature angle.
-constexpr double kMinFacing = 0.8;
 
 /// A facet was cut on purpose, like the flat on a shaft, if the surface turns over it by more than 2.6 times the
 /// median. The factor is above 2, because programs make pieces at boundaries half as large as facets inside. It is
@@ -67,9 +55,6 @@ constexpr double kMaxUnexplained = 1.5;
 /// A cone fits the corners of a sphere as well as the sphere does if its distance from them is larger by at most this
 /// factor and this many tolerances.
 constexpr double kAsNear = 2, kAsNearTolerances = 0.1;
-
-/// The min number of facets of a claim that is believed.
-std::size_t min_facets(SurfaceKind kind) { return kind == SurfaceKind::kTorus ? 6 : 4; }
 
 /// The min number of corners of a claim that is believed. Each corner is a constraint.
 std::size_t min_corners(SurfaceKind kind) {
@@ -136,125 +121,19 @@ void drop_cross_sections(const FacetGraph& graph, const AnalyticSurface& cone, d
 
 }  // namespace
 
-class ClaimGrower::Gauge {
- public:
-  explicit Gauge(const AnalyticSurface& s)
-      : kind_(s.kind),
-        origin_(s.origin),
-        axis_(s.axis),
-        radius_(s.radius),
-        minor_radius_(s.minor_radius),
-        cosine_(std::cos(s.half_angle)),
-        sine_(std::sin(s.half_angle)) {}
-
-  double distance(const Vec3& p) const {
-    const Vec3 q = p - origin_;
-    if (kind_ == SurfaceKind::kSphere) return std::sqrt(norm_squared(q)) - radius_;
-    const double z = dot(q, axis_);
-    const double r = std::sqrt(norm_squared(q - z * axis_));
-    if (kind_ == SurfaceKind::kCylinder) return r - radius_;
-    if (kind_ == SurfaceKind::kCone) return r * cosine_ - z * sine_;
-    const double u = r - radius_;
-    return std::sqrt(u * u + z * z) - minor_radius_;
-  }
-
-  struct Measures {
-    double distance;
-    double facing;
-  };
-  /// Returns the distance of a point, and the cosine of the angle between a direction and the surface's normal there.
-  /// Within `tolerance` of an axis, where there is no normal, the cosine is 1.
-  Measures measure(const Vec3& p, const Vec3& direction, double tolerance) const {
-    const Vec3 q = p - origin_;
-    if (kind_ == SurfaceKind::kSphere) {
-      const double r = std::sqrt(norm_squared(q));
-      return {r - radius_, dot(q, direction) / r};
-    }
-    const double z = dot(q, axis_);
-    const Vec3 w = q - z * axis_;
-    const double r = std::sqrt(norm_squared(w));
-    const bool is_on_axis = !(r > 4 * tolerance);
-    const double outwards = dot(w, direction) / r;
-    if (kind_ == SurfaceKind::kCylinder) return {r - radius_, is_on_axis ? 1 : outwards};
-    const double along = dot(axis_, direction);
-    if (kind_ == SurfaceKind::kCone)
-      return {r * cosine_ - z * sine_, is_on_axis ? 1 : outwards * cosine_ - along * sine_};
-    const double u = r - radius_, g = std::sqrt(u * u + z * z);
-    return {g - minor_radius_, is_on_axis ? 1 : (u * outwards + z * along) / g};
-  }
-
-  /// Returns the normal of the surface at a place near it. It is null within `tolerance` of an axis.
-  Vec3 normal(const Vec3& p, double tolerance) const {
-    const Vec3 q = p - origin_;
-    if (kind_ == SurfaceKind::kSphere) return normalized(q);
-    const double z = dot(q, axis_);
-    const Vec3 w = q - z * axis_;
-    const double r = std::sqrt(norm_squared(w));
-    if (!(r > 4 * tolerance)) return {};
-    const Vec3 outwards = (1 / r) * w;
-    if (kind_ == SurfaceKind::kCylinder) return outwards;
-    if (kind_ == SurfaceKind::kCone) return cosine_ * outwards - sine_ * axis_;
-    return normalized((r - radius_) * outwards + z * axis_);
-  }
-
- private:
-  SurfaceKind kind_;
-  Vec3 origin_, axis_;
-  double radius_, minor_radius_, cosine_, sine_;
-};
-
 ClaimGrower::ClaimGrower(const FacetGraph& graph, RunControl& control)
     : graph_(graph), control_(control), check_(control), taken_(graph.size(), Taken::kFree), mark_(graph.size(), 0) {}
 
-FacetPlace ClaimGrower::place_of(PatchId p) const { return {graph_.mean_corner(p), graph_.normal(p)}; }
-
-bool ClaimGrower::fits(const Gauge& gauge, PatchId p, double tolerance, int side) {
+bool ClaimGrower::fits(const SurfaceGauge& gauge, PatchId p, double tolerance, int side) {
   work_ += kWorkOfTest;
-  const Vec3 outside = side * graph_.normal(p);
-  for (std::uint32_t s = graph_.sides_begin(p); s < graph_.sides_end(p); ++s) {
-    if (!graph_.is_corner(s)) continue;
-    // Two circles lie on a cylinder, but also on a sphere. The facets between them are not tangential to the sphere.
-    const auto [distance, facing] = gauge.measure(graph_.position(graph_.vertex(s)), outside, tolerance_);
-    if (!(std::fabs(distance) <= tolerance) || !(facing >= kMinFacing)) return false;
-  }
-  return true;
-}
-
-double ClaimGrower::chord_height(const Gauge& gauge, PatchId p) const {
-  Vec3 sum, first, last;
-  int count = 0;
-  double height = 0;
-  if (!graph_.may_be_seed(p)) {
-    graph_.for_each_side(p, [&](const Vec3& a, const Vec3& b, bool) {
-      height = std::max(height, std::fabs(gauge.distance(0.5 * (a + b))));
-    });
-    return height;
-  }
-  graph_.for_each_corner(p, [&](const Vec3& q) {
-    if (count == 0)
-      first = q;
-    else
-      height = std::max(height, std::fabs(gauge.distance(0.5 * (last + q))));
-    last = q;
-    sum += q;
-    ++count;
-  });
-  height = std::max(height, std::fabs(gauge.distance(0.5 * (last + first))));
-  return std::max(height, std::fabs(gauge.distance((1.0 / count) * sum)));
-}
-
-double ClaimGrower::chord_height(const AnalyticSurface& shape, std::span<const PatchId> facets) const {
-  const Gauge gauge(shape);
-  double sum = 0;
-  for (const PatchId p : facets) sum += chord_height(gauge, p);
-  return sum;
+  return is_on(graph_, gauge, p, tolerance, tolerance_, side);
 }
 
 double ClaimGrower::slack(std::size_t members) const {
   return std::min(first_slack_, members < 8 ? kFirstSlack : members < 32 ? 6 : members < 128 ? 2 : 1);
 }
 
-bool ClaimGrower::expand(const Gauge& gauge, double tolerance, int side, Taken may_replace, std::size_t max_size,
+bool ClaimGrower::expand(const SurfaceGauge& gauge, double tolerance, int side, Taken may_replace, std::size_t max_size,
                          std::vector<PatchId>& members) {
   const std::size_t before = members.size();
   for (std::size_t i = 0; i < members.size() && members.size() < max_size; ++i)
@@ -274,7 +153,7 @@ bool ClaimGrower::refit(AnalyticSurface& shape, std::span<const PatchId> members
   const std::size_t step = (members.size() + max_facets - 1) / max_facets;
   for (std::size_t i = 0; i < members.size(); i += step)
     graph_.for_each_corner(members[i], [&](const Vec3& q) { points_.push_back(q); });
-  const Gauge gauge(shape);
+  const SurfaceGauge gauge(shape);
   double sum = 0;
   for (const Vec3& p : points_) {
     const double d = gauge.distance(p);
@@ -292,7 +171,7 @@ bool ClaimGrower::refit(AnalyticSurface& shape, std::span<const PatchId> members
 }
 
 void ClaimGrower::trim(const AnalyticSurface& shape, double tolerance, int side, std::vector<PatchId>& members) {
-  const Gauge gauge(shape);
+  const SurfaceGauge gauge(shape);
   const auto leaves = [&](PatchId p) {
     check_();
     if (fits(gauge, p, tolerance, side)) return false;
@@ -302,7 +181,7 @@ void ClaimGrower::trim(const AnalyticSurface& shape, double tolerance, int side,
   members.erase(std::remove_if(members.begin(), members.end(), leaves), members.end());
 }
 
-double ClaimGrower::turn(const Gauge& gauge, PatchId p) const {
+double ClaimGrower::turn(const SurfaceGauge& gauge, PatchId p) const {
   std::array<Vec3, 16> normals;
   std::size_t count = 0;
   double cosine = 1;
@@ -327,7 +206,7 @@ double ClaimGrower::median_by_area(std::vector<std::pair<double, PatchId>>& valu
 }
 
 double ClaimGrower::drop_uneven(const AnalyticSurface& shape, std::vector<PatchId>& members) {
-  const Gauge gauge(shape);
+  const SurfaceGauge gauge(shape);
   values_.clear();
   for (const PatchId p : members) values_.push_back({turn(gauge, p), p});
   double median = median_by_area(values_);
@@ -349,7 +228,7 @@ double ClaimGrower::drop_uneven(const AnalyticSurface& shape, std::vector<PatchI
   double height = 0, area = 0;
   for (const PatchId p : members) {
     check_();
-    height += graph_.area(p) * chord_height(gauge, p);
+    height += graph_.area(p) * chord_height(graph_, gauge, p);
     area += graph_.area(p);
   }
   return area > 0 ? height / area : 0;
@@ -362,24 +241,15 @@ std::optional<SurfaceClaim> ClaimGrower::grow(const AnalyticSurface& start, std:
   is_doubtful_ = growth.is_doubtful;
   given_up_.clear();
   AnalyticSurface shape = start;
-  double facing = 0;
-  {
-    const Gauge gauge(shape);
-    for (const PatchId p : seed) {
-      const FacetPlace at = place_of(p);
-      facing += dot(gauge.normal(at.middle, 0), at.normal);
-    }
-  }
-  const int side = facing >= 0 ? 1 : -1;
+  const int side = side_of(graph_, SurfaceGauge(shape), seed);
   std::vector<PatchId> members;
   for (const PatchId p : seed) {
-    if (!fits(Gauge(shape), p, kFirstSlack * tolerance_, side)) continue;
+    if (!fits(SurfaceGauge(shape), p, kFirstSlack * tolerance_, side)) continue;
     mark_[p] = growth_;
     members.push_back(p);
   }
   if (members.size() < 2 || 2 * members.size() < seed.size()) return std::nullopt;
-  const double height = chord_height(Gauge(shape), members.front());
-  first_slack_ = std::clamp(kSlackOfHeight * height / tolerance_, kMinFirstSlack, kFirstSlack);
+  first_slack_ = first_slack(chord_height(graph_, SurfaceGauge(shape), members.front()), tolerance_);
   std::optional<SurfaceClaim> claim;
   if (grow_members(shape, side, growth.may_replace, members)) claim = conclude(shape, side, members);
   if (!claim && members.size() >= min_facets(shape.kind)) given_up_ = std::move(members);
@@ -392,7 +262,7 @@ bool ClaimGrower::grow_members(AnalyticSurface& shape, int side, Taken may_repla
   for (int round = 0; round < kMaxRounds; ++round) {
     const std::size_t before = members.size();
     const double allowed = slack(before) * tolerance_;
-    if (expand(Gauge(shape), allowed, side, may_replace, 2 * before + 2, members)) {
+    if (expand(SurfaceGauge(shape), allowed, side, may_replace, 2 * before + 2, members)) {
       if (!refit(shape, members, Precision::kGoodEnough)) return false;
       is_exact = false;
       trim(shape, slack(members.size()) * tolerance_, side, members);
@@ -411,14 +281,15 @@ bool ClaimGrower::grow_members(AnalyticSurface& shape, int side, Taken may_repla
     trim(shape, tolerance_, side, members);
     const bool is_settled = members.size() == before;
     if (members.size() < min_facets(shape.kind)) return false;
-    if (!expand(Gauge(shape), tolerance_, side, may_replace, static_cast<std::size_t>(-1), members) && is_settled)
+    if (!expand(SurfaceGauge(shape), tolerance_, side, may_replace, static_cast<std::size_t>(-1), members) &&
+        is_settled)
       break;
     if (!refit(shape, members, Precision::kExact)) return false;
   }
   return true;
 }
 
-bool ClaimGrower::goes_on_beyond(const Gauge& gauge, const SurfaceClaim& claim) {
+bool ClaimGrower::goes_on_beyond(const SurfaceGauge& gauge, const SurfaceClaim& claim) {
   // Exactly the facets of the claim are marked.
   ++growth_;
   for (const PatchId p : claim.facets) mark_[p] = growth_;
@@ -457,7 +328,7 @@ std::optional<SurfaceClaim> ClaimGrower::conclude(AnalyticSurface shape, int sid
   for (int i = 0; i < kMaxFits; ++i) {
     if (shape.kind == SurfaceKind::kCone) drop_cross_sections(graph_, shape, tolerance_, members);
     if (members.size() < min_facets(shape.kind)) return std::nullopt;
-    const double chord_height = drop_uneven(shape, members);
+    const double height = drop_uneven(shape, members);
     if (members.size() < min_facets(shape.kind)) return std::nullopt;
     vertices_.clear();
     for (const PatchId p : members)
@@ -482,9 +353,9 @@ std::optional<SurfaceClaim> ClaimGrower::conclude(AnalyticSurface shape, int sid
     const std::size_t before = members.size();
     trim(shape, tolerance_, side, members);
     if (members.size() == before) {
-      SurfaceClaim claim{shape, side, std::move(members), tolerance_, {}, 0, 0, false, true, chord_height, {}};
+      SurfaceClaim claim{shape, side, std::move(members), tolerance_, {}, 0, 0, false, true, height, {}};
       claim.is_explained = is_explained(claim);
-      const Gauge gauge(shape);
+      const SurfaceGauge gauge(shape);
       std::size_t close = 0;
       for (const Vec3& p : points_) {
         const double d = std::fabs(gauge.distance(p));

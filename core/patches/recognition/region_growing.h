@@ -16,6 +16,7 @@
 #include "core/geometry/surfaces/analytic_surface.h"
 #include "core/geometry/surfaces/surface_fit.h"
 #include "core/patches/recognition/facet_graph.h"
+#include "core/patches/recognition/surface_gauge.h"
 
 namespace remesh {
 
@@ -78,23 +79,15 @@ class ClaimGrower {
   /// Returns how much work was done so far. It is counted in steps, so that it is the same on every machine.
   std::uint64_t work() const { return work_; }
 
-  /// Returns the mean of a facet's corners, and its normal.
-  FacetPlace place_of(PatchId p) const;
-  /// Returns the sum of the facets' largest distances from a surface in their middles and the middles of their sides.
-  double chord_height(const AnalyticSurface& shape, std::span<const PatchId> facets) const;
   /// Returns the facets that the last growth had when it was given up. There are none if the growth succeeded, or had
   /// too few facets for its kind.
   std::span<const PatchId> given_up() const { return given_up_; }
 
  private:
-  /// A surface whose distances can be computed fast.
-  class Gauge;
-
-  bool fits(const Gauge& gauge, PatchId p, double tolerance, int side);
-  double chord_height(const Gauge& gauge, PatchId p) const;
+  bool fits(const SurfaceGauge& gauge, PatchId p, double tolerance, int side);
   /// Returns how many tolerances corners may be off while a growth has this number of facets.
   double slack(std::size_t members) const;
-  bool expand(const Gauge& gauge, double tolerance, int side, Taken may_replace, std::size_t max_size,
+  bool expand(const SurfaceGauge& gauge, double tolerance, int side, Taken may_replace, std::size_t max_size,
               std::vector<PatchId>& members);
   enum class Precision : std::uint8_t { kGoodEnough, kExact };
   bool refit(AnalyticSurface& shape, std::span<const PatchId> members, Precision precision);
@@ -102,12 +95,12 @@ class ClaimGrower {
   /// Removes facets over which the surface turns too much, and returns the mean of the chord heights of the others.
   double drop_uneven(const AnalyticSurface& shape, std::vector<PatchId>& members);
   /// Returns 1 minus the cosine of the largest angle by which the surface turns between corners of a facet.
-  double turn(const Gauge& gauge, PatchId p) const;
+  double turn(const SurfaceGauge& gauge, PatchId p) const;
   /// Sorts values of facets, and returns their median by area: half of the area has smaller values.
   double median_by_area(std::vector<std::pair<double, PatchId>>& values) const;
   /// Returns whether the facets around a claim leave its surface so gradually that the claim is a piece of a larger
   /// surface, which is only near the claimed one.
-  bool goes_on_beyond(const Gauge& gauge, const SurfaceClaim& claim);
+  bool goes_on_beyond(const SurfaceGauge& gauge, const SurfaceClaim& claim);
   bool is_explained(const SurfaceClaim& claim) const;
   bool grow_members(AnalyticSurface& shape, int side, Taken may_replace, std::vector<PatchId>& members);
   std::optional<SurfaceClaim> conclude(AnalyticSurface shape, int side, std::vector<PatchId> members);

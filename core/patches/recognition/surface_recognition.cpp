@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/blocks.h"
 #include "core/base/stoppable.h"
 #include "core/geometry/surfaces/surface_fit.h"
 #include "core/patches/recognition/explained_height.h"
@@ -17,6 +18,7 @@
 #include "core/patches/recognition/recognised_list.h"
 #include "core/patches/recognition/region_growing.h"
 #include "core/patches/recognition/revolution_bands.h"
+#include "core/patches/recognition/seed_test.h"
 #include "core/patches/recognition/surface_bends.h"
 #include "core/patches/recognition/surface_seeds.h"
 
@@ -41,16 +43,14 @@ constexpr double kMaxOfHeight = 1.0 / 3;
 /// If corners are off their surface, fewer facets than this determine no surface.
 constexpr std::size_t kMinCluster = 4;
 
-/// The max work per facet of growths without a result. Scans and other smooth surfaces of no kind would take much
-/// longer, and large surfaces have been found by then.
-constexpr std::uint64_t kMaxWaste = 100;
+/// How much work growths without a result may take: in any case, for each facet of the mesh, and for each facet that
+/// has been claimed. Where nothing is claimed, as on scans, the search ends soon.
+struct VainWork {
+  std::uint64_t free, per_facet, per_claimed;
+};
 
-/// Whatever the number of facets, growths without a result may take this many units of work, which is some tenths of a
-/// second.
-constexpr std::uint64_t kFreeWaste = 25'000'000;
-
-/// The part of that work that clusters may take, in all and per facet. On scans, most clusters give no result.
-constexpr std::uint64_t kFreeWasteOfClusters = 1'000'000, kMaxWasteOfClusters = 30;
+/// The bound on all growths, and on those of one pass over free facets in which growths begin with a fit.
+constexpr VainWork kMaxVain{25'000'000, 100, 0}, kMaxVainOfPass{600'000, 2, 2000};
 
 /// Two areas count as equal unless one is larger by this factor.
 constexpr double kLarger = 1.02;
@@ -71,19 +71,20 @@ class Recogniser {
         table_(graph.size()),
         attempts_(graph.size(), 0),
         tried_(graph.size(), 0),
+        guesses_(graph),
         check_(control),
         control_(control) {}
 
   std::vector<SurfaceClaim> run() {
-    const std::vector<SurfaceSeed> seeds = find_seeds(graph_, control_);
-    claim_ruled(seeds);
+    const std::vector<SurfaceSeed> ruled = ruled_seeds();
+    claim_ruled(ruled);
     replace_bands();
     // Facets of claims that were replaced in part are free again.
-    claim_ruled(seeds);
-    claim_scattered(seeds);
+    if (are_any_freed_) claim_ruled(ruled);
+    for_free_seeds([&](const SurfaceSeed& seed) { claim_scattered(seed); });
     drop_unexplained();
-    claim_ruled(seeds);
-    claim_clusters(seeds);
+    claim_ruled(ruled);
+    for_free_seeds([&](const SurfaceSeed& seed) { claim_cluster(seed); });
     join_bands(graph_, table_, control_);
     drop_bends(graph_, table_, control_);
     drop_false_fits(graph_, table_, control_);
@@ -101,26 +102,89 @@ class Recogniser {
 
   bool is_free(PatchId p) const { return table_.owner[p] == kNone; }
 
-  /// Claims surfaces that two facets determine.
-  void claim_ruled(std::span<const SurfaceSeed> seeds) {
-    SeedGuesses guesses(graph_);
-    StopCheck check(control_);
-    for (const SurfaceSeed& seed : seeds) {
-      check();
-      if (is_exhausted()) return;
-      const std::array<PatchId, 2> pair{seed.facet, graph_.beyond(seed.side)};
-      if (!is_free(pair[0]) || !is_free(pair[1])) continue;
-      if (attempts_[pair[0]] >= kMaxAttempts || attempts_[pair[1]] >= kMaxAttempts) continue;
-      // The other pairs of facets have been tried before.
-      if (must_be_explained_ && was_dropped_[pair[0]] == 0 && was_dropped_[pair[1]] == 0) continue;
-      std::optional<SurfaceClaim> best;
-      tolerance_ = tolerance_at(seed);
-      for (const AnalyticSurface& guess : guesses.of(seed)) grow(guess, pair, Taken::kFree, best);
-      if (best && best->shape.kind == SurfaceKind::kSphere && is_close(*best)) ask_again(best);
-      if (!best) continue;
-      add(std::move(*best));
-      replace_band(static_cast<std::uint32_t>(table_.claims.size() - 1));
+  std::array<PatchId, 2> pair_of(const SurfaceSeed& seed) const { return {seed.facet, graph_.beyond(seed.side)}; }
+
+  /// Returns the seeds around which a ring of facets may lie on one surface, in order.
+  std::vector<SurfaceSeed> ruled_seeds() const {
+    return SeedQueue(
+               find_seeds(graph_, control_,
+                          [&](const SurfaceSeed& seed) { return may_begin_surface(graph_, seed, max_tolerance_); }),
+               graph_, control_)
+        .take_all();
+  }
+
+  /// Calls claim(seed) for seeds of free facets, as long as growths without a result do not take too much work: first
+  /// for a sample of them, so that the large surfaces of a large mesh are found, and then for the others.
+  template <class Claim>
+  void for_free_seeds(const Claim& claim) {
+    constexpr double kSample = 16384;
+    const double part = kSample / static_cast<double>(graph_.size());
+    const std::uint64_t before = wasted_;
+    const auto is_enough = [&] { return is_exhausted() || wasted_ - before > bound_of(kMaxVainOfPass); };
+    for (const bool is_sampled : {true, false}) {
+      if (is_enough() || (!is_sampled && part >= 1)) return;
+      SeedQueue seeds(find_seeds(graph_, control_,
+                                 [&](const SurfaceSeed& seed) {
+                                   const auto [f, g] = pair_of(seed);
+                                   return is_free(f) && is_free(g) && is_in_sample(seed, part) == is_sampled;
+                                 }),
+                      graph_, control_);
+      while (const SurfaceSeed* const seed = seeds.next()) {
+        check_();
+        if (is_enough()) return;
+        claim(*seed);
+      }
     }
+  }
+
+  /// Claims surfaces that two facets determine. Before facets are claimed one surface after another, those seeds are
+  /// found from which a surface would grow, batch by batch, because a claim may take the facets of later batches.
+  void claim_ruled(std::span<const SurfaceSeed> seeds) {
+    constexpr std::size_t kFirstBatch = 256, kMaxBatch = 8192, kBlock = 64;
+    std::size_t end = 0;
+    for (std::size_t begin = 0, size = kFirstBatch; begin < seeds.size(); begin = end) {
+      if (is_exhausted()) return;
+      end = std::min(seeds.size(), begin + size);
+      size = std::min(2 * size, kMaxBatch);
+      const auto growing =
+          map_blocks<std::vector<SurfaceSeed>>(end - begin, kBlock, control_, [&](std::size_t first, std::size_t last) {
+            std::vector<SurfaceSeed> found;
+            SeedGuesses guesses(graph_);
+            for (const SurfaceSeed& seed : seeds.subspan(begin + first, last - first))
+              if (may_any_grow(seed, guesses)) found.push_back(seed);
+            return found;
+          });
+      for (const std::vector<SurfaceSeed>& of_block : growing)
+        for (const SurfaceSeed& seed : of_block) claim_ruled(seed);
+    }
+  }
+
+  bool may_any_grow(const SurfaceSeed& seed, SeedGuesses& guesses) const {
+    if (!is_to_be_tried(seed)) return false;
+    const double tolerance = tolerance_at(seed);
+    const std::vector<AnalyticSurface>& of_seed = guesses.of(seed);
+    return std::any_of(of_seed.begin(), of_seed.end(),
+                       [&](const AnalyticSurface& guess) { return may_grow(graph_, guess, pair_of(seed), tolerance); });
+  }
+
+  bool is_to_be_tried(const SurfaceSeed& seed) const {
+    const auto [f, g] = pair_of(seed);
+    if (!is_free(f) || !is_free(g)) return false;
+    if (attempts_[f] >= kMaxAttempts || attempts_[g] >= kMaxAttempts) return false;
+    // The other pairs of facets have been tried before.
+    return !must_be_explained_ || was_dropped_[f] != 0 || was_dropped_[g] != 0;
+  }
+
+  void claim_ruled(const SurfaceSeed& seed) {
+    check_();
+    if (is_exhausted() || !is_to_be_tried(seed)) return;
+    std::optional<SurfaceClaim> best;
+    tolerance_ = tolerance_at(seed);
+    for (const AnalyticSurface& guess : guesses_.of(seed)) grow(guess, pair_of(seed), Taken::kFree, best);
+    if (best && best->shape.kind == SurfaceKind::kSphere && is_close(*best)) ask_again(best);
+    if (!best) return;
+    add(std::move(*best));
+    replace_band(static_cast<std::uint32_t>(table_.claims.size() - 1));
   }
 
   /// Tries the other kinds on facets that a sphere fits. If these facets are a single ring around an axis, their
@@ -129,14 +193,21 @@ class Recogniser {
     std::vector<PatchId> seed;
     sample(best->facets, seed);
     collect(seed);
-    const double height = grower_.chord_height(best->shape, seed);
+    const double height = sum_of_heights(best->shape, seed);
     const auto attempt = [&](const std::optional<AnalyticSurface>& guess) {
       const auto fitted = guess ? fit_from(*guess, points_, {tolerance_, 20 * tolerance_}) : std::nullopt;
-      if (fitted && grower_.chord_height(*fitted, seed) < kNearer * height) grow(*fitted, seed, Taken::kFree, best);
+      if (fitted && sum_of_heights(*fitted, seed) < kNearer * height) grow(*fitted, seed, Taken::kFree, best);
     };
     attempt(guess_cylinder(points_, places_));
     attempt(guess_cone(points_, places_));
     attempt(guess_torus(points_, places_));
+  }
+
+  double sum_of_heights(const AnalyticSurface& shape, std::span<const PatchId> facets) const {
+    const SurfaceGauge gauge(shape);
+    double sum = 0;
+    for (const PatchId p : facets) sum += chord_height(graph_, gauge, p);
+    return sum;
   }
 
   /// Stores the corners and middles of facets.
@@ -144,7 +215,7 @@ class Recogniser {
     points_.clear();
     places_.clear();
     for (const PatchId p : facets) {
-      places_.push_back(grower_.place_of(p));
+      places_.push_back({graph_.mean_corner(p), graph_.normal(p)});
       graph_.for_each_corner(p, [&](const Vec3& q) { points_.push_back(q); });
     }
   }
@@ -176,8 +247,12 @@ class Recogniser {
       if (attempts_[p] < kMaxAttempts) ++attempts_[p];
   }
 
+  std::uint64_t bound_of(const VainWork& max) const {
+    return max.free + max.per_facet * graph_.size() + max.per_claimed * claimed_;
+  }
+
   /// Returns whether growths without a result have taken so much work that the rest of the facets is left free.
-  bool is_exhausted() const { return wasted_ > kFreeWaste + kMaxWaste * graph_.size(); }
+  bool is_exhausted() const { return wasted_ > bound_of(kMaxVain); }
 
   static void take_larger(std::optional<SurfaceClaim> claim, std::optional<SurfaceClaim>& best) {
     if (!claim) return;
@@ -200,6 +275,7 @@ class Recogniser {
   }
 
   void add(SurfaceClaim claim) {
+    claimed_ += claim.facets.size();
     for (const PatchId p : claim.facets) grower_.set_taken(p, Taken::kWeakly);
     table_.add(std::move(claim));
   }
@@ -277,6 +353,7 @@ class Recogniser {
       constexpr std::size_t kMinFacets = 4;
       const bool has_axis = old.shape.kind == SurfaceKind::kCone || old.shape.kind == SurfaceKind::kCylinder;
       if (has_axis && old.facets.size() >= kMinFacets) continue;
+      are_any_freed_ = are_any_freed_ || !old.facets.empty();
       for (const PatchId p : old.facets) {
         table_.owner[p] = kNone;
         grower_.set_taken(p, Taken::kFree);
@@ -286,62 +363,53 @@ class Recogniser {
     return true;
   }
 
-  /// Claims surfaces whose edges are no rulings, from a pair of facets with its neighbours.
-  void claim_scattered(std::span<const SurfaceSeed> seeds) {
-    std::vector<PatchId> around;
-    StopCheck check(control_);
-    for (const SurfaceSeed& seed : seeds) {
-      check();
-      if (is_exhausted()) return;
-      const PatchId f = seed.facet, g = graph_.beyond(seed.side);
-      if (!is_free(f) || !is_free(g) || tried_[f] != 0 || tried_[g] != 0) continue;
-      around.assign({f, g});
-      for (const PatchId p : {f, g})
-        graph_.for_each_neighbour(p, [&](PatchId q) {
-          if (is_free(q) && graph_.may_be_curved(q)) around.push_back(q);
-        });
-      std::sort(around.begin() + 2, around.end());
-      around.erase(std::unique(around.begin() + 2, around.end()), around.end());
-      std::erase_if(around, [&, i = 0](PatchId p) mutable { return i++ >= 2 && (p == f || p == g); });
-      for (const PatchId p : around) tried_[p] = 1;
-      collect(around);
-      if (around.size() < 4) continue;
-      tolerance_ = tolerance_at(seed);
-      std::optional<SurfaceClaim> best;
-      try_kinds(around, Taken::kFree, best);
-      if (best) add(std::move(*best));
-    }
+  /// Claims a surface whose edges are no rulings, from a pair of facets with its neighbours.
+  void claim_scattered(const SurfaceSeed& seed) {
+    const std::array<PatchId, 2> pair = pair_of(seed);
+    const auto is_in_pair = [&](PatchId p) { return p == pair[0] || p == pair[1]; };
+    if (!is_to_be_seeded(pair, kTried)) return;
+    seed_.assign(pair.begin(), pair.end());
+    for (const PatchId p : pair)
+      graph_.for_each_neighbour(p, [&](PatchId q) {
+        if (is_free(q) && graph_.may_be_curved(q) && !is_in_pair(q)) seed_.push_back(q);
+      });
+    std::sort(seed_.begin() + 2, seed_.end());
+    seed_.erase(std::unique(seed_.begin() + 2, seed_.end()), seed_.end());
+    for (const PatchId p : seed_) tried_[p] = kTried;
+    constexpr std::size_t kMinScattered = 4;
+    if (seed_.size() < kMinScattered) return;
+    collect(seed_);
+    tolerance_ = tolerance_at(seed);
+    std::optional<SurfaceClaim> best;
+    try_kinds(seed_, Taken::kFree, best);
+    if (best) add(std::move(*best));
   }
 
-  /// Claims surfaces whose corners rounding has moved so far that two facets determine nothing, or whose corners a
+  bool is_to_be_seeded(std::span<const PatchId> pair, std::uint8_t tried) const {
+    return std::all_of(pair.begin(), pair.end(), [&](PatchId p) { return is_free(p) && tried_[p] < tried; });
+  }
+
+  /// Claims a surface whose corners rounding has moved so far that two facets determine nothing, or whose corners a
   /// program has put beside the surface. Growths begin from all free facets near a seed.
-  void claim_clusters(std::span<const SurfaceSeed> seeds) {
-    constexpr std::uint8_t kInCluster = 2;
-    const std::uint64_t max_wasted = wasted_ + kFreeWasteOfClusters + kMaxWasteOfClusters * graph_.size();
-    std::vector<PatchId> cluster;
-    StopCheck check(control_);
-    for (const SurfaceSeed& seed : seeds) {
-      check();
-      if (is_exhausted() || wasted_ > max_wasted) return;
-      const PatchId f = seed.facet, g = graph_.beyond(seed.side);
-      if (!is_free(f) || !is_free(g) || tried_[f] == kInCluster || tried_[g] == kInCluster) continue;
-      if (attempts_[f] >= kMaxAttempts || attempts_[g] >= kMaxAttempts) continue;
-      find_cluster(seed, cluster);
-      tried_[f] = tried_[g] = kInCluster;
-      if (cluster.size() < kMinCluster) continue;
-      collect(cluster);
-      std::optional<SurfaceClaim> best;
-      tolerance_ = tolerance_at(seed);
-      try_kinds(cluster, Taken::kFree, best);
-      if (!best) {
-        tolerance_ = std::max(tolerance_, kMaxOfHeight * implied_height(cluster));
-        is_doubtful_ = true;
-        try_kinds(cluster, Taken::kFree, best);
-        is_doubtful_ = false;
-        if (best && !is_loose_claim_proven(graph_, *best, control_)) best.reset();
-      }
-      if (best) add(std::move(*best));
+  void claim_cluster(const SurfaceSeed& seed) {
+    const std::array<PatchId, 2> pair = pair_of(seed);
+    if (!is_to_be_seeded(pair, kTriedInCluster)) return;
+    if (attempts_[pair[0]] >= kMaxAttempts || attempts_[pair[1]] >= kMaxAttempts) return;
+    find_cluster(seed, seed_);
+    for (const PatchId p : pair) tried_[p] = kTriedInCluster;
+    if (seed_.size() < kMinCluster) return;
+    collect(seed_);
+    std::optional<SurfaceClaim> best;
+    tolerance_ = tolerance_at(seed);
+    try_kinds(seed_, Taken::kFree, best);
+    if (!best) {
+      tolerance_ = std::max(tolerance_, kMaxOfHeight * implied_height(seed_));
+      is_doubtful_ = true;
+      try_kinds(seed_, Taken::kFree, best);
+      is_doubtful_ = false;
+      if (best && !is_loose_claim_proven(graph_, *best, control_)) best.reset();
     }
+    if (best) add(std::move(*best));
   }
 
   /// Drops claims whose facets are farther away than the turns between them explain. Until now, such claims were
@@ -405,14 +473,18 @@ class Recogniser {
   double tolerance_ = 0;                         ///< of the growths of this seed
   bool is_doubtful_ = false;                     ///< whether the growths of this seed are doubtful
   IdVector<PatchId, std::uint8_t> was_dropped_;  ///< whether a facet was in a claim that was dropped
+  bool are_any_freed_ = false;                   ///< whether a claim was replaced that had more facets
   bool must_be_explained_ = false;               ///< if true, no claim is made whose distance the facets do not explain
   ClaimGrower grower_;
   ClaimTable table_;
   IdVector<PatchId, std::uint8_t> attempts_;  ///< by facet: how many growths that reached it were given up
-  IdVector<PatchId, std::uint8_t> tried_;     ///< whether a facet was in the seed of a scattered surface
+  static constexpr std::uint8_t kTried = 1, kTriedInCluster = 2;
+  IdVector<PatchId, std::uint8_t> tried_;  ///< whether a facet was in the seed of a scattered surface, or in a cluster
   std::vector<Vec3> points_;
   std::vector<FacetPlace> places_;
+  SeedGuesses guesses_;
   std::uint64_t wasted_ = 0;  ///< work of growths without a result
+  std::size_t claimed_ = 0;   ///< facets of all claims that were made
   std::vector<PatchId> seed_, others_;
   std::set<std::pair<std::uint32_t, std::uint32_t>> are_compared_;  ///< pairs of claims that were tried together
   StopCheck check_;

@@ -1,10 +1,10 @@
 #include "core/patches/recognition/surface_seeds.h"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <span>
 
-#include "core/base/blocks.h"
 #include "core/base/stoppable.h"
 #include "core/geometry/surfaces/surface_fit.h"
 
@@ -43,6 +43,8 @@ std::optional<double> meeting_of(const Vec3& a, const Vec3& b, const Vec3& p, co
   return (dot(w, u) * vv - dot(w, v) * uv) / det;
 }
 
+}  // namespace
+
 SurfaceSeed make_seed(const FacetGraph& graph, PatchId facet, std::uint32_t side, std::uint32_t end_side) {
   const Vec3 &a = graph.position(graph.vertex(side)), &b = graph.position(graph.vertex(end_side));
   const Vec3 sum = a + b;
@@ -51,47 +53,32 @@ SurfaceSeed make_seed(const FacetGraph& graph, PatchId facet, std::uint32_t side
   return {norm_squared(b - a), tie, side, end_side, facet};
 }
 
-}  // namespace
+bool is_in_sample(const SurfaceSeed& seed, double part) {
+  // The later digits of a number look random.
+  constexpr double kLaterDigits = 0x1.9e3779b97f4a8p20;
+  const double digits = kLaterDigits * seed.tie;
+  return digits - std::floor(digits) < part;
+}
 
-std::vector<SurfaceSeed> find_seeds(const FacetGraph& graph, RunControl& control) {
-  const auto blocks = map_blocks<std::vector<SurfaceSeed>>(
-      graph.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
-        std::vector<SurfaceSeed> seeds;
-        for (std::size_t i = begin; i < end; ++i) {
-          const PatchId p(i);
-          if (!graph.may_be_seed(p)) continue;
-          // The sides that a facet shares with one neighbour are one edge. Their numbers may wrap around at the end of
-          // the loop.
-          const std::uint32_t begin_side = graph.sides_begin(p), count = graph.sides_end(p) - begin_side;
-          const auto side_at = [&](std::uint32_t k) { return begin_side + k % count; };
-          std::uint32_t first = 0;
-          while (first < count && graph.beyond(side_at(first)) == graph.beyond(side_at(first + count - 1))) ++first;
-          for (std::uint32_t k = first; k < first + count;) {
-            const PatchId q = graph.beyond(side_at(k));
-            std::uint32_t next = k + 1;
-            while (next < first + count && graph.beyond(side_at(next)) == q) ++next;
-            if (q.is_valid() && p < q && graph.may_be_seed(q))
-              seeds.push_back(make_seed(graph, p, side_at(k), side_at(next)));
-            k = next;
-          }
-        }
-        return seeds;
-      });
-  std::vector<SurfaceSeed> seeds;
-  std::size_t count = 0;
-  for (const auto& block : blocks) count += block.size();
-  seeds.reserve(count);
-  for (const auto& block : blocks) seeds.insert(seeds.end(), block.begin(), block.end());
+bool SeedQueue::is_before(const SurfaceSeed& s, const SurfaceSeed& t) const {
+  if (s.length_squared != t.length_squared) return s.length_squared > t.length_squared;
+  if (s.tie != t.tie) return s.tie < t.tie;
   const auto ends_of = [&](const SurfaceSeed& seed) {
-    const Vec3 &a = graph.position(graph.vertex(seed.side)), &b = graph.position(graph.vertex(seed.end_side));
+    const Vec3 &a = graph_.position(graph_.vertex(seed.side)), &b = graph_.position(graph_.vertex(seed.end_side));
     return a < b ? std::pair(a, b) : std::pair(b, a);
   };
-  sort_stoppable(seeds.begin(), seeds.end(), control, [&](const SurfaceSeed& s, const SurfaceSeed& t) {
-    if (s.length_squared != t.length_squared) return s.length_squared > t.length_squared;
-    if (s.tie != t.tie) return s.tie < t.tie;
-    return ends_of(s) < ends_of(t);
-  });
-  return seeds;
+  return ends_of(s) < ends_of(t);
+}
+
+/// Sorts until the first `end` seeds are in order.
+void SeedQueue::sort_to(std::size_t end) {
+  const auto at = [&](std::size_t i) { return seeds_.begin() + static_cast<std::ptrdiff_t>(i); };
+  const auto less = [&](const SurfaceSeed& s, const SurfaceSeed& t) { return is_before(s, t); };
+  if (kStep * end >= seeds_.size()) end = seeds_.size();
+  control_.check();
+  if (end < seeds_.size()) std::nth_element(at(sorted_), at(end), seeds_.end(), less);
+  sort_stoppable(at(sorted_), at(end), control_, less);
+  sorted_ = end;
 }
 
 const std::vector<AnalyticSurface>& SeedGuesses::of(const SurfaceSeed& seed) {

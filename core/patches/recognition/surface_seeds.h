@@ -1,9 +1,12 @@
 /// First guesses of surfaces from two facets that meet in an edge.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
+#include "core/base/blocks.h"
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
 #include "core/geometry/surfaces/analytic_surface.h"
@@ -20,11 +23,85 @@ struct SurfaceSeed {
   PatchId facet;
 };
 
-/// Finds the smooth edges between facets that may be curved, each once, with the longest first, because the rounding of
-/// its ends matters less for a long edge.
-/// Holds:  the order depends on geometry alone.
+/// Makes the seed of an edge.
+/// Input: a facet, its first side on the edge, and its first side behind the edge.
+SurfaceSeed make_seed(const FacetGraph& graph, PatchId facet, std::uint32_t side, std::uint32_t end_side);
+
+/// Returns whether a seed belongs to a sample that has about this part of all seeds, of all lengths and places. Whether
+/// it does depends on the place of its edge alone.
+bool is_in_sample(const SurfaceSeed& seed, double part);
+
+/// Calls take(seed) for each smooth edge between a facet and a later one, if both may be curved.
+template <class Take>
+void for_each_seed(const FacetGraph& graph, PatchId p, const Take& take) {
+  if (!graph.may_be_seed(p)) return;
+  // The sides that a facet shares with one neighbour are one edge. Their numbers may wrap around at the end of the
+  // loop.
+  const std::uint32_t begin_side = graph.sides_begin(p), count = graph.sides_end(p) - begin_side;
+  const auto side_at = [&](std::uint32_t k) { return begin_side + k % count; };
+  std::uint32_t first = 0;
+  while (first < count && graph.beyond(side_at(first)) == graph.beyond(side_at(first + count - 1))) ++first;
+  for (std::uint32_t k = first; k < first + count;) {
+    const PatchId q = graph.beyond(side_at(k));
+    std::uint32_t next = k + 1;
+    while (next < first + count && graph.beyond(side_at(next)) == q) ++next;
+    if (q.is_valid() && p < q && graph.may_be_seed(q)) take(make_seed(graph, p, side_at(k), side_at(next)));
+    k = next;
+  }
+}
+
+/// Finds the smooth edges between facets that may be curved and are wanted, each once and in no particular order.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
-std::vector<SurfaceSeed> find_seeds(const FacetGraph& graph, RunControl& control);
+template <class IsWanted>
+std::vector<SurfaceSeed> find_seeds(const FacetGraph& graph, RunControl& control, const IsWanted& is_wanted) {
+  constexpr std::size_t kBlock = kItemsPerBlock / 8;
+  const auto blocks =
+      map_blocks<std::vector<SurfaceSeed>>(graph.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+        std::vector<SurfaceSeed> wanted;
+        for (std::size_t i = begin; i < end; ++i)
+          for_each_seed(graph, PatchId(i), [&](const SurfaceSeed& seed) {
+            if (is_wanted(seed)) wanted.push_back(seed);
+          });
+        return wanted;
+      });
+  std::vector<SurfaceSeed> seeds;
+  for (const std::vector<SurfaceSeed>& of_block : blocks) seeds.insert(seeds.end(), of_block.begin(), of_block.end());
+  return seeds;
+}
+
+/// Gives seeds in order, the longest edge first, because the rounding of its ends matters less for a long edge. Seeds
+/// are sorted only as far as they are asked for.
+/// Holds: the order depends on geometry alone. The graph and the control outlive the queue.
+class SeedQueue {
+ public:
+  SeedQueue(std::vector<SurfaceSeed> seeds, const FacetGraph& graph, const RunControl& control)
+      : seeds_(std::move(seeds)), graph_(graph), control_(control) {}
+
+  /// Returns the next seed, or null after the last one.
+  /// Errors: kCancelled, kTimeout - asked to stop through the control.
+  /// Cost:   O(n log n) for all of n seeds, O(n) for the first few.
+  const SurfaceSeed* next() {
+    if (next_ == sorted_ && sorted_ < seeds_.size()) sort_to(std::max(kFirst, kStep * sorted_));
+    return next_ < sorted_ ? &seeds_[next_++] : nullptr;
+  }
+  /// Sorts all seeds and returns them.
+  std::vector<SurfaceSeed> take_all() && {
+    sort_to(seeds_.size());
+    return std::move(seeds_);
+  }
+
+ private:
+  /// The number of seeds that are sorted at first, and by how much that number grows.
+  static constexpr std::size_t kFirst = 4096, kStep = 4;
+
+  bool is_before(const SurfaceSeed& s, const SurfaceSeed& t) const;
+  void sort_to(std::size_t end);
+
+  std::vector<SurfaceSeed> seeds_;
+  const FacetGraph& graph_;
+  const RunControl& control_;
+  std::size_t sorted_ = 0, next_ = 0;
+};
 
 /// Guesses the surfaces of two facets.
 class SeedGuesses {

@@ -129,7 +129,9 @@ TEST(hostile_recognition, no_claim_is_refuted_by_a_corner_of_a_facet) {
     for (const test::ClaimFit& fit : test::fit_of_claims(surface.mesh, claims, step)) {
       const RecognisedSurface& s = claims.surfaces()[fit.surface];
       EXPECT_LE(fit.deviation, s.tolerance * (1 + 1e-6)) << kind_name(s.shape.kind) << " " << fit.surface;
-      EXPECT_LE(s.tolerance, 10 * step) << kind_name(s.shape.kind) << " " << fit.surface;
+      // Corners that lie beside their surface may be off by a third of the chord height (rules.md, Ends of surfaces).
+      EXPECT_LE(s.tolerance, std::max(10 * step, s.input_chord_height / 3))
+          << kind_name(s.shape.kind) << " " << fit.surface;
       EXPECT_LT(fit.tilt_deg, 31) << kind_name(s.shape.kind) << " " << fit.surface;
     }
   }
