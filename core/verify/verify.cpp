@@ -19,6 +19,7 @@
 #include "core/verify/claim/verification_faults.h"
 #include "core/verify/goals/goal_check.h"
 #include "core/verify/goals/varying_sizes.h"
+#include "core/verify/model/changed_faces.h"
 #include "core/verify/model/edge_table.h"
 #include "core/verify/model/fixed_width_integers.h"
 #include "core/verify/model/numbered_claim.h"
@@ -111,9 +112,37 @@ void check_whole(const NumberedClaim& numbered, const EdgeCounts& input, std::in
 /// After this number of pairs that the input does not have, the search ends.
 constexpr std::size_t kMinUnexpected = 1 << 12, kUnexpectedPerPatch = 8;
 
+/// Finds the pairs among some output faces that intersect. No pair is expected.
+/// Input: ascending numbers of faces.
+SelfIntersections find_near_changes(const Claim& claim, std::span<const std::uint32_t> faces,
+                                    std::span<const Vec3> normals, std::span<const std::uint8_t> is_simple,
+                                    const SearchLimits& limits, RunControl& control) {
+  if (faces.empty()) return {};
+  if (faces.size() == claim.faces.size())
+    return patch_intersections({claim.positions, corners_of(claim.faces), claim.face_patch, normals, is_simple}, limits,
+                               control);
+  std::vector<Triangle> triangles;
+  std::vector<PatchId> patch;
+  StopCheck check(control);
+  for (const std::uint32_t f : faces) {
+    check();
+    triangles.push_back(claim.faces[f]);
+    patch.push_back(claim.face_patch[f]);
+  }
+  SelfIntersections found =
+      patch_intersections({claim.positions, corners_of(triangles), patch, normals, is_simple}, limits, control);
+  for (auto& [f, g] : found.pairs) {
+    check();
+    f = FaceId(faces[f.value]);
+    g = FaceId(faces[g.value]);
+  }
+  return found;
+}
+
 /// Writes the pairs of output faces that intersect to the verdict.
-void check_intersections(const Claim& claim, const std::vector<std::uint8_t>& is_positive, FoundFaults& faults,
-                         Verdict& verdict, RunControl& control) {
+void check_intersections(const Claim& claim, const NumberedClaim& numbered, const EdgeTable& input_edges,
+                         const std::vector<std::uint8_t>& is_positive, FoundFaults& faults, Verdict& verdict,
+                         RunControl& control) {
   // A face with a vertex that is not finite intersects nothing, and such a result has failed already.
   if (!std::all_of(claim.positions.begin(), claim.positions.end(), [](const Vec3& p) { return is_finite(p); })) return;
   std::vector<Vec3> normals;
@@ -149,8 +178,13 @@ void check_intersections(const Claim& claim, const std::vector<std::uint8_t>& is
     verdict.are_all_intersections_known = false;
     return;
   }
-  SelfIntersections found = patch_intersections(
-      {claim.positions, corners_of(claim.faces), claim.face_patch, normals, is_simple}, limits, control);
+  SelfIntersections found;
+  if (known.is_complete && known.patches.empty())
+    found = find_near_changes(claim, faces_near_changes(claim, numbered, input_edges, control), normals, is_simple,
+                              limits, control);
+  else
+    found = patch_intersections({claim.positions, corners_of(claim.faces), claim.face_patch, normals, is_simple},
+                                limits, control);
   if (known.is_complete)
     for (const auto& [f, g] : found.pairs) {
       check();
@@ -236,7 +270,7 @@ class Verification::Tests {
     control_.progress(0.9);
 
     DelaunayCheck(numbered, *output_edges_, is_positive).run(faults_, control_);
-    check_intersections(claim_, is_positive, faults_, verdict_, control_);
+    check_intersections(claim_, numbered, *edges_before, is_positive, faults_, verdict_, control_);
     check_whole(numbered, edges_before->counts(), boundary.input_vertices, output_edges_->counts(), shapes, faults_,
                 control_);
   }

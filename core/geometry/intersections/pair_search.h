@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <mutex>
@@ -268,9 +269,10 @@ std::size_t find_pairs(const SearchedTriangles& triangles, const Reported& repor
   std::vector<std::uint32_t> slots;
   std::vector<std::uint8_t> is_for_later(n, 0);
   std::size_t most_in_vain = 0, done = 0;
-  // Searches for the pairs of a slot among the nodes and slots for which the last two arguments do not return true.
-  const auto search = [&](const TriangleTree& tree, std::size_t slot, std::size_t first, FoundInTurn& found,
-                          std::size_t room, const auto& is_node_skipped, const auto& is_slot_skipped) {
+  // Searches for the pairs of a slot. visit(box, step, take) calls take(other) for the other slots whose boxes meet
+  // `box`, until `take` returns false, and step(number) for what else it looks at.
+  const auto search = [&](const TriangleTree& tree, std::size_t slot, FoundInTurn& found, std::size_t room,
+                          const auto& visit) {
     control.check();  // a search of many nodes may find nothing, and would not check otherwise
     Box3 box = tree.box(slot);
     for (int axis = 0; axis < 3; ++axis) {
@@ -288,18 +290,12 @@ std::size_t find_pairs(const SearchedTriangles& triangles, const Reported& repor
       next_check = steps + kStepsBetweenChecks;
       pair_search.report_progress(kStepsBetweenChecks);
     };
-    tree.visit_meeting(
-        box, first, [&](std::size_t node) { return is_node_skipped(node, step); },
-        [&](std::size_t other) {
-          if (is_slot_skipped(other)) {
-            step(1);
-            return true;
-          }
-          step(kStepsPerTest);
-          if (!is_pair(face, tree.face(other))) return ++in_vain <= allowed();
-          found.pairs.push_back(std::minmax(reported(face), reported(tree.face(other))));
-          return found.pairs.size() <= room;
-        });
+    visit(box, step, [&](std::size_t other) {
+      step(kStepsPerTest);
+      if (!is_pair(face, tree.face(other))) return ++in_vain <= allowed();
+      found.pairs.push_back(std::minmax(reported(face), reported(tree.face(other))));
+      return found.pairs.size() <= room;
+    });
     found.steps += steps;
     if (in_vain <= allowed()) return;
     found.pairs.resize(before);
@@ -307,16 +303,52 @@ std::size_t find_pairs(const SearchedTriangles& triangles, const Reported& repor
   };
   const TriangleTree tree(triangles.positions, triangles.faces, control, triangles.groups);
   auto view = view_of(tree);
-  const auto search_all = [&](std::size_t count, std::size_t most, const auto& slot_at) {
-    most_in_vain = most;
-    done += gather_pairs(count, kBlock, pair_search, [&](std::size_t i, FoundInTurn& found, std::size_t room) {
-      const std::size_t slot = slot_at(i);
-      const auto is_node_skipped = [&](std::size_t node, const auto& step) {
+  const auto search_slot = [&](std::size_t slot, FoundInTurn& found, std::size_t room) {
+    search(tree, slot, found, room, [&](const Box3& box, const auto& step, const auto& take) {
+      const auto is_of_no_interest = [&](std::size_t node) {
         step(1);
         return view.is_of_no_interest(tree.face(slot), slot, node);
       };
-      search(tree, slot, slot + 1, found, room, is_node_skipped, [](std::size_t) { return false; });
+      tree.visit_meeting(box, slot + 1, is_of_no_interest, take);
     });
+  };
+  // The faces of a leaf have nearly the same neighbours. So the leaves near a leaf are found for all of its faces at
+  // once, unless there are many, most of which may be of no interest.
+  const auto search_leaf = [&](std::size_t leaf, FoundInTurn& found, std::size_t room) {
+    constexpr std::size_t kMaxNear = 64;
+    std::array<std::size_t, kMaxNear> near;
+    std::size_t count = 0;
+    Box3 of_leaf = tree.box_of_node(tree.node_of_leaf(leaf));
+    for (int axis = 0; axis < 3; ++axis) {
+      of_leaf.min[axis] -= triangles.margin;
+      of_leaf.max[axis] += triangles.margin;
+    }
+    bool are_all_found = true;
+    tree.visit_meeting_leaves(of_leaf, leaf, [&](std::size_t other) {
+      are_all_found = count < kMaxNear;
+      if (are_all_found) near[count++] = other;
+      return are_all_found;
+    });
+    const auto [begin, end] = tree.slots_of_leaf(leaf);
+    for (std::size_t slot = begin; slot < end && found.pairs.size() <= room; ++slot) {
+      if (!are_all_found) {
+        search_slot(slot, found, room);
+        continue;
+      }
+      search(tree, slot, found, room, [&](const Box3& box, const auto& step, const auto& take) {
+        for (std::size_t i = 0; i < count; ++i) {
+          const std::size_t node = tree.node_of_leaf(near[i]);
+          step(1);
+          if (!do_meet(tree.box_of_node(node), box) || view.is_of_no_interest(tree.face(slot), slot, node)) continue;
+          const auto [first, last] = tree.slots_of_leaf(near[i]);
+          for (std::size_t other = std::max(first, slot + 1); other < last; ++other)
+            if (do_meet(tree.box(other), box) && !take(other)) return;
+        }
+      });
+    }
+  };
+  // Returns whether some slots are left for later, which are then in `slots`.
+  const auto are_some_left = [&] {
     slots = select_ids<std::uint32_t>(n, kItemsPerBlock, control,
                                       [&](std::size_t slot) { return is_for_later[slot] != 0; });
     done -= slots.size();
@@ -326,10 +358,17 @@ std::size_t find_pairs(const SearchedTriangles& triangles, const Reported& repor
   // Well-shaped faces have some twenty neighbours. A few slots may have more, as long as all of them together make only
   // a few times n tests.
   constexpr std::size_t kFewInVain = 64, kInVainPerSlot = 4;
-  if (!search_all(n, kFewInVain, [](std::size_t i) { return i; })) return done;
+  most_in_vain = kFewInVain;
+  const std::size_t done_leaves = gather_pairs(tree.leaf_count(), kBlock / 4, pair_search, search_leaf);
+  done = n * done_leaves / tree.leaf_count();
+  if (!are_some_left()) return done;
   const auto search_later = [&](std::size_t most) {
     const std::vector<std::uint32_t> later = std::move(slots);
-    return search_all(later.size(), most, [&](std::size_t i) { return later[i]; });
+    most_in_vain = most;
+    done += gather_pairs(later.size(), kBlock, pair_search, [&](std::size_t i, FoundInTurn& found, std::size_t room) {
+      search_slot(later[i], found, room);
+    });
+    return are_some_left();
   };
   const std::size_t share = kInVainPerSlot * n / slots.size();
   if (share > 4 * kFewInVain && !search_later(share)) return done;
@@ -354,16 +393,21 @@ std::size_t find_pairs(const SearchedTriangles& triangles, const Reported& repor
     const std::size_t slot = slots[i];
     const FaceId face = by_shape.face(slot);
     const OrientedBoxes::Query query = oriented.query(triangles.faces[face.value]);
-    const auto is_node_skipped = [&](std::size_t node, const auto& step) {
-      step(1);
-      if (earlier.is_none_new(slot, node, by_shape.slots(node).second) ||
-          view_by_shape.is_of_no_interest(face, slot, node))
+    search(by_shape, slot, found, room, [&](const Box3& box, const auto& step, const auto& take) {
+      const auto is_of_no_interest = [&](std::size_t node) {
+        step(1);
+        if (earlier.is_none_new(slot, node, by_shape.slots(node).second) ||
+            view_by_shape.is_of_no_interest(face, slot, node))
+          return true;
+        step(kStepsPerOrientedBox - 1);
+        return oriented.are_apart(query, node);
+      };
+      by_shape.visit_meeting(box, 0, is_of_no_interest, [&](std::size_t other) {
+        if (earlier.is_new(slot, other)) return take(other);
+        step(1);
         return true;
-      step(kStepsPerOrientedBox - 1);
-      return oriented.are_apart(query, node);
-    };
-    search(by_shape, slot, 0, found, room, is_node_skipped,
-           [&](std::size_t other) { return !earlier.is_new(slot, other); });
+      });
+    });
   });
   return done;
 }

@@ -62,6 +62,19 @@ class TriangleTree {
   void visit_meeting(const Box3& box, std::size_t first, const IsOfNoInterest& is_of_no_interest,
                      const Visit& visit) const;
 
+  std::size_t leaf_count() const { return std::size_t{1} << slots_.leaf_level(); }
+  /// The node of a leaf.
+  std::size_t node_of_leaf(std::size_t leaf) const { return SlotTree::number(slots_.leaf_level(), leaf); }
+  /// The slots of a leaf: the first one, and the one after the last.
+  std::pair<std::size_t, std::size_t> slots_of_leaf(std::size_t leaf) const {
+    return {slots_.begin(slots_.leaf_level(), leaf), slots_.begin(slots_.leaf_level(), leaf + 1)};
+  }
+  const Box3& box_of_node(std::size_t node) const { return node_box_[node]; }
+  /// Calls visit(leaf) for the leaves from `first` on whose boxes meet `box`, in ascending order, until visit returns
+  /// false.
+  template <class Visit>
+  void visit_meeting_leaves(const Box3& box, std::size_t first, const Visit& visit) const;
+
   /// Computes a value for each node by joining those of its slots.
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
   template <class Value, class OfSlot, class Join>
@@ -109,6 +122,29 @@ void TriangleTree::visit_meeting(const Box3& box, std::size_t first, const IsOfN
     }
     for (std::size_t slot = std::max(first, slots_.begin(node.level, node.j)); slot < end; ++slot)
       if (do_meet(slot_box_[slot], box) && !visit(slot)) return;
+  }
+}
+
+template <class Visit>
+void TriangleTree::visit_meeting_leaves(const Box3& box, std::size_t first, const Visit& visit) const {
+  struct Node {
+    std::size_t number;
+    int levels_below;
+  };
+  std::array<Node, SlotTree::kMaxLevels> stack;
+  std::size_t depth = 0;
+  const std::size_t first_leaf = node_of_leaf(0);
+  stack[depth++] = {0, slots_.leaf_level()};
+  while (depth > 0) {
+    const auto [node, levels] = stack[--depth];
+    const std::size_t last_leaf = ((node + 2) << levels) - 2 - first_leaf;
+    if (last_leaf < first || !do_meet(node_box_[node], box)) continue;
+    if (levels == 0) {
+      if (!visit(node - first_leaf)) return;
+      continue;
+    }
+    stack[depth++] = {2 * node + 2, levels - 1};
+    stack[depth++] = {2 * node + 1, levels - 1};
   }
 }
 

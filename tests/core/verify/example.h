@@ -137,6 +137,21 @@ struct Example {
   PatchId patch_at(const Vec3& a, const Vec3& b, const Vec3& c) const { return face_patch[face_at(a, b, c)]; }
 };
 
+/// Divides each triangle into three at its middle, so that none is left of those that there were.
+inline PolygonMesh split_in_three(const PolygonMesh& mesh) {
+  std::vector<Vec3> positions(mesh.positions.begin(), mesh.positions.end());
+  std::vector<std::vector<std::uint32_t>> faces;
+  for (FaceId f(0); f.value < mesh.face_count(); ++f.value) {
+    const auto corners = mesh.face(f);
+    const auto middle = static_cast<std::uint32_t>(positions.size());
+    Vec3 sum;
+    for (const VertexId v : corners) sum += mesh.positions[v];
+    positions.push_back((1.0 / 3) * sum);
+    for (std::size_t i = 0; i < 3; ++i) faces.push_back({corners[i].value, corners[(i + 1) % 3].value, middle});
+  }
+  return shapes::from_lists(positions, faces);
+}
+
 inline Vec3 normal_of(const PolygonMesh& mesh, std::size_t f) {
   const auto face = mesh.face(FaceId(f));
   Vec3 sum;

@@ -358,7 +358,7 @@ TEST(verify_refined, new_vertices_at_one_place_are_a_crack) {
 
 TEST(verify_refined, new_vertices_of_two_sheets_at_one_place_are_found) {
   // Whoever reads the result by positions would join the sheets there.
-  Example e = refined(shapes::double_sheet(1), shapes::double_sheet(1));
+  Example e = refined(split_in_three(shapes::double_sheet(1)), shapes::double_sheet(1));
   e.allow_intersections();
   ASSERT_TRUE(is_verified(e));
   const std::size_t other = e.face_patch[0] == e.face_patch[1] ? 2 : 1;
