@@ -13,6 +13,7 @@
 #include "core/base/prefault_pages.h"
 #include "core/base/ranked_ids.h"
 #include "core/base/stoppable.h"
+#include "core/geometry/exact/predicates.h"
 #include "core/geometry/planes/projection.h"
 #include "core/patch_types/patch_reason.h"
 #include "core/patches/charts/rulings.h"
@@ -53,6 +54,10 @@ class Mesher {
   PatchMesh run(PatchId p) {
     PatchMesh result;
     result.loops = outlines_.loops.patch_begin[p.value + 1] - outlines_.loops.patch_begin[p.value];
+    if (outlines_.cuts == nullptr && is_triangle(p) && has_plain_loop(p)) {
+      if (!project_triangle(p, result)) lay_out_triangle(p, result);
+      return result;
+    }
     collect_vertices(p);
     collect_sides(p);
     TriangulationOutcome outcome = TriangulationOutcome::kDegenerate;
@@ -60,7 +65,7 @@ class Mesher {
       outcome = attempt(p, kPatchGrid, result);
       if (outcome != TriangulationOutcome::kDone) outcome = attempt(p, kFineGrid, result);
     }
-    if (outcome != TriangulationOutcome::kDone && is_triangle(p)) {
+    if (outcome != TriangulationOutcome::kDone && is_triangle(p) && sides_.size() == 3) {
       lay_out_triangle(p, result);
       outcome = TriangulationOutcome::kDone;
     }
@@ -206,7 +211,43 @@ class Mesher {
   std::uint32_t rank_of(VertexId v) const { return rank_[vertices_.rank(v)]; }
 
   bool is_triangle(PatchId p) const {
-    return patches_.faces_of(p).size() == 1 && surface_.face(patches_.faces_of(p)[0]).size() == 3 && sides_.size() == 3;
+    return patches_.faces_of(p).size() == 1 && surface_.face(patches_.faces_of(p)[0]).size() == 3;
+  }
+
+  /// Returns whether a triangle has one loop, through all of its corners.
+  bool has_plain_loop(PatchId p) const {
+    const std::uint32_t loop = outlines_.loops.patch_begin[p.value];
+    if (outlines_.loops.patch_begin[p.value + 1] != loop + 1) return false;
+    const auto sides = outlines_.loops.loop(loop);
+    return sides.size() == 3 && std::all_of(sides.begin(), sides.end(),
+                                            [&](std::uint32_t h) { return outlines_.essential[adjacency_.from(h)]; });
+  }
+
+  /// Does what attempt() does for a triangle. There may be a million of them.
+  /// Output: false if rounding turns the triangle over in its plane.
+  bool project_triangle(PatchId p, PatchMesh& result) const {
+    const auto sides = outlines_.loops.loop(outlines_.loops.patch_begin[p.value]);
+    for (const double grid : {kPatchGrid, kFineGrid}) {
+      const PatchChart chart = charts_.project(p, {}, {}, grid);
+      std::array<Flat, 3> corners;
+      for (std::uint32_t k = 0; k < 3; ++k)
+        corners[k] = {chart.to_plane(surface_.positions[adjacency_.from(sides[k])]), k};
+      if (orient2d(corners[0].uv, corners[1].uv, corners[2].uv) <= 0) continue;
+      std::sort(corners.begin(), corners.end(), [](const Flat& a, const Flat& b) { return a.uv < b.uv; });
+      std::array<std::uint32_t, 3> rank{};
+      result.uv.reserve(3);
+      result.vertices.reserve(3);
+      for (std::uint32_t k = 0; k < 3; ++k) {
+        rank[corners[k].index] = k;
+        result.uv.push_back(corners[k].uv);
+        result.vertices.push_back(adjacency_.from(sides[corners[k].index]));
+      }
+      result.mesh.reserve(1);
+      const std::uint32_t h = result.mesh.add_triangle(rank[0], rank[1], rank[2]);
+      for (std::uint32_t k = 0; k < 3; ++k) result.mesh.constrain(h + k);
+      return true;
+    }
+    return false;
   }
 
   /// Lays a triangle into the plane along its longest side. Its height there is never 0, however thin it is, so the

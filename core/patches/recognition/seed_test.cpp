@@ -106,12 +106,15 @@ class TrianglePair {
 
 }  // namespace
 
-bool may_begin_surface(const FacetGraph& graph, const SurfaceSeed& seed, double tolerance) {
+SurfaceKinds kinds_that_may_begin(const FacetGraph& graph, const SurfaceSeed& seed, double tolerance) {
   const std::optional<TrianglePair> pair = TrianglePair::of(graph, seed);
-  if (!pair) return true;
+  if (!pair) return SurfaceKinds::all();
   const double twice = 2 * kFirstSlack * tolerance;
-  return pair->has_sphere(twice) || pair->has_cylinder(twice) || pair->has_cone(false, twice) ||
-         pair->has_cone(true, twice);
+  SurfaceKinds kinds = SurfaceKinds::none();
+  if (pair->has_sphere(twice)) kinds.add(SurfaceKind::kSphere);
+  if (pair->has_cylinder(twice)) kinds.add(SurfaceKind::kCylinder);
+  if (pair->has_cone(false, twice) || pair->has_cone(true, twice)) kinds.add(SurfaceKind::kCone);
+  return kinds;
 }
 
 bool may_grow(const FacetGraph& graph, const AnalyticSurface& start, std::span<const PatchId> pair, double tolerance) {

@@ -11,12 +11,12 @@
 
 namespace remesh {
 
-/// Returns whether some surface that SeedGuesses makes of two triangles passes near the corners of two of their
-/// neighbours. On scans this is rare, and the test takes a fraction of the time of a guess.
+/// Returns the kinds of those surfaces that SeedGuesses makes of two triangles and that pass near the corners of two of
+/// their neighbours. On scans there are few, and the test takes a fraction of the time of a guess.
 /// Input:  a seed, and the tolerance of growths from it. The test allows twice the slack of these, since its surfaces
 ///         differ from the guesses by rounding.
-/// Output: true as well if a facet that the test would have to look at is no triangle.
-bool may_begin_surface(const FacetGraph& graph, const SurfaceSeed& seed, double tolerance);
+/// Output: all kinds if a facet that the test would have to look at is no triangle.
+SurfaceKinds kinds_that_may_begin(const FacetGraph& graph, const SurfaceSeed& seed, double tolerance);
 
 /// Returns whether a surface passes through enough facets around two facets to be believed, claimed or not. Otherwise
 /// hardly any growth that begins with this surface comes to something.

@@ -106,11 +106,11 @@ class Recogniser {
 
   /// Returns the seeds around which a ring of facets may lie on one surface, in order.
   std::vector<SurfaceSeed> ruled_seeds() const {
-    return SeedQueue(
-               find_seeds(graph_, control_,
-                          [&](const SurfaceSeed& seed) { return may_begin_surface(graph_, seed, max_tolerance_); }),
-               graph_, control_)
-        .take_all();
+    const auto is_wanted = [&](SurfaceSeed& seed) {
+      seed.kinds = kinds_that_may_begin(graph_, seed, max_tolerance_);
+      return !seed.kinds.is_empty();
+    };
+    return SeedQueue(find_seeds(graph_, control_, is_wanted), graph_, control_).take_all();
   }
 
   /// Calls claim(seed) for seeds of free facets, as long as growths without a result do not take too much work: first

@@ -50,7 +50,7 @@ SurfaceSeed make_seed(const FacetGraph& graph, PatchId facet, std::uint32_t side
   const Vec3 sum = a + b;
   // These factors have no simple ratio, so that the edges of a symmetric part have different sums.
   const double tie = 0.7548776662466927 * sum.x + 0.5698402909980532 * sum.y + 0.3247179572447460 * sum.z;
-  return {norm_squared(b - a), tie, side, end_side, facet};
+  return {norm_squared(b - a), tie, side, end_side, facet, SurfaceKinds::all()};
 }
 
 bool is_in_sample(const SurfaceSeed& seed, double part) {
@@ -91,9 +91,10 @@ const std::vector<AnalyticSurface>& SeedGuesses::of(const SurfaceSeed& seed) {
   const Vec3& b = graph_.position(graph_.vertex(seed.end_side));
   points_ = first_;
   points_.insert(points_.end(), second_.begin(), second_.end());
-  if (const auto sphere = guess_sphere(points_)) guesses_.push_back(*sphere);
-  guess_cylinder_along(a, b);
-  guess_cones(a, b);
+  if (seed.kinds.has(SurfaceKind::kSphere))
+    if (const auto sphere = guess_sphere(points_)) guesses_.push_back(*sphere);
+  if (seed.kinds.has(SurfaceKind::kCylinder)) guess_cylinder_along(a, b);
+  if (seed.kinds.has(SurfaceKind::kCone)) guess_cones(a, b);
   return guesses_;
 }
 

@@ -14,6 +14,21 @@
 
 namespace remesh {
 
+/// A set of kinds of surfaces.
+class SurfaceKinds {
+ public:
+  static constexpr SurfaceKinds all() { return SurfaceKinds(0xff); }
+  static constexpr SurfaceKinds none() { return SurfaceKinds(0); }
+  bool has(SurfaceKind kind) const { return (bits_ >> static_cast<int>(kind) & 1) != 0; }
+  bool is_empty() const { return bits_ == 0; }
+  void add(SurfaceKind kind) { bits_ = static_cast<std::uint8_t>(bits_ | 1 << static_cast<int>(kind)); }
+
+ private:
+  explicit constexpr SurfaceKinds(std::uint8_t bits) : bits_(bits) {}
+
+  std::uint8_t bits_;
+};
+
 /// A smooth edge between two facets, from which surfaces may grow.
 struct SurfaceSeed {
   double length_squared;
@@ -21,6 +36,7 @@ struct SurfaceSeed {
   std::uint32_t side;      ///< the first side of the edge, see FacetGraph
   std::uint32_t end_side;  ///< the side that begins where the edge ends
   PatchId facet;
+  SurfaceKinds kinds = SurfaceKinds::all();  ///< of the surfaces that may grow from the edge, as far as that is known
 };
 
 /// Makes the seed of an edge.
@@ -51,6 +67,7 @@ void for_each_seed(const FacetGraph& graph, PatchId p, const Take& take) {
 }
 
 /// Finds the smooth edges between facets that may be curved and are wanted, each once and in no particular order.
+/// Input:  is_wanted(seed) may change the kinds of the seed.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 template <class IsWanted>
 std::vector<SurfaceSeed> find_seeds(const FacetGraph& graph, RunControl& control, const IsWanted& is_wanted) {
@@ -59,7 +76,7 @@ std::vector<SurfaceSeed> find_seeds(const FacetGraph& graph, RunControl& control
       map_blocks<std::vector<SurfaceSeed>>(graph.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
         std::vector<SurfaceSeed> wanted;
         for (std::size_t i = begin; i < end; ++i)
-          for_each_seed(graph, PatchId(i), [&](const SurfaceSeed& seed) {
+          for_each_seed(graph, PatchId(i), [&](SurfaceSeed seed) {
             if (is_wanted(seed)) wanted.push_back(seed);
           });
         return wanted;
@@ -108,7 +125,8 @@ class SeedGuesses {
  public:
   explicit SeedGuesses(const FacetGraph& graph) : graph_(graph) {}
 
-  /// Returns the guesses, with fewer parameters first: spheres, cylinders and cones for which the edge is a ruling.
+  /// Returns the guesses of the seed's kinds, with fewer parameters first: spheres, cylinders and cones for which the
+  /// edge is a ruling.
   const std::vector<AnalyticSurface>& of(const SurfaceSeed& seed);
 
  private:

@@ -30,8 +30,8 @@ class Facetted {
       : mesh_(std::move(mesh)),
         chain_(mesh_, tolerance),
         summaries_(chain_.patches.count()),
-        graph_({chain_.surface, chain_.adjacency, chain_.patches, chain_.loops, chain_.essential, summaries_},
-               kFeatureAngleDeg, chain_.control) {}
+        facets_{chain_.surface, chain_.adjacency, chain_.patches, chain_.loops, chain_.essential, summaries_},
+        graph_(facets_, kFeatureAngleDeg, chain_.control) {}
 
   const FacetGraph& graph() const { return graph_; }
   template <class IsWanted>
@@ -57,6 +57,7 @@ class Facetted {
   PolygonMesh mesh_;
   StageChain chain_;
   std::vector<PatchSummary> summaries_;
+  Facets facets_;
   FacetGraph graph_;
 };
 
@@ -69,12 +70,17 @@ PolygonMesh bumpy(PolygonMesh mesh) {
   return mesh;
 }
 
+bool may_begin(const FacetGraph& graph, const SurfaceSeed& seed, double tolerance) {
+  return !kinds_that_may_begin(graph, seed, tolerance).is_empty();
+}
+
 TEST(seed_test, every_edge_of_a_sphere_of_triangles_may_begin_one) {
   Facetted sphere(shapes::sphere(4));
   const std::vector<SurfaceSeed> seeds = sphere.all_seeds();
   // A closed surface of 2048 triangles has 3072 edges.
   ASSERT_EQ(seeds.size(), 3072U);
-  for (const SurfaceSeed& seed : seeds) EXPECT_TRUE(may_begin_surface(sphere.graph(), seed, 1e-10));
+  for (const SurfaceSeed& seed : seeds)
+    EXPECT_TRUE(kinds_that_may_begin(sphere.graph(), seed, 1e-10).has(SurfaceKind::kSphere));
 }
 
 TEST(seed_test, every_ruling_of_a_shaft_or_a_cone_may_begin_one) {
@@ -86,7 +92,7 @@ TEST(seed_test, every_ruling_of_a_shaft_or_a_cone_may_begin_one) {
       const PatchId f = seed.facet, g = part.graph().beyond(seed.side);
       // The edge between two facets with neighbours on both sides is inside of the surface.
       if (part.smooth_neighbours(f) < 2 || part.smooth_neighbours(g) < 2) continue;
-      EXPECT_TRUE(may_begin_surface(part.graph(), seed, 1e-7));
+      EXPECT_TRUE(may_begin(part.graph(), seed, 1e-7));
     }
   }
 }
@@ -95,7 +101,7 @@ TEST(seed_test, few_edges_of_a_smooth_surface_of_no_kind_may_begin_one) {
   Facetted ball(bumpy(shapes::sphere(5)));
   const std::size_t all = ball.all_seeds().size();
   const std::size_t few =
-      ball.seeds([&](const SurfaceSeed& seed) { return may_begin_surface(ball.graph(), seed, 1e-8); }).size();
+      ball.seeds([&](const SurfaceSeed& seed) { return may_begin(ball.graph(), seed, 1e-8); }).size();
   // A neighbour is near by chance where the surface curves as a sphere, a cylinder or a cone does.
   EXPECT_GT(all, 12'000U);
   EXPECT_LT(few, all / 20);
