@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Measures this project, its parts and its peers on the same work in one run, alternating, and writes one table.
 
-usage: bench.py BUILD_FOLDER [--runs N] [--faces N] [--largest N] [--mesh PATH]... [--step PATH]... [--only PART]...
+usage: bench.py BUILD_FOLDER [--runs N] [--faces N] [--largest N] [--mesh PATH]... [--step PATH]... [--before PROGRAM]
+                [--only PART]...
 
 Writes bench/table.md and bench/table.json into the parent of the build folder, and prints the table; the part `growth`
 also draws bench/growth.svg. Every figure is the median of the runs; what counts is the ratio to the row that it names,
@@ -18,11 +19,13 @@ import time
 from cad import measure_cad
 from coarse import measure_coarse
 from in_the_plane import measure_polygons, measure_refinement
+from organic import measure_organic
 from programs import Bench
 from scaling import measure_growth
 from surface import measure_surface
 from table import Table
 from through_http import measure_http
+from versions import measure_versions
 
 PARTS = {
     "polygons": measure_polygons,
@@ -30,6 +33,8 @@ PARTS = {
     "surface": measure_surface,
     "coarse": measure_coarse,
     "cad": measure_cad,
+    "organic": measure_organic,
+    "versions": measure_versions,
     "http": measure_http,
     "growth": measure_growth,
 }
@@ -45,13 +50,16 @@ def main():
                         help="for the part coarse, instead of its own")
     parser.add_argument("--step", action="append", default=[], type=pathlib.Path, metavar="PATH",
                         help="a STEP file for the part cad")
+    parser.add_argument("--before", type=pathlib.Path, metavar="PROGRAM",
+                        help="the command line of another commit, for the part versions")
     parser.add_argument("--only", action="append", choices=list(PARTS), metavar="PART", help=", ".join(PARTS))
     arguments = parser.parse_args()
     build = arguments.build.resolve()
     folder = build.parent / "bench"
     folder.mkdir(exist_ok=True)
     bench = Bench(build, folder, arguments.runs, arguments.faces, arguments.largest, tuple(arguments.mesh),
-                  tuple(arguments.step), build.parent / "tessellated")
+                  tuple(arguments.step), build.parent / "tessellated",
+                  arguments.before and arguments.before.resolve())
     table = Table()
     for part in arguments.only or PARTS:
         start = time.monotonic()

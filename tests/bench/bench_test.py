@@ -12,10 +12,13 @@ import xml.etree.ElementTree
 
 import cad
 import coarse
+import organic
 import plot
 import step_surfaces
+import versions
 
 import dihedral  # found as step_surfaces finds it
+from programs import Bench, Run
 from scaling import add_growth
 from step_surfaces import Face, StepSurfaces
 from surface_files import Surface
@@ -55,6 +58,39 @@ class TableTest(unittest.TestCase):
         add_growth(table, "box", [(1000, 1.0, 1 << 20), (20_000, 30.0, 40 << 20)], 200)
         grown = [row for row in table.rows if row["against"] == "1,000 faces"]
         self.assertEqual([(row["what"], row["ratio"]) for row in grown], [("time", 15.0), ("memory", 20.0)])
+
+
+class OrganicTest(unittest.TestCase):
+    @staticmethod
+    def table(seconds, has_peer=True):
+        table = Table()
+        results = {what: [Run(taken, 4 << 20, "")] for what, taken in seconds.items()}
+        organic.add_rows(table, "ball", 10_000, results, has_peer)
+        return table
+
+    def test_times_are_held_to_parts_of_the_peers_and_memory_to_bytes_a_face(self):
+        table = self.table({"remesh, one core": 0.9, "remesh, two cores": 0.4, organic.CGAL: 1.0})
+        self.assertEqual([row["what"] for row in table.above_bounds()], ["remesh, one core"])
+        memory = [row for row in table.rows if row["what"].endswith("memory")]
+        self.assertEqual([row["ratio"] for row in memory], [round((4 << 20) / 10_000 / 500, 3)] * 2)
+
+    def test_without_the_peer_the_times_stand_alone(self):
+        table = self.table({"remesh, one core": 0.9}, has_peer=False)
+        self.assertEqual([row["ratio"] for row in table.rows if row["what"] == "remesh, one core"], [None])
+        self.assertIn("not measured", table.markdown())
+
+
+class VersionsTest(unittest.TestCase):
+    def test_a_build_that_is_slower_is_told(self):
+        table = Table()
+        results = {"this build": [Run(1.1, 1 << 20, "")], "the one before": [Run(1.0, 2 << 20, "")]}
+        versions.add_rows(table, "box", results)
+        self.assertEqual([row["what"] for row in table.above_bounds()], ["time"])
+
+    def test_without_a_commit_it_says_what_is_missing(self):
+        table = Table()
+        versions.measure_versions(Bench(None, None, 1, 1, 1), table)
+        self.assertIn("--against", table.markdown())
 
 
 class CoarseTest(unittest.TestCase):

@@ -101,6 +101,8 @@ const Case kCases[] = {
      }},
     {"remesh_turned_bracket", [] { return remeshing(turned_bracket(25), false); }},
     {"remesh_sphere", [] { return remeshing(shapes::sphere(5), false); }},
+    {"remesh_ball", [] { return remeshing(bumpy_ball(20), false); }},
+    {"refine_ball", [] { return remeshing(bumpy_ball(20), true); }},
     {"refine_plate", [] { return remeshing(shapes::plate_with_round_hole(256), true); }},
 };
 
@@ -122,6 +124,10 @@ const LargeShape kLargeShapes[] = {
        constexpr int kCorners = 24;
        return mesh_of(polygons::patch_input(plate(root(faces / (kCorners + 2)), kCorners)));
      }},
+    {"ball", [](double faces) { return bumpy_ball(root(faces / 20)); }},
+    {"terrain", [](double faces) { return terrain(root(faces / 2)); }},
+    // The surface crosses about 1.5 n^2 cells, and has about twelve triangles in each.
+    {"isosurface", [](double faces) { return isosurface(root(faces / 17)); }},
 };
 
 /// Runs the work that is measured. Under callgrind, everything within this function is counted (see instructions.py).

@@ -226,13 +226,27 @@ int print_coarsest(const std::string& method, const char* in, const char* out, d
   return CGAL::IO::write_polygon_mesh(out, found->mesh, parameters::stream_precision(17)) ? 0 : 1;
 }
 
+/// Remeshes the exact planes of a mesh.
+int print_planes(const char* in, const char* out) {
+  std::optional<Mesh> mesh = read(in);
+  if (!mesh) return 1;
+  const Mesh made = *remesh_exact_planes(*std::move(mesh));
+  std::printf(R"({"faces": %zu})"
+              "\n",
+              std::size_t{num_faces(made)});
+  return CGAL::IO::write_polygon_mesh(out, made, parameters::stream_precision(17)) ? 0 : 1;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   const std::string what = argc > 1 ? argv[1] : "";
   if (what == "distance" && argc == 4) return print_distance(argv[2], argv[3]);
+  if (what == "planes" && argc == 4) return print_planes(argv[2], argv[3]);
   if ((what == "adaptive" || what == "planar") && argc == 5)
     return print_coarsest(what, argv[2], argv[3], std::atof(argv[4]));
-  std::fprintf(stderr, "usage: coarse_peer distance A B | coarse_peer adaptive|planar IN OUT DISTANCE\n");
+  std::fprintf(stderr,
+               "usage: coarse_peer distance A B | coarse_peer planes IN OUT |\n"
+               "       coarse_peer adaptive|planar IN OUT DISTANCE\n");
   return 2;
 }

@@ -17,5 +17,15 @@ PolygonMesh mesh_of(const polygons::PatchInput& input);
 /// down, so that no two parallelograms beside each other are in one plane: z is the sum of one height per column and
 /// one per row.
 PolygonMesh facets(int nx, int ny, double width);
+/// Makes a smooth ball with bumps, from an icosahedron with `cuts` pieces along each edge. Its coordinates are floats,
+/// no two neighbours are in one plane, and all angles are above 25 degrees.
+PolygonMesh bumpy_ball(int cuts);
+/// Makes a terrain of n x n squares of two triangles each, with hills of all sizes down to a square. Its coordinates
+/// are floats.
+PolygonMesh terrain(int n);
+/// Makes the surface on which a smooth function of space is 0, as it comes out of a lattice of n cells along each axis:
+/// each cell is divided into six tetrahedra, and the surface is plane in each. Many of the triangles are small or
+/// narrow.
+PolygonMesh isosurface(int n);
 
 }  // namespace remesh::bench

@@ -29,6 +29,7 @@ class Bench:
     meshes: tuple = ()  # files that the part `coarse` remeshes instead of its own
     steps: tuple = ()  # STEP files
     tessellated: pathlib.Path = None  # where NAME-ANGLE.stl and its surfaces are for each of them
+    before: pathlib.Path = None  # the program `remesh` of another commit
 
     def program(self, name):
         return self.build / name
@@ -61,10 +62,10 @@ class Bench:
         measured = json.loads(figures.read_text())
         return Run(measured["seconds"], measured["peak_bytes"], done.stdout)
 
-    def remesh(self, path, *options, workers=WORKERS, output="out.obj"):
+    def remesh(self, path, *options, workers=WORKERS, output="out.obj", program=None):
         """The command line, with its report."""
         report = self.folder / "report.json"
-        run = self.run(self.program("remesh"), path, "-o", self.folder / output, "--report", report,
+        run = self.run(program or self.program("remesh"), path, "-o", self.folder / output, "--report", report,
                        "--workers", str(workers), *options)
         run.report = json.loads(report.read_bytes())
         return run
