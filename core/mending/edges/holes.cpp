@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <span>
 #include <tuple>
 #include <utility>
@@ -197,8 +198,9 @@ class Closing {
       };
       hole.is_small = do_all_rims([&](const Rim& rim) { return is_small(rim); });
       hole.is_selected = rules_.mend == MendMode::kYes && do_all_rims([&](const Rim& rim) { return is_selected(rim); });
-      split(hole, tolerance);
     }
+    if (does_it_matter_what_is_closable())
+      for (Hole& hole : holes_) split(hole, tolerance);
     HoleTest(surface_, holes_, control_).run();
     give_edges_to_holes();
     std::vector<const Hole*> closed;
@@ -218,6 +220,19 @@ class Closing {
   bool is_selected(const Rim& rim) const {
     if (!rules_.max_edges && !(rules_.size > 0)) return is_small(rim);
     return (rules_.max_edges && rim.vertices.size() <= *rules_.max_edges) || size_of(rim) < rules_.size;
+  }
+
+  /// Returns whether some hole may be closed or named, or two flat ones may share an edge. Otherwise the holes are only
+  /// counted, as for a sheet with a long rim.
+  bool does_it_matter_what_is_closable() const {
+    std::optional<std::uint32_t> depth;
+    for (const Hole& hole : holes_) {
+      if (hole.is_small || hole.is_selected) return true;
+      if (hole.opening->kind != OpeningKind::kFlat) continue;
+      if (depth.value_or(hole.opening->depth) != hole.opening->depth) return true;
+      depth = hole.opening->depth;
+    }
+    return false;
   }
 
   /// Makes the triangles of the face over a hole, if the hole has to be tested.
