@@ -181,7 +181,7 @@ int run(const std::vector<std::string>& arguments) {
   if (arguments.size() == 4 && arguments[0] == "--rate") {
     const double faces = std::atof(arguments[1].c_str()), seconds = std::atof(arguments[3].c_str());
     const int threads = std::atoi(arguments[2].c_str());
-    if (!(faces >= 100 && faces <= 1e8 && seconds > 0) || threads < 1) return usage();
+    if (!(faces >= 12 && faces <= 1e8 && seconds > 0) || threads < 1) return usage();
     std::printf("%.1f\n", requests_a_second(faces, threads, seconds));
     return 0;
   }
