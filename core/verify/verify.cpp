@@ -71,7 +71,7 @@ class DelaunayCheck {
       found.push_back({patch, Fault::kPlaneCoordinates, left.face});
       return;
     }
-    const double grid = numbered_.frames[patch.value].grid;
+    const double grid = numbered_.frames.grid(patch.value);
     if (!is_inside_circle(uv[left.from], uv[left.to], uv[left.apex], uv[right.apex], grid)) return;
     // The chord rule: a flip must not make an edge that exists already, in this patch or another.
     const auto& corners = numbered_.output.corners;

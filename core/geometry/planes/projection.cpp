@@ -11,13 +11,26 @@ namespace {
 /// Edges whose length differs from that of the longest one by at most this fraction count as equally long.
 constexpr double kEquallyLong = 1e-9;
 
-Vec3 dominant_edge(std::span<const Edge3> edges) {
+/// The length of the longest edge.
+double longest_of(std::span<const Edge3> edges) {
+  double squared = 0;
+  for (const Edge3& e : edges) squared = std::max(squared, norm_squared(e.to - e.from));
+  if (squared > 0x1p-900 && squared < 0x1p1000) return std::sqrt(squared);
   double longest = 0;
   for (const Edge3& e : edges) longest = std::max(longest, norm(e.to - e.from));
+  return longest;
+}
+
+Vec3 dominant_edge(std::span<const Edge3> edges) {
+  // There may be a million small patches, and a square root takes as long as all else here. So an edge that is clearly
+  // shorter is told by its square.
+  const double longest = longest_of(edges), least = longest * (1 - kEquallyLong);
+  const double clearly_less = least * least * (1 - kEquallyLong);
   Vec3 from, to;
   bool is_found = false;
   for (const Edge3& e : edges) {
-    if (norm(e.to - e.from) < longest * (1 - kEquallyLong)) continue;
+    const Vec3 way = e.to - e.from;
+    if (norm_squared(way) < clearly_less || norm(way) < least) continue;
     const auto [low, high] = std::minmax(e.from, e.to);
     if (!is_found || low < from || (low == from && high < to)) {
       from = low;
@@ -32,11 +45,12 @@ Vec3 dominant_edge(std::span<const Edge3> edges) {
 Vec3 orthogonal_part(const Vec3& direction, const Vec3& normal) {
   const Vec3 unit = normalized(direction);
   const Vec3 part = unit - dot(unit, normal) * normal;
-  if (norm(part) < 1e-3) return {};
+  const double length = norm(part);
+  if (length < 1e-3) return {};
   // The part may be short, and then its rounding errors are large relative to its length. So `first` may be slightly
   // off the plane that is orthogonal to `normal`. Its component along `normal` is therefore subtracted again. This time
   // the vector has length one, so the errors stay as small as its rounding.
-  const Vec3 first = normalized(part);
+  const Vec3 first{part.x / length, part.y / length, part.z / length};
   return normalized(first - dot(first, normal) * normal);
 }
 

@@ -191,12 +191,7 @@ NumberedClaim number_claim(const Claim& claim, FoundFaults& faults, RunControl& 
   numbered.surface_vertex_count = surface.size();
   numbered.points = Points(surface, scale);
   numbered.tolerance = scale * claim.plane_tolerance;
-  numbered.frames = claim.frames.items();
-  for (Frame& frame : numbered.frames) {
-    frame.origin = scale * frame.origin;
-    frame.scale *= scale;
-  }
-
+  numbered.frames = Frames(claim.frames.items(), scale);
   if (!claim.curved.empty()) numbered.curved.of_patch = claim.curved_of_patch;
   for (const CurvedClaim& curved : claim.curved)
     numbered.curved.surfaces.push_back({CurvedShape(curved.shape, scale), scale * curved.tolerance, curved});

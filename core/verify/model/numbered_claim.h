@@ -45,6 +45,27 @@ class Points {
   std::vector<Vec3> added_;
 };
 
+/// The patches' frames in the numbered claim's scale. They are scaled at each access, because there may be a million.
+class Frames {
+ public:
+  Frames() = default;
+  Frames(std::span<const Frame> claimed, double scale) : claimed_(claimed), scale_(scale) {}
+
+  std::size_t size() const { return claimed_.size(); }
+  Frame operator[](std::size_t p) const {
+    Frame frame = claimed_[p];
+    frame.origin = scale_ * frame.origin;
+    frame.scale *= scale_;
+    return frame;
+  }
+  const Vec3& normal(std::size_t p) const { return claimed_[p].normal; }
+  double grid(std::size_t p) const { return claimed_[p].grid; }
+
+ private:
+  std::span<const Frame> claimed_;
+  double scale_ = 1;
+};
+
 /// The surface of a curved patch, and the distance from it that is allowed.
 struct CurvedSurface {
   CurvedShape shape;
@@ -75,7 +96,7 @@ struct NumberedClaim {
   Faces output;
   Grouping input_by_patch;
   Grouping output_by_patch;
-  std::vector<Frame> frames;
+  Frames frames;
   std::span<const Vec2> corner_uv;  ///< one per output corner
   double scale = 1;                 ///< model units times this give the units used here
   double tolerance = 0;

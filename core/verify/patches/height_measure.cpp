@@ -188,7 +188,7 @@ std::vector<Raised> collect_probes(const NumberedClaim& numbered, const Frame& f
 
 double largest_height_of_dropped(const NumberedClaim& numbered, std::size_t patch, const BoundaryGraph& input_seams,
                                  RunControl& control) {
-  const Frame& frame = numbered.frames[patch];
+  const Frame frame = numbered.frames[patch];
   std::vector<Facet> facets;
   StopCheck check(control);
   for (const std::uint32_t f : numbered.output_by_patch[patch]) {
@@ -206,7 +206,7 @@ double largest_height_of_dropped(const NumberedClaim& numbered, std::size_t patc
 
 double largest_height_of_new(const NumberedClaim& numbered, std::size_t patch, const BoundaryGraph& output_seams,
                              RunControl& control) {
-  const Frame& frame = numbered.frames[patch];
+  const Frame frame = numbered.frames[patch];
   // The input has no stored plane coordinates. They may lie slightly outside the frame's square.
   const auto to_grid = [&](Vec2 uv) {
     return Vec2{std::nearbyint(uv.x / frame.grid) * frame.grid, std::nearbyint(uv.y / frame.grid) * frame.grid};

@@ -301,7 +301,7 @@ class PatchCheck {
   const Seams& seams_;
   const Boundary& boundary_;
   const std::size_t patch_;
-  const Frame& frame_;
+  const Frame frame_;
   std::vector<std::uint8_t>& is_positive_;
   std::vector<FoundFault>& faults_;
   RunControl& control_;
