@@ -50,6 +50,7 @@ struct VainWork {
 };
 
 /// The bound on all growths, and on those of one pass over free facets in which growths begin with a fit.
+/// See experiments.md, Growths in vain.
 constexpr VainWork kMaxVain{25'000'000, 100, 0}, kMaxVainOfPass{600'000, 2, 2000};
 
 /// Two areas count as equal unless one is larger by this factor.
