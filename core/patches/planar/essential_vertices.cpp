@@ -32,11 +32,11 @@ SpanPosition about_span(const Vec3& a, const Vec3& b, const Vec3& p) {
 class BoundaryEdges {
  public:
   BoundaryEdges(const Surface& surface, const Adjacency& adjacency, const BoundaryLoops& loops, RunControl& control)
-      : adjacency_(adjacency), degree_(surface.vertex_count(), 0) {
+      : adjacency_(adjacency), loops_(loops), degree_(surface.vertex_count(), 0) {
     StopCheck check(control);
     const std::size_t vertices = surface.vertex_count();
-    const auto is_boundary = [&](std::size_t e) { return loops.is_boundary[adjacency.half_edges(EdgeId(e))[0]]; };
-    const auto boundary = select_ids<EdgeId>(adjacency.edge_count(), kItemsPerBlock, control, is_boundary);
+    const auto boundary = select_ids<EdgeId>(adjacency.edge_count(), kItemsPerBlock, control,
+                                             [&](std::size_t e) { return is_boundary(EdgeId(e)); });
     for (const EdgeId e : boundary) {
       check();
       ++degree_[low(e).value];
@@ -68,6 +68,10 @@ class BoundaryEdges {
   std::span<const EdgeId> edges_at(VertexId v) const {
     return std::span(incident_).subspan(first_[v.value], degree_[v.value]);
   }
+  bool has_edge(VertexId a, VertexId b) const {
+    const EdgeId e = adjacency_.find(a, b);
+    return e.is_valid() && is_boundary(e);
+  }
   /// The other one of the two boundary edges at a vertex.
   EdgeId other_edge(VertexId v, EdgeId e) const {
     const auto edges = edges_at(v);
@@ -84,7 +88,10 @@ class BoundaryEdges {
     return std::max(adjacency_.from(h), adjacency_.to(h));
   }
 
+  bool is_boundary(EdgeId e) const { return loops_.is_boundary[adjacency_.half_edges(e)[0]]; }
+
   const Adjacency& adjacency_;
+  const BoundaryLoops& loops_;
   std::vector<VertexId> vertices_;
   std::vector<std::uint32_t> degree_;                             ///< boundary edges at each vertex
   std::vector<std::uint32_t, DefaultInit<std::uint32_t>> first_;  ///< where each vertex's edges begin in `incident_`
@@ -112,12 +119,14 @@ class Selection {
     for (const VertexId v : pinched_) essential_[v] = 1;
     for (const VertexId v : boundary_.vertices()) {
       check_();
-      if (essential_[v])
-        for (const EdgeId e : boundary_.edges_at(v)) walk(v, e);
+      if (!essential_[v]) continue;
+      // Most runs of scans are single edges.
+      for (const EdgeId e : boundary_.edges_at(v))
+        if (!essential_[boundary_.other_end(e, v)]) walk(v, e);
     }
     for (const VertexId v : boundary_.vertices()) {
       check_();
-      if (boundary_.edges_at(v).size() == 2 && !is_walked_[boundary_.edges_at(v)[0].value]) close_ring(v);
+      if (!essential_[v] && !is_walked_[boundary_.edges_at(v)[0].value]) close_ring(v);
     }
     keep_doubled_spans();
     // A vertex inside a patch has a closed fan of that patch's faces. If it is a corner of some other face, too, its
@@ -229,12 +238,12 @@ class Selection {
   }
 
   /// Finds two boundaries between the same two vertices that are both straight within the tolerance. They would become
-  /// one edge, so that a crack would close or a thin patch vanish. Therefore all vertices of such runs stay.
+  /// one edge, so that a crack would close or a thin patch vanish. Therefore all vertices of such runs stay. One of the
+  /// two may be an edge, which has no vertices to keep.
   void keep_doubled_spans() {
     struct ReplacedSpan {
-      VertexId a, b;      // a < b
-      VertexId from;      // the end where the run begins
-      EdgeId first_edge;  // the first edge of the run, at `from`
+      VertexId a, b;      // a < b; the run begins at a
+      EdgeId first_edge;  // the first edge of the run
     };
     std::vector<ReplacedSpan> spans;
     for (const VertexId v : boundary_.vertices()) {
@@ -243,12 +252,13 @@ class Selection {
       for (const EdgeId first : boundary_.edges_at(v)) {
         EdgeId e = first;
         VertexId w = boundary_.other_end(e, v);
+        if (essential_[w]) continue;
         while (!essential_[w]) {
           check_();
           e = boundary_.other_edge(w, e);
           w = boundary_.other_end(e, w);
         }
-        if (v < w) spans.push_back({v, w, v, first});
+        if (v < w) spans.push_back({v, w, first});
       }
     }
     const auto key = [](const ReplacedSpan& c) { return std::pair{c.a, c.b}; };
@@ -257,11 +267,12 @@ class Selection {
     });
     for (std::size_t i = 0; i < spans.size(); ++i) {
       check_();
-      const bool doubled =
-          (i > 0 && key(spans[i]) == key(spans[i - 1])) || (i + 1 < spans.size() && key(spans[i]) == key(spans[i + 1]));
-      if (!doubled) continue;
+      const bool is_doubled = (i > 0 && key(spans[i]) == key(spans[i - 1])) ||
+                              (i + 1 < spans.size() && key(spans[i]) == key(spans[i + 1])) ||
+                              boundary_.has_edge(spans[i].a, spans[i].b);
+      if (!is_doubled) continue;
       EdgeId e = spans[i].first_edge;
-      for (VertexId w = boundary_.other_end(e, spans[i].from); w != spans[i].b; w = boundary_.other_end(e, w)) {
+      for (VertexId w = boundary_.other_end(e, spans[i].a); w != spans[i].b; w = boundary_.other_end(e, w)) {
         check_();
         essential_[w] = 1;
         e = boundary_.other_edge(w, e);
