@@ -279,6 +279,17 @@ void write_patches(JsonWriter& json, const std::vector<PatchSummary>& patches, c
   json.end_array();
 }
 
+void write_renamed_labels(JsonWriter& json, const std::vector<RenamedLabel>& renamed) {
+  json.begin_array();
+  for (const RenamedLabel& label : renamed) {
+    json.begin_object();
+    json.member("from", label.from);
+    json.member("to", label.to);
+    json.end_object();
+  }
+  json.end_array();
+}
+
 void write_diagnostics(JsonWriter& json, const std::vector<Diagnostic>& diagnostics) {
   json.begin_array();
   for (const Diagnostic& diagnostic : diagnostics) {
@@ -441,7 +452,7 @@ double StageTimes::total() const {
 
 void write_report(JsonWriter& json, const Report& report, const RequestOptions& options, ReportKind kind,
                   const StageTimes& times, RunControl& control) {
-  RequestOptions used = with_defaults({report.options, options.preset, options.format});
+  RequestOptions used = with_defaults({report.options, options.preset, options.format, options.writing});
   used.core.plane_tolerance = report.first_plane_tolerance;
   if (report.min_edge_length > 0) used.core.min_edge_length = report.min_edge_length;
   const bool is_remesh = kind == ReportKind::kRemesh;
@@ -469,6 +480,10 @@ void write_report(JsonWriter& json, const Report& report, const RequestOptions& 
   write_distance_bound(json, report.distance_bound);
   json.key("diagnostics");
   write_diagnostics(json, report.diagnostics);
+  if (is_remesh) {
+    json.key("renamed_labels");
+    write_renamed_labels(json, report.renamed_labels);
+  }
   json.key("volume_ready");
   write_volume_ready(json, report.volume_obstacles);
   if (!is_remesh) {

@@ -5,10 +5,12 @@
 #include <cstddef>
 
 #include "core/io/common/number_parsing.h"
+#include "core/io/medit/medit.h"
 #include "core/io/msh/msh.h"
 #include "core/io/obj/obj.h"
 #include "core/io/off/off.h"
 #include "core/io/ply/ply.h"
+#include "core/io/smesh/smesh.h"
 #include "core/io/stl/stl.h"
 #include "core/io/vtu/vtu.h"
 
@@ -62,6 +64,11 @@ Mark stl_mark(const Sniffed& s) {
   return is_binary_stl(s.content) || is_text_stl(s.text) ? Mark::kPossible : Mark::kNone;
 }
 
+/// The names that are changed in formats whose names need not be quoted.
+std::vector<RenamedLabel> renamed_in_text(const WriterInput& input, RunControl& control) {
+  return Boundaries(input, control).renamed();
+}
+
 /// In the order of the enumeration Format.
 const std::array<FormatSpec, kFormats.size()> kSpecs{{
     {"obj", "obj", "model/obj", Storage::kDouble, nullptr, read_obj,
@@ -70,8 +77,11 @@ const std::array<FormatSpec, kFormats.size()> kSpecs{{
      [](const Sniffed& s) { return likely_if(s.first_word.starts_with('{') || s.first_word.starts_with('[')); }},
     {"stl", "stl", "model/stl", Storage::kFloat, stl_mark, read_stl,
      [](const WriterInput& in, RunControl& control) { return write_stl(in.mesh, in.comments, control); }},
-    {"stl_ascii", "stl", "model/stl", Storage::kDouble, nullptr, nullptr,
-     [](const WriterInput& in, RunControl& control) { return write_stl_ascii(in.mesh, control); }},
+    {"stl_ascii", "stl", "model/stl", Storage::kDouble, nullptr, nullptr, write_stl_ascii,
+     [](const WriterInput& in, RunControl& control) {
+       const auto boundaries = stl_boundaries(in, control);
+       return boundaries ? boundaries->renamed() : std::vector<RenamedLabel>();
+     }},
     // None of the media types that follow is registered.
     {"ply", "ply", "application/x-ply", Storage::kDouble,
      [](const Sniffed& s) { return likely_if(s.first_word == "ply"); }, read_ply,
@@ -85,7 +95,14 @@ const std::array<FormatSpec, kFormats.size()> kSpecs{{
      },
      nullptr, write_vtu},
     {"msh", "msh", "application/x-gmsh", Storage::kDouble,
-     [](const Sniffed& s) { return likely_if(s.first_word == "$MeshFormat"); }, nullptr, write_msh},
+     [](const Sniffed& s) { return likely_if(s.first_word == "$MeshFormat" || s.first_word == "$Comments"); }, read_msh,
+     write_msh, [](const WriterInput& in, RunControl& control) { return msh_boundaries(in, control).renamed(); }},
+    {"mesh", "mesh", "application/x-medit", Storage::kDouble,
+     [](const Sniffed& s) { return likely_if(s.first_word == "MeshVersionFormatted"); }, read_medit, write_medit,
+     renamed_in_text},
+    {"smesh", "smesh", "application/x-tetgen", Storage::kDouble, nullptr, nullptr, write_smesh, renamed_in_text},
+    {"ply_ascii", "ply", "application/x-ply", Storage::kDouble, nullptr, nullptr,
+     [](const WriterInput& in, RunControl& control) { return write_ply_ascii(in.mesh, in.comments, control); }},
 }};
 
 }  // namespace

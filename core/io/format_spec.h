@@ -3,10 +3,12 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/base/ids.h"
 #include "core/base/options.h"
 #include "core/base/run_control.h"
+#include "core/io/common/boundaries.h"
 #include "core/io/common/format.h"
 #include "core/mesh/mesh.h"
 
@@ -42,6 +44,8 @@ struct FormatSpec {
   ReadResult (*read)(std::string_view content, const ReadLimits& limits, RunControl& control) = nullptr;
   /// Null if the format is written only above this library, as JSON is.
   std::string (*write)(const WriterInput& input, RunControl& control) = nullptr;
+  /// The names of labels that are changed when the mesh is written. Null if they are written as they came.
+  std::vector<RenamedLabel> (*renamed)(const WriterInput& input, RunControl& control) = nullptr;
 };
 
 const FormatSpec& format_spec(Format format);

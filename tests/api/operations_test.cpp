@@ -138,8 +138,8 @@ TEST(run_remesh, the_report_has_every_field_of_the_contract) {
   };
   EXPECT_EQ(keys(report),
             (std::set<std::string>{"version", "options", "tolerance", "input", "output", "patches", "surfaces",
-                                   "distance_bound", "diagnostics", "volume_ready", "smallest_gap", "unrefined",
-                                   "refinement_rounds", "verified", "timing_ms"}));
+                                   "distance_bound", "diagnostics", "renamed_labels", "volume_ready", "smallest_gap",
+                                   "unrefined", "refinement_rounds", "verified", "timing_ms"}));
   for (const char* side : {"input", "output"}) {
     std::set<std::string> expected{"vertices",     "faces",  "components", "boundary_edges", "non_manifold_edges",
                                    "closed",       "euler",  "area",       "volume",         "intersecting_pairs",
@@ -363,7 +363,7 @@ TEST(run_remesh, bad_input_has_its_code) {
   EXPECT_EQ(code_of(request_of("v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")), Code::kNonfiniteCoordinate);
   EXPECT_EQ(code_of(request_of(kRing, "model/stl")), Code::kInvalidMesh);
   EXPECT_EQ(code_of(request_of("ply\nformat ascii 1.0\n")), Code::kInvalidMesh);
-  EXPECT_EQ(code_of(request_of(kRing, "application/x-gmsh")), Code::kUnsupportedMediaType);
+  EXPECT_EQ(code_of(request_of(kRing, "application/x-tetgen")), Code::kUnsupportedMediaType);
   EXPECT_EQ(code_of(request_of(kRing, "", {}, "model/step")), Code::kNotAcceptable);
   EXPECT_EQ(code_of(request_of(kRing, "", {{"max_edge", "1"}})), RequestCode::kUnknownOption);
   EXPECT_EQ(code_of(request_of(kRing, "", {{"weld_tolerance", "-1"}})), Code::kInvalidOption);

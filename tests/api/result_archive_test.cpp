@@ -79,6 +79,7 @@ TEST(result_archive, every_number_and_label_comes_back) {
   KeptResult kept;
   kept.format = Format::kPly;
   kept.local_origin = true;
+  kept.writing = {LabelChoice::kMaterial, NameRule::kExact, StlSolids::kOne, MshVersion::k41};
   kept.summary = {.input_faces = 1,
                   .output_faces = 2,
                   .patches = 3,
@@ -120,6 +121,7 @@ TEST(result_archive, every_number_and_label_comes_back) {
   EXPECT_EQ(back.format, kept.format);
   EXPECT_EQ(back.summary, kept.summary);
   EXPECT_EQ(back.local_origin, kept.local_origin);
+  EXPECT_EQ(back.writing, kept.writing);
   EXPECT_EQ(back.exact_report, kept.exact_report);
   EXPECT_EQ(back.result.rounding_input.normals, basis.normals);
   EXPECT_EQ(back.result.rounding_input.allowed_move, basis.allowed_move);

@@ -309,7 +309,7 @@ TEST_F(shared_meshes, a_house_at_map_coordinates_is_exact_in_doubles_and_refused
     const Error error = test::error_of([&] { written(house, options, Format::kStl); });
     EXPECT_EQ(error.code, Code::kNotAcceptable);
     EXPECT_THAT(error.what(), HasSubstr("0.5 apart"));
-    EXPECT_THAT(error.what(), HasSubstr("obj, json, stl_ascii, ply, off, vtu, msh"));
+    EXPECT_THAT(error.what(), HasSubstr("obj, json, stl_ascii, ply, off, vtu, msh, mesh, smesh, ply_ascii"));
     EXPECT_THAT(error.what(), HasSubstr("local_origin=true"));
     const RemeshAnswer local = written(house, with(options, "local_origin", "true"), Format::kStl);
     expect_as_promised(in_doubles(house, with(options, "local_origin", "true"), Format::kStl), local);
@@ -491,7 +491,7 @@ TEST(written_formats, text_stl_has_a_solid_for_each_group_and_is_read_by_our_rea
       "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 0 1 0\nv 0 0.1 -1.5e-300\ng inlet 1\nf 1 2 5 6\n"
       "g outlet\nf 2 3 4 5\ng inlet 1\nf 6 5 7\n";
   const RemeshAnswer answer = written(mesh, {{"refine", "false"}}, Format::kStlAscii);
-  EXPECT_THAT(answer.body, testing::StartsWith("solid inlet 1\n"));
+  EXPECT_THAT(answer.body, testing::StartsWith("solid inlet_1\n"));
   const ReadMesh back = read(Format::kStlAscii, answer.body);
   EXPECT_TRUE(std::is_sorted(back.solid_of.begin(), back.solid_of.end()));
   EXPECT_EQ(std::count(back.solid_of.begin(), back.solid_of.end(), "outlet"), 2);
@@ -500,7 +500,47 @@ TEST(written_formats, text_stl_has_a_solid_for_each_group_and_is_read_by_our_rea
   const RemeshAnswer again = written(answer.body, {{"refine", "false"}}, Format::kObj);
   EXPECT_EQ(again.report.output.faces, answer.report.output.faces);
   EXPECT_EQ(again.report.output.area, answer.report.output.area);
-  EXPECT_THAT(again.body, HasSubstr("o inlet 1\n"));
+  EXPECT_THAT(again.body, HasSubstr("o inlet_1\n"));
+}
+
+TEST(written_formats, the_report_tells_the_names_that_the_format_has_changed_and_jobs_tell_them_likewise) {
+  const std::string mesh =
+      "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 0 1 0\ng inlet 1\nf 1 2 5 6\ng outlet\nf 2 3 4 5\n";
+  const std::vector<RenamedLabel> one{{"inlet 1", "inlet_1"}}, none;
+  const auto told = [&](Fields options, Format format) {
+    const RemeshAnswer answer = written(mesh, options, format);
+    const std::size_t diagnostics = static_cast<std::size_t>(
+        std::count_if(answer.report.diagnostics.begin(), answer.report.diagnostics.end(),
+                      [](const Diagnostic& d) { return d.code == DiagnosticCode::kRenamedLabels; }));
+    EXPECT_EQ(diagnostics, answer.report.renamed_labels.empty() ? 0u : 1u);
+    return answer.report.renamed_labels;
+  };
+  for (const Format format : {Format::kStlAscii, Format::kMsh, Format::kMesh, Format::kSmesh}) {
+    EXPECT_EQ(told({}, format), one);
+    EXPECT_EQ(told({{"names", "exact"}}, format), none);
+    EXPECT_EQ(told({{"label", "patch"}}, format), none);
+  }
+  EXPECT_EQ(told({{"stl_solids", "one"}}, Format::kStlAscii), none);
+  for (const Format format : {Format::kObj, Format::kPly, Format::kVtu, Format::kJson})
+    EXPECT_EQ(told({}, format), none);
+
+  RunControl control;
+  Request request;
+  request.body = mesh;
+  request.query = {{"format", "msh"}};
+  const StoredRemesh kept = run_remesh_to_keep(request, {}, control);
+  EXPECT_THAT(kept.report, HasSubstr(R"("renamed_labels":[{"from":"inlet 1","to":"inlet_1"}])"));
+  const auto fetched = [&](Fields query) {
+    Request wanted;
+    wanted.query = std::move(query);
+    return write_kept(
+        kept.mesh, [&] { return kept.report; }, wanted, control);
+  };
+  EXPECT_EQ(fetched({}).body, written(mesh, {}, Format::kMsh).body);
+  EXPECT_THAT(fetched({{"format", "json"}}).body, HasSubstr(R"("renamed_labels":[])"));
+  EXPECT_THAT(fetched({{"names", "exact"}}).body, HasSubstr("\"inlet 1\""));
+  EXPECT_EQ(fetched({{"format", "stl_ascii"}, {"label", "patch"}}).body,
+            written(mesh, {{"label", "patch"}}, Format::kStlAscii).body);
 }
 
 TEST(written_formats, text_stl_without_labels_is_one_solid_without_a_name) {

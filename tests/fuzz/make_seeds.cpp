@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/io/common/bytes.h"
 #include "core/io/gzip.h"
 #include "core/io/mesh_files.h"
 
@@ -35,6 +36,42 @@ std::string big_endian_ply() {
   return file + std::string{3, 0, 0, 0, 1, 0, 2, 0};
 }
 
+template <class T>
+void append(std::string& out, const std::vector<T>& numbers) {
+  for (const T number : numbers) append_little_endian(out, number);
+}
+
+/// A triangle in Gmsh's binary format.
+std::string binary_msh(const std::string& version) {
+  using Ints = std::vector<std::int32_t>;
+  using Sizes = std::vector<std::uint64_t>;
+  std::string file = "$MeshFormat\n" + version + " 1 8\n";
+  append(file, Ints{1});
+  file += "\n$EndMeshFormat\n$Nodes\n";
+  const bool is_new = version == "4.1";
+  if (is_new) {
+    append(file, Sizes{1, 3, 1, 3});
+    append(file, Ints{2, 1, 0});
+    append(file, Sizes{3, 1, 2, 3});
+  } else {
+    file += "3\n";
+  }
+  for (const int v : {0, 1, 2}) {
+    if (!is_new) append(file, Ints{v + 1});
+    append(file, std::vector<double>{double(v % 2), double(v / 2), 0.5});
+  }
+  file += "\n$EndNodes\n$Elements\n";
+  if (is_new) {
+    append(file, Sizes{1, 1, 1, 1});
+    append(file, Ints{2, 1, 2});
+    append(file, Sizes{1, 1, 1, 2, 3});
+  } else {
+    file += "1\n";
+    append(file, Ints{2, 1, 2, 1, 7, 1, 1, 2, 3});
+  }
+  return file + "\n$EndElements\n";
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -43,6 +80,10 @@ int main(int argc, char** argv) {
   const TriangleMesh mesh = two_triangles();
   const IdVector<FaceId, PatchId> patches(2, PatchId(0));
   const auto written = [&](Format format) { return write_mesh(format, {mesh, patches, {"a comment"}}, control); };
+
+  const auto written_as = [&](const Writing& writing) {
+    return write_mesh(Format::kMsh, {mesh, patches, {}, {}, writing}, control);
+  };
 
   const std::map<std::string, std::vector<std::string>> seeds{
       {"head",
@@ -77,6 +118,12 @@ int main(int argc, char** argv) {
        {written(Format::kOff), "STCNOFF 3 1\n0 0 0 1\n1 0 0\n0 1 0\n3 0 1 2 255 0 0 # red\n",
         std::string("OFF BINARY\n\0\0\0\3\0\0\0\1\0\0\0\0", 23) + std::string(36, '\0') +
             std::string("\0\0\0\3\0\0\0\0\0\0\0\1\0\0\0\2\0\0\0\0", 20)}},
+      {"msh",
+       {written(Format::kMsh), written_as({.msh_version = MshVersion::k41}), binary_msh("2.2"), binary_msh("4.1")}},
+      {"mesh",
+       {written(Format::kMesh),
+        "MeshVersionFormatted 1 Dimension\n3 # reference 2: a b\nVertices 3 0 0 0 0 1 0 0 0 0 1 0 0 Edges 1 1 2 0\n"
+        "Quadrilaterals 1 1 2 3 1 2 End"}},
       {"json",
        {R"({"mesh":{"vertices":[[0,0,0],[1,0,0],[0,1,1e-3]],"faces":[[0,1,2]],"face_groups":[3]},"options":{"refine":false,"barriers":["group"]}})",
         R"({"vertices":[[0,0,0],[1,0,0],[1,1,0],[0,1,0]],"faces":[[0,1,2,3]],"what":{"ever":[null,true,"\u00e9"]}})"}},

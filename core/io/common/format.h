@@ -9,16 +9,18 @@
 
 #include "core/base/diagnostic.h"
 #include "core/base/ids.h"
+#include "core/io/common/writing.h"
 #include "core/mesh/mesh.h"
 
 namespace remesh {
 
-/// All formats of the API. Each has a row in format_spec.cpp, in this order. All can be written; all but VTU and MSH
-/// can be read. A reader treats both kinds of STL as kStl; kStlAscii only selects how STL is written.
-enum class Format { kObj, kJson, kStl, kStlAscii, kPly, kOff, kVtu, kMsh };
+/// All formats of the API. Each has a row in format_spec.cpp, in this order. All can be written. A reader treats both
+/// kinds of STL as kStl, and both kinds of PLY as kPly; kStlAscii and kPlyAscii only select how these are written.
+enum class Format { kObj, kJson, kStl, kStlAscii, kPly, kOff, kVtu, kMsh, kMesh, kSmesh, kPlyAscii };
 
-inline constexpr std::array kFormats = {Format::kObj, Format::kJson, Format::kStl, Format::kStlAscii,
-                                        Format::kPly, Format::kOff,  Format::kVtu, Format::kMsh};
+inline constexpr std::array kFormats = {Format::kObj,  Format::kJson,  Format::kStl,     Format::kStlAscii,
+                                        Format::kPly,  Format::kOff,   Format::kVtu,     Format::kMsh,
+                                        Format::kMesh, Format::kSmesh, Format::kPlyAscii};
 
 /// Limits on what a reader may build, with the defaults of the service. A larger mesh ends the read with
 /// Code::kMeshTooLarge.
@@ -40,6 +42,7 @@ struct WriterInput {
   const std::vector<std::string>& comments;
   /// The surface that each patch is a piece of; empty if it is not known.
   std::span<const SurfaceId> surface_of_patch = {};
+  Writing writing = {};
 };
 
 /// The result of a reader: the mesh, and diagnostics about what was dropped (`attribute_dropped`, ...).

@@ -32,4 +32,8 @@ ReadResult read_ply(std::string_view content, const ReadLimits& limits, RunContr
 /// Cost:   O(output).
 std::string write_ply(const TriangleMesh& mesh, const std::vector<std::string>& comments, RunControl& control);
 
+/// Writes PLY as text, with the shortest digits that read back to the same doubles. Everything else is as in write_ply.
+/// Some programs (Gmsh, meshio with labels) read only this form.
+std::string write_ply_ascii(const TriangleMesh& mesh, const std::vector<std::string>& comments, RunControl& control);
+
 }  // namespace remesh

@@ -23,10 +23,12 @@ TEST(formats, every_format_is_found_by_its_name_and_has_its_own_media_type) {
   std::set<std::string_view> media_types;
   for (const Format format : kFormats) {
     EXPECT_EQ(format_from_name(format_name(format)), format);
-    // The two kinds of STL have one type and one ending.
-    EXPECT_EQ(media_types.insert(media_type(format)).second, format != Format::kStlAscii) << media_type(format);
-    EXPECT_EQ(format_from_file_name("part." + std::string(file_ending(format))),
-              format == Format::kStlAscii ? Format::kStl : format);
+    // The two kinds of STL have one type and one ending, and so have those of PLY.
+    const Format first = format == Format::kStlAscii   ? Format::kStl
+                         : format == Format::kPlyAscii ? Format::kPly
+                                                       : format;
+    EXPECT_EQ(media_types.insert(media_type(format)).second, format == first) << media_type(format);
+    EXPECT_EQ(format_from_file_name("part." + std::string(file_ending(format))), first);
   }
   EXPECT_EQ(media_type(Format::kObj), "model/obj");
   EXPECT_EQ(media_type(Format::kJson), "application/json");

@@ -17,7 +17,10 @@ const kAbout: Record<string, string> = {
   ply: "binary, doubles",
   off: "text",
   vtu: "ParaView: patch and quality",
-  msh: "Gmsh 2.2",
+  msh: "Gmsh, text",
+  mesh: "Medit: TetGen, FreeFEM",
+  smesh: "TetGen: markers, regions",
+  ply_ascii: "text, doubles",
 };
 
 /** The result in every format, and the line of a shell that makes it. */
