@@ -87,13 +87,21 @@ Input read_input(Job& job, const Limits& limits, RunControl& control) {
     input.read = read_json(job.mesh, limits.input, control, job.options);
     job.options.check();
   } else {
-    input.read = read_with_remarks(input.format, job, limits.input, control);
+    ReadLimits of_mesh = limits.input;
+    of_mesh.decompression = limits.decompression;
+    input.read = read_with_remarks(input.format, job, of_mesh, control);
   }
   job.mesh = {};
   if (job.release_mesh) job.release_mesh();
   input.options = bounded(job.options.options(), limits);
   input.read_ms = ms_since(start);
   return input;
+}
+
+/// Passes on what the file tells of its coordinates.
+void tell_axes(const ReadResult& read, Report& report) {
+  report.input_unit = read.unit;
+  report.input_up_axis = read.up_axis;
 }
 
 StageTimes stage_times(const Input& input, const Report& report) {
@@ -133,7 +141,9 @@ std::string write_mesh_answer(Format format, const Result& result, const Writing
 }  // namespace
 
 WriterInput writer_input(const Result& result, const std::vector<std::string>& comments, const Writing& writing) {
-  return {result.mesh, result.face_patch, comments, result.report.surfaces.of_patch.items(), writing};
+  return {result.mesh, result.face_patch,
+          comments,    result.report.surfaces.of_patch.items(),
+          writing,     result.report.input_up_axis == "y"};
 }
 
 bool record_renamed_labels(Format format, const Writing& writing, Result& result, RunControl& control) {
@@ -163,6 +173,7 @@ Remeshed remesh_for_job(Job job, const Limits& limits, Purpose purpose, RunContr
   settings.rounding = purpose == Purpose::kKeeping ? OutputRounding::kLater : rounding_for(remeshed.wanted);
   remeshed.result =
       remesh_surface(input.read.mesh, input.options.core, settings, control, std::move(input.read.diagnostics));
+  tell_axes(input.read, remeshed.result.report);
   remeshed.options.format = remeshed.result.is_not_held ? text_form(format) : format;
   if (purpose == Purpose::kAnswer)
     record_renamed_labels(*remeshed.options.format, remeshed.options.writing, remeshed.result, control);
@@ -195,6 +206,7 @@ AnalysisAnswer run_analyze_job(Job job, const Limits& limits, RunControl& contro
   answer.report = analyze_surface(input.read.mesh, input.options.core,
                                   {.workers = limits.workers, .serial_corners = limits.serial_corners}, control,
                                   std::move(input.read.diagnostics));
+  tell_axes(input.read, answer.report);
   answer.times = stage_times(input, answer.report);
   return answer;
 }

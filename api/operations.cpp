@@ -193,6 +193,7 @@ Fields result_headers(std::string_view summary, std::string_view timing, std::st
 void update_summary(const Result& rounded, Summary& summary, RunControl& control) {
   summary.min_angle_deg = measure_surface(rounded.mesh, control).quality.min_angle_deg;
   summary.origin = rounded.report.output_origin;
+  summary.distance_bound = rounded.report.distance_bound;
   summary.unrefined.clear();
   for (const Unrefined& left : summarise_unrefined(rounded.rounding_input.unrefined, rounded.mesh.positions.items(),
                                                    rounded.mesh.faces.items(), rounded.rounding_input.goals, control))
@@ -354,6 +355,7 @@ Response write_kept(std::string mesh, const std::function<std::string()>& report
     json.end_object();
     response.body = json.take();
   } else {
+    kept.result.report.distance_bound = kept.summary.distance_bound;
     // If a job did not ask for its format by name, the chosen format can hold the result.
     if (round_for_format(storage_of(format), options.core.local_origin, OutputRounding::kRequired, kept.result,
                          control) == Rounded::kMoved)

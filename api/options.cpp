@@ -503,7 +503,7 @@ std::string_view choice_name(const std::array<std::pair<std::string_view, Value>
 
 Format parse_format(const OptionSpec& spec, std::string_view text) {
   const std::optional<Format> format = format_from_name(text);
-  if (!format) fail_value(spec, text);
+  if (!format || !is_written(*format)) fail_value(spec, text);
   return *format;
 }
 
@@ -621,7 +621,8 @@ std::vector<std::string_view> option_words(const OptionSpec& spec) {
   } else if (std::holds_alternative<PresetField>(spec.field)) {
     for (const auto& word : kPresetWords) words.push_back(word.first);
   } else if (std::holds_alternative<FormatField>(spec.field)) {
-    for (const Format format : kFormats) words.push_back(format_name(format));
+    for (const Format format : kFormats)
+      if (is_written(format)) words.push_back(format_name(format));
   }
   std::visit(
       [&](auto field) {

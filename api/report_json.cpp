@@ -127,9 +127,12 @@ void write_statistics_members(JsonWriter& json, const MeshStatistics& mesh) {
   write_quality(json, mesh.quality);
 }
 
-void write_statistics(JsonWriter& json, const MeshStatistics& mesh) {
+/// Writes the statistics of the input, and what its format tells of the coordinates.
+void write_input(JsonWriter& json, const Report& report) {
   json.begin_object();
-  write_statistics_members(json, mesh);
+  write_statistics_members(json, report.input);
+  if (!report.input_unit.empty()) json.member("unit", report.input_unit);
+  if (!report.input_up_axis.empty()) json.member("up_axis", report.input_up_axis);
   json.end_object();
 }
 
@@ -468,7 +471,7 @@ void write_report(JsonWriter& json, const Report& report, const RequestOptions& 
   json.member("volume_bound", report.volume_bound);
   json.end_object();
   json.key("input");
-  write_statistics(json, report.input);
+  write_input(json, report);
   if (is_remesh) {
     json.key("output");
     write_output(json, report);

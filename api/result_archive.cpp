@@ -292,6 +292,7 @@ std::string pack_result(const KeptResult& kept) {
   out.texts(result.mesh.labels.material_libraries);
   out.ids(result.face_patch.items());
   out.ids(result.report.surfaces.of_patch.items());
+  out.text(result.report.input_up_axis);
   out.ids(result.face_source.items());
   out.ids(result.input_face_patch.items());
   pack(result.rounding_input, out);
@@ -325,6 +326,7 @@ KeptResult unpack_result(std::string_view bytes) {
   result.mesh.labels.material_libraries = in.texts();
   in.ids(result.face_patch.items());
   in.ids(result.report.surfaces.of_patch.items());
+  result.report.input_up_axis = in.text();
   in.ids(result.face_source.items());
   in.ids(result.input_face_patch.items());
   unpack(in, result.rounding_input);

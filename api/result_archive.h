@@ -23,7 +23,8 @@ struct KeptResult {
   /// were rounded for its
   /// format, or names that were changed for it.
   std::string exact_report;
-  /// The result in doubles, with its basis. Its report is empty, except for the surfaces of the patches.
+  /// The result in doubles, with its basis. Its report is empty, except for the surfaces of the patches
+  /// and the axis that points upwards.
   Result result;
 };
 

@@ -394,6 +394,7 @@ TEST(run_remesh, options_are_refused_before_the_mesh_is_read) {
 TEST(run_remesh, every_format_goes_out_and_what_is_read_comes_in_again_as_the_same_mesh) {
   const json as_json = json::parse(remesh(request_of(kCube, "", {{"format", "json"}})).body)["mesh"];
   for (const Format format : kFormats) {
+    if (!is_written(format)) continue;
     SCOPED_TRACE(format_name(format));
     const Response response = remesh(request_of(kCube, "", {}, std::string(media_type(format))));
     EXPECT_EQ(response.content_type, media_type(format));
@@ -575,7 +576,8 @@ TEST(openapi, the_report_schema_names_what_a_report_has) {
   expect_same_keys(schemas["Report"], report);
   json input = report["input"];
   for (const auto& [key, member] : schemas["InputStatistics"]["allOf"][1]["properties"].items()) {
-    EXPECT_TRUE(input.contains(key)) << key;
+    // Only some formats tell these two.
+    EXPECT_EQ(input.contains(key), key != "unit" && key != "up_axis") << key;
     input.erase(key);
   }
   expect_same_keys(schemas["Statistics"], input);

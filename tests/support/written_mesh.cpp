@@ -390,6 +390,37 @@ nlohmann::json parse(const std::string& text) {
   }
 }
 
+/// Reads binary glTF whose primitives share the vertices of accessor 0 and have indices of 32 bits.
+WrittenMesh read_glb(std::string_view bytes) {
+  WrittenMesh mesh;
+  mesh.has_floats = true;
+  if (!bytes.starts_with("glTF") || bytes.size() % 4 != 0) fail("a glTF file not read here");
+  std::string_view head = bytes.substr(4, 16);
+  if (take<std::uint32_t>(head) != 2 || take<std::uint32_t>(head) != bytes.size()) fail("a wrong head of glTF");
+  const auto json_size = take<std::uint32_t>(head);
+  const nlohmann::json document = parse(std::string(bytes.substr(20, json_size)));
+  const std::string_view data = bytes.substr(28 + json_size);
+  const auto numbers = [&](const nlohmann::json& accessor) {
+    const nlohmann::json& view = document.at("bufferViews").at(accessor.at("bufferView").get<std::size_t>());
+    return data.substr(view.value("byteOffset", 0u) + accessor.value("byteOffset", 0u));
+  };
+  const nlohmann::json& points = document.at("accessors").at(0);
+  std::string_view rest = numbers(points);
+  for (std::size_t v = 0; v < points.at("count").get<std::size_t>(); ++v) {
+    Vec3& p = mesh.positions.emplace_back();
+    for (int axis = 0; axis < 3; ++axis) p[axis] = static_cast<double>(take<float>(rest));
+  }
+  for (const nlohmann::json& primitive : document.at("meshes").at(0).at("primitives")) {
+    const nlohmann::json& corners = document.at("accessors").at(primitive.at("indices").get<std::size_t>());
+    rest = numbers(corners);
+    for (std::size_t i = 0; i < corners.at("count").get<std::size_t>(); i += 3) {
+      auto& face = mesh.faces.emplace_back();
+      for (std::uint32_t& v : face) v = take<std::uint32_t>(rest);
+    }
+  }
+  return mesh;
+}
+
 WrittenMesh read_json(const std::string& text) {
   const nlohmann::json document = parse(text);
   WrittenMesh mesh;
@@ -420,6 +451,8 @@ WrittenMesh read_written(Format format, const std::string& bytes) {
     case Format::kMesh: mesh = read_medit(bytes); break;
     case Format::kSmesh: mesh = read_smesh(bytes); break;
     case Format::kPlyAscii: mesh = read_ply_text(bytes); break;
+    case Format::kGlb: mesh = read_glb(bytes); break;
+    case Format::kThreemf: fail("3MF is not written");
   }
   for (const auto& face : mesh.faces)
     for (const std::uint32_t v : face)

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/base/diagnostic.h"
@@ -35,6 +36,8 @@ struct Report {
   /// Bound on the change of volume. It is the verdict's, or for an analysis that of PatchSummaries.
   double volume_bound = 0;
   MeshStatistics input;
+  std::string input_unit;     ///< the unit of the coordinates of the input, if its format tells it
+  std::string input_up_axis;  ///< the axis that points upwards, if its format tells it
   MeshStatistics output;
   /// The largest distance by which the output format moved a vertex, in model units; 0 if it holds all coordinates.
   double output_rounding = 0;

@@ -23,7 +23,7 @@ const std::string kHead22 = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n";
 const std::string kHead41 = "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n";
 const std::string kNodes22 = "$Nodes\n4\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0.1\n$EndNodes\n";
 const std::string kNodes41 = "$Nodes\n1 4 1 4\n2 1 0 4\n1\n2\n3\n4\n0 0 0\n1 0 0\n1 1 0\n0 1 0.1\n$EndNodes\n";
-const std::vector<Face> kFaces{{0, 1, 2}, {0, 1, 2, 3}};
+const std::vector<Face> kTwoFaces{{0, 1, 2}, {0, 1, 2, 3}};
 
 ReadResult read_as_msh(const std::string& content, const ReadLimits& limits = {}) {
   return test::read_with(read_msh, content, limits);
@@ -33,7 +33,7 @@ TEST(msh_reader, version_2_gives_faces_and_the_names_of_their_physical_groups) {
   const ReadResult result = read_as_msh(
       kHead22 + "$PhysicalNames\n3\n2 7 \"a \"quoted\" lid\"\n1 8 \"a curve\"\n2 9 \"floor\"\n$EndPhysicalNames\n" +
       kNodes22 + "$Elements\n3\n10 1 2 8 1 1 2\n11 2 2 7 1 1 2 3\n12 3 2 8 2 1 2 3 4\n$EndElements\n");
-  EXPECT_EQ(faces_of(result.mesh), kFaces);
+  EXPECT_EQ(faces_of(result.mesh), kTwoFaces);
   EXPECT_EQ(result.mesh.positions[VertexId(3)], (Vec3{0, 1, 0.1}));
   // The name of a curve is none of a surface with the same number.
   EXPECT_EQ(label_of_faces(result.mesh.labels.group), (std::vector<std::string>{"a \"quoted\" lid", "8"}));
@@ -134,7 +134,7 @@ TEST(msh_reader, binary_files_of_both_versions_and_byte_orders_say_the_same_as_t
   for (const std::string version : {"2.2", "4.1"}) {
     for (const ByteOrder order : {ByteOrder::kLittle, ByteOrder::kBig}) {
       const ReadResult result = read_as_msh(binary(version, order));
-      EXPECT_EQ(faces_of(result.mesh), kFaces) << version;
+      EXPECT_EQ(faces_of(result.mesh), kTwoFaces) << version;
       EXPECT_EQ(result.mesh.positions[VertexId(3)], (Vec3{0, 1, 0.1}));
       EXPECT_EQ(label_of_faces(result.mesh.labels.group), (std::vector<std::string>{"lid", "lid"}));
     }
