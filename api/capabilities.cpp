@@ -5,6 +5,7 @@
 #include "api/options.h"
 #include "api/report_json.h"
 #include "core/base/coordinate_range.h"
+#include "core/io/format_spec.h"
 #include "core/remesh.h"
 
 namespace remesh::api {
@@ -48,6 +49,15 @@ void write_option(JsonWriter& json, const OptionSpec& spec) {
   json.end_object();
 }
 
+std::string_view labels_name(LabelsHeld labels) {
+  switch (labels) {
+    case LabelsHeld::kNone: return "none";
+    case LabelsHeld::kOne: return "one";
+    case LabelsHeld::kAll: return "all";
+  }
+  return "none";
+}
+
 void write_formats(JsonWriter& json, std::string_view name, bool (*is_known)(Format)) {
   json.key(name);
   json.begin_array();
@@ -58,6 +68,12 @@ void write_formats(JsonWriter& json, std::string_view name, bool (*is_known)(For
     json.member("media_type", media_type(format));
     json.member("ending", file_ending(format));
     if (text_form(format) != format) json.member("text_form", format_name(text_form(format)));
+    const FormatSpec& spec = format_spec(format);
+    json.member("about", spec.about);
+    json.member("numbers", spec.storage == Storage::kFloat ? "float" : "double");
+    json.member("labels", labels_name(spec.labels));
+    json.member("programs", spec.programs);
+    if (!spec.next.empty()) json.member("next", spec.next);
     json.end_object();
   }
   json.end_array();
@@ -103,7 +119,7 @@ Response capabilities(const Limits& limits) {
   json.key("formats");
   json.begin_object();
   write_formats(json, "input", can_read);
-  write_formats(json, "output", [](Format) { return true; });
+  write_formats(json, "output", is_written);
   json.end_object();
   json.key("options");
   json.begin_array();

@@ -87,13 +87,21 @@ Input read_input(Job& job, const Limits& limits, RunControl& control) {
     input.read = read_json(job.mesh, limits.input, control, job.options);
     job.options.check();
   } else {
-    input.read = read_with_remarks(input.format, job, limits.input, control);
+    ReadLimits of_mesh = limits.input;
+    of_mesh.decompression = limits.decompression;
+    input.read = read_with_remarks(input.format, job, of_mesh, control);
   }
   job.mesh = {};
   if (job.release_mesh) job.release_mesh();
   input.options = bounded(job.options.options(), limits);
   input.read_ms = ms_since(start);
   return input;
+}
+
+/// Passes on what the file tells of its coordinates.
+void tell_axes(const ReadResult& read, Report& report) {
+  report.input_unit = read.unit;
+  report.input_up_axis = read.up_axis;
 }
 
 StageTimes stage_times(const Input& input, const Report& report) {
@@ -121,17 +129,29 @@ std::string write_json_answer(const Result& result, const RequestOptions& option
   return json.take();
 }
 
-std::string write_mesh_answer(Format format, const Result& result, StageTimes& times, RunControl& control) {
+std::string write_mesh_answer(Format format, const Result& result, const Writing& writing, StageTimes& times,
+                              RunControl& control) {
   const Clock::time_point start = Clock::now();
-  std::string body = write_mesh(format,
-                                {result.mesh, result.face_patch, summary_comments(summary_of(result.report)),
-                                 result.report.surfaces.of_patch.items()},
-                                control);
+  const std::vector<std::string> comments = summary_comments(summary_of(result.report));
+  std::string body = write_mesh(format, writer_input(result, comments, writing), control);
   times.add(Stage::kWrite, ms_since(start));
   return body;
 }
 
 }  // namespace
+
+WriterInput writer_input(const Result& result, const std::vector<std::string>& comments, const Writing& writing) {
+  return {result.mesh, result.face_patch,
+          comments,    result.report.surfaces.of_patch.items(),
+          writing,     result.report.input_up_axis == "y"};
+}
+
+bool record_renamed_labels(Format format, const Writing& writing, Result& result, RunControl& control) {
+  result.report.renamed_labels = renamed_labels(format, writer_input(result, {}, writing), control);
+  const bool are_any = !result.report.renamed_labels.empty();
+  if (are_any) result.report.diagnostics.push_back(renamed_diagnostic(result.report.renamed_labels));
+  return are_any;
+}
 
 void check_job(const Job& job, const Limits& limits) {
   job.options.check();
@@ -153,7 +173,10 @@ Remeshed remesh_for_job(Job job, const Limits& limits, Purpose purpose, RunContr
   settings.rounding = purpose == Purpose::kKeeping ? OutputRounding::kLater : rounding_for(remeshed.wanted);
   remeshed.result =
       remesh_surface(input.read.mesh, input.options.core, settings, control, std::move(input.read.diagnostics));
+  tell_axes(input.read, remeshed.result.report);
   remeshed.options.format = remeshed.result.is_not_held ? text_form(format) : format;
+  if (purpose == Purpose::kAnswer)
+    record_renamed_labels(*remeshed.options.format, remeshed.options.writing, remeshed.result, control);
   remeshed.times = stage_times(input, remeshed.result.report);
   return remeshed;
 }
@@ -167,7 +190,7 @@ RemeshAnswer run_remesh_job(Job job, const Limits& limits, RunControl& control) 
   control.enter(Stage::kWrite);
   answer.body = answer.format == Format::kJson
                     ? write_json_answer(remeshed.result, answer.options, answer.times, control)
-                    : write_mesh_answer(answer.format, remeshed.result, answer.times, control);
+                    : write_mesh_answer(answer.format, remeshed.result, answer.options.writing, answer.times, control);
   answer.report = std::move(remeshed.result.report);
   return answer;
 }
@@ -183,6 +206,7 @@ AnalysisAnswer run_analyze_job(Job job, const Limits& limits, RunControl& contro
   answer.report = analyze_surface(input.read.mesh, input.options.core,
                                   {.workers = limits.workers, .serial_corners = limits.serial_corners}, control,
                                   std::move(input.read.diagnostics));
+  tell_axes(input.read, answer.report);
   answer.times = stage_times(input, answer.report);
   return answer;
 }

@@ -12,6 +12,7 @@
 #include "api/report_json.h"
 #include "api/summary.h"
 #include "core/base/run_control.h"
+#include "core/io/common/format.h"
 #include "core/remesh.h"
 
 namespace remesh::api {
@@ -57,6 +58,13 @@ enum class Purpose {
   kAnswer,   ///< it is written at once, rounded and measured for the chosen format
   kKeeping,  ///< it is written later in any format, so it keeps doubles and all data that any format shows
 };
+
+/// The input of the writer of a mesh format. It refers to all arguments.
+WriterInput writer_input(const Result& result, const std::vector<std::string>& comments, const Writing& writing);
+
+/// Records in the report which names of labels the format has in another form.
+/// Output: whether there are any.
+bool record_renamed_labels(Format format, const Writing& writing, Result& result, RunControl& control);
 
 /// Checks everything that can be refused before the mesh is read.
 /// Errors: those of options and of formats.

@@ -103,6 +103,7 @@ OutputFormat choose_output_format(std::optional<Format> option, std::string_view
   std::optional<Format> best;
   Rank best_rank{0, true, true};
   for (const Format format : kFormats) {
+    if (!is_written(format)) continue;
     const std::optional<double> weight = weight_for(ranges, format);
     const Rank rank{weight.value_or(weight_of_others), format == input, weight.has_value()};
     if (rank <= best_rank) continue;
@@ -113,10 +114,9 @@ OutputFormat choose_output_format(std::optional<Format> option, std::string_view
     const MediaRange* const named = find_range(ranges, media_type(*best));
     return {*best, named != nullptr && named->weight > weight_of_others};
   }
-  throw Error(
-      Code::kNotAcceptable, Stage::kRead,
-      "none of the formats that Accept asks for (" + shortened(accept, 200) +
-          ") can be written; the formats that can be written are: " + names_of_formats([](Format) { return true; }));
+  throw Error(Code::kNotAcceptable, Stage::kRead,
+              "none of the formats that Accept asks for (" + shortened(accept, 200) +
+                  ") can be written; the formats that can be written are: " + names_of_formats(is_written));
 }
 
 OutputRounding rounding_for(const OutputFormat& wanted) {

@@ -193,6 +193,7 @@ Fields result_headers(std::string_view summary, std::string_view timing, std::st
 void update_summary(const Result& rounded, Summary& summary, RunControl& control) {
   summary.min_angle_deg = measure_surface(rounded.mesh, control).quality.min_angle_deg;
   summary.origin = rounded.report.output_origin;
+  summary.distance_bound = rounded.report.distance_bound;
   summary.unrefined.clear();
   for (const Unrefined& left : summarise_unrefined(rounded.rounding_input.unrefined, rounded.mesh.positions.items(),
                                                    rounded.mesh.faces.items(), rounded.rounding_input.goals, control))
@@ -255,6 +256,7 @@ StoredRemesh run_remesh_to_keep(const Request& request, const Limits& limits, Ru
   KeptResult kept;
   kept.format = format;
   kept.local_origin = remeshed.options.core.local_origin;
+  kept.writing = remeshed.options.writing;
   kept.summary = summary_of(remeshed.result.report);
   kept.server_timing = server_timing(remeshed.times);
   kept.file_name = std::move(parsed.file_name);
@@ -262,6 +264,13 @@ StoredRemesh run_remesh_to_keep(const Request& request, const Limits& limits, Ru
   answer.report = report_text(remeshed.result.report);
   if (storage_of(format) != Storage::kDouble) kept.exact_report = answer.report;
   kept.result = std::move(remeshed.result);
+  // Other formats that are written later may have the names as they came.
+  const auto record_renamed = [&] {
+    if (!record_renamed_labels(kept.format, kept.writing, kept.result, control)) return;
+    kept.exact_report = answer.report;
+    answer.report = report_text(kept.result.report);
+  };
+  record_renamed();
   answer.mesh = pack_result(kept);
   // The report describes the result in the job's own format. If this format cannot hold the result, the report stays
   // about doubles, and the job gives the result in all other formats.
@@ -277,6 +286,7 @@ StoredRemesh run_remesh_to_keep(const Request& request, const Limits& limits, Ru
       remeshed.options.format = kept.format;
       kept.summary = summary_of(kept.result.report);
       answer.report = report_text(kept.result.report);
+      record_renamed();
     }
     answer.mesh = pack_result(kept);
   }
@@ -309,21 +319,30 @@ void check_json(const Request& request, const Limits& limits, RunControl& contro
 Response write_kept(std::string mesh, const std::function<std::string()>& report, const Request& wanted,
                     RunControl& control) {
   control.enter(Stage::kWrite);
-  OptionReader options;
-  bool is_origin_named = false;
   for (const auto& [name, value] : wanted.query) {
-    if (name != "format" && name != "local_origin") {
-      throw Error(as_code(RequestCode::kUnknownOption), Stage::kWrite,
-                  "a result takes the options \"format\" and \"local_origin\" only, not " + in_quotes(name))
-          .for_option(shortened(name));
-    }
-    is_origin_named = is_origin_named || name == "local_origin";
-    options.add(name, value);
+    const OptionSpec* option = find_option(name);
+    if (option != nullptr && is_of_output(*option)) continue;
+    throw Error(as_code(RequestCode::kUnknownOption), Stage::kWrite,
+                "a result takes only the options that say how it is written (format, local_origin, label, names, "
+                "stl_solids, msh_version), not " +
+                    in_quotes(name))
+        .for_option(shortened(name));
   }
-  options.check();
+  // Faults of the options are told before the result is unpacked, which takes several times as much memory.
+  const auto options_with = [&](RequestOptions options) {
+    OptionReader reader(std::move(options));
+    for (const auto& [name, value] : wanted.query) reader.add(name, value);
+    reader.check();
+    return reader.options();
+  };
+  (void)options_with({});
   KeptResult kept = unpack_result(mesh);
   std::string().swap(mesh);  // the following steps take several times as much memory
-  const Format format = choose_output_format(options.options().format, wanted.accept, kept.format).format;
+  RequestOptions of_job;
+  of_job.core.local_origin = kept.local_origin;
+  of_job.writing = kept.writing;
+  const RequestOptions options = options_with(std::move(of_job));
+  const Format format = choose_output_format(options.format, wanted.accept, kept.format).format;
   Response response;
   response.content_type = content_type(format);
   if (format == Format::kJson) {
@@ -336,15 +355,15 @@ Response write_kept(std::string mesh, const std::function<std::string()>& report
     json.end_object();
     response.body = json.take();
   } else {
-    const bool local_origin = is_origin_named ? options.options().core.local_origin : kept.local_origin;
+    kept.result.report.distance_bound = kept.summary.distance_bound;
     // If a job did not ask for its format by name, the chosen format can hold the result.
-    if (round_for_format(storage_of(format), local_origin, OutputRounding::kRequired, kept.result, control) ==
-        Rounded::kMoved)
+    if (round_for_format(storage_of(format), options.core.local_origin, OutputRounding::kRequired, kept.result,
+                         control) == Rounded::kMoved)
       update_summary(kept.result, kept.summary, control);
-    response.body = write_mesh(format,
-                               {kept.result.mesh, kept.result.face_patch, summary_comments(kept.summary),
-                                kept.result.report.surfaces.of_patch.items()},
-                               control);
+    if (record_renamed_labels(format, options.writing, kept.result, control))
+      kept.summary.warnings.push_back(warning_text(renamed_diagnostic(kept.result.report.renamed_labels)));
+    const std::vector<std::string> comments = summary_comments(kept.summary);
+    response.body = write_mesh(format, writer_input(kept.result, comments, options.writing), control);
   }
   response.headers = result_headers(summary_line(kept.summary), kept.server_timing, kept.file_name, format);
   return response;

@@ -50,10 +50,61 @@ constexpr std::array<PresetValue, 5> kPresetValues{{
     {Preset::kExact, "defeature_size", "0"},
 }};
 
-constexpr std::array<std::pair<std::string_view, CircleFit>, 2> kCircleFitWords{
-    {{"inscribed", CircleFit::kInscribed}, {"volume", CircleFit::kVolume}}};
+/// The words for the values of an enumeration.
+template <class Value>
+struct Choice;
+template <>
+struct Choice<CircleFit> {
+  static constexpr std::array<std::pair<std::string_view, CircleFit>, 2> kWords{
+      {{"inscribed", CircleFit::kInscribed}, {"volume", CircleFit::kVolume}}};
+};
+template <>
+struct Choice<LabelChoice> {
+  static constexpr std::array<std::pair<std::string_view, LabelChoice>, 6> kWords{{{"auto", LabelChoice::kAuto},
+                                                                                   {"object", LabelChoice::kObject},
+                                                                                   {"group", LabelChoice::kGroup},
+                                                                                   {"material", LabelChoice::kMaterial},
+                                                                                   {"patch", LabelChoice::kPatch},
+                                                                                   {"surface", LabelChoice::kSurface}}};
+};
+template <>
+struct Choice<NameRule> {
+  static constexpr std::array<std::pair<std::string_view, NameRule>, 2> kWords{
+      {{"portable", NameRule::kPortable}, {"exact", NameRule::kExact}}};
+};
+template <>
+struct Choice<StlSolids> {
+  static constexpr std::array<std::pair<std::string_view, StlSolids>, 2> kWords{
+      {{"label", StlSolids::kLabel}, {"one", StlSolids::kOne}}};
+};
+template <>
+struct Choice<MshVersion> {
+  static constexpr std::array<std::pair<std::string_view, MshVersion>, 2> kWords{
+      {{"2.2", MshVersion::k22}, {"4.1", MshVersion::k41}}};
+};
 
-const std::array<OptionSpec, 28> kTable{{
+/// The type of the member that a pointer points to, if an option's value may be only one of several words.
+template <class Field>
+struct ChoiceMember;
+template <class Value, class Of>
+struct ChoiceMember<Value Of::*> {
+  using Type = Value;
+};
+template <class Field>
+concept IsChoice = requires {
+  Choice<typename ChoiceMember<Field>::Type>::kWords;
+};
+
+template <class Value>
+auto& member_of(auto& options, Value Options::*field) {
+  return options.core.*field;
+}
+template <class Value>
+auto& member_of(auto& options, Value Writing::*field) {
+  return options.writing.*field;
+}
+
+const std::array<OptionSpec, 32> kTable{{
     {.name = "refine",
      .type = OptionType::kBoolean,
      .field = &Options::refine,
@@ -247,6 +298,31 @@ const std::array<OptionSpec, 28> kTable{{
              "the input, but text (stl_ascii) if binary STL cannot hold the result",
      .unset = "auto",
      .example = "json"},
+    {.name = "label",
+     .type = OptionType::kChoice,
+     .field = &Writing::label,
+     .help = "the labels that name the boundaries in formats with one label for each face (stl_ascii, msh); auto: "
+             "groups, otherwise objects, otherwise materials; a mesh without these labels has its patches as "
+             "boundaries, and in stl_ascii one solid",
+     .example = "material"},
+    {.name = "names",
+     .type = OptionType::kChoice,
+     .field = &Writing::names,
+     .help = "the names of boundaries in stl_ascii and msh; portable: names that all mesh programs read, with only "
+             "ASCII letters, digits, _, - and ., at most 120 bytes, no two equal; the report lists the changed ones; "
+             "exact: as they came. All other formats have names as they came",
+     .example = "exact"},
+    {.name = "stl_solids",
+     .type = OptionType::kChoice,
+     .field = &Writing::stl_solids,
+     .help = "the solids of stl_ascii; label: one for each boundary; one: a single one without a name, because some "
+             "programs read only the first solid",
+     .example = "one"},
+    {.name = "msh_version",
+     .type = OptionType::kChoice,
+     .field = &Writing::msh_version,
+     .help = "the version of Gmsh's format in which msh is written",
+     .example = "4.1"},
 }};
 
 [[noreturn]] void fail(const OptionSpec& spec, const std::string& message) {
@@ -427,7 +503,7 @@ std::string_view choice_name(const std::array<std::pair<std::string_view, Value>
 
 Format parse_format(const OptionSpec& spec, std::string_view text) {
   const std::optional<Format> format = format_from_name(text);
-  if (!format) fail_value(spec, text);
+  if (!format || !is_written(*format)) fail_value(spec, text);
   return *format;
 }
 
@@ -448,8 +524,8 @@ void set_value(const OptionSpec& spec, std::string_view text, RequestOptions& op
           core.*field = parse_words(spec, kRepairWords, text);
         } else if constexpr (std::is_same_v<F, Barriers Options::*>) {
           core.*field = parse_words(spec, kBarrierWords, text);
-        } else if constexpr (std::is_same_v<F, CircleFit Options::*>) {
-          core.*field = parse_choice(spec, kCircleFitWords, text);
+        } else if constexpr (IsChoice<F>) {
+          member_of(options, field) = parse_choice(spec, Choice<typename ChoiceMember<F>::Type>::kWords, text);
         } else if constexpr (std::is_same_v<F, AxisField>) {
           parse_axis(spec, text, core);
         } else if constexpr (std::is_same_v<F, ElementsField>) {
@@ -474,7 +550,9 @@ void check_kind(const OptionSpec& spec, std::string_view text, ValueKind kind) {
   switch (kind) {
     case ValueKind::kUntyped: break;
     case ValueKind::kBoolean: fits = spec.type == OptionType::kBoolean; break;
-    case ValueKind::kNumber: fits = spec.type == OptionType::kNumber || spec.type == OptionType::kInteger; break;
+    case ValueKind::kNumber:
+      fits = spec.type == OptionType::kNumber || spec.type == OptionType::kInteger || is_word_of(spec, text);
+      break;
     case ValueKind::kList: fits = spec.type == OptionType::kWords || spec.type == OptionType::kAxis; break;
     case ValueKind::kNull: fits = !spec.unset.empty(); break;
     case ValueKind::kObject: fits = false; break;
@@ -521,21 +599,38 @@ const OptionSpec& nearest_option(std::string_view name) {
                            [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
 }
 
+bool is_of_output(const OptionSpec& spec) {
+  return std::visit(
+      [&](auto field) {
+        using F = decltype(field);
+        if constexpr (std::is_same_v<F, bool Options::*>) return field == &Options::local_origin;
+        if constexpr (IsChoice<F>) return !std::is_same_v<F, CircleFit Options::*>;
+        return std::is_same_v<F, FormatField>;
+      },
+      spec.field);
+}
+
 std::vector<std::string_view> option_words(const OptionSpec& spec) {
   std::vector<std::string_view> words;
   if (std::holds_alternative<Repair Options::*>(spec.field)) {
     for (const auto& word : kRepairWords) words.push_back(word.first);
   } else if (std::holds_alternative<Barriers Options::*>(spec.field)) {
     for (const auto& word : kBarrierWords) words.push_back(word.first);
-  } else if (std::holds_alternative<CircleFit Options::*>(spec.field)) {
-    for (const auto& word : kCircleFitWords) words.push_back(word.first);
   } else if (std::holds_alternative<ElementsField>(spec.field)) {
     words.push_back(kNoElements);
   } else if (std::holds_alternative<PresetField>(spec.field)) {
     for (const auto& word : kPresetWords) words.push_back(word.first);
   } else if (std::holds_alternative<FormatField>(spec.field)) {
-    for (const Format format : kFormats) words.push_back(format_name(format));
+    for (const Format format : kFormats)
+      if (is_written(format)) words.push_back(format_name(format));
   }
+  std::visit(
+      [&](auto field) {
+        if constexpr (IsChoice<decltype(field)>)
+          for (const auto& word : Choice<typename ChoiceMember<decltype(field)>::Type>::kWords)
+            words.push_back(word.first);
+      },
+      spec.field);
   return words;
 }
 
@@ -553,8 +648,8 @@ OptionValue option_value(const OptionSpec& spec, const RequestOptions& options) 
           return words_text(kRepairWords, core.*field);
         } else if constexpr (std::is_same_v<F, Barriers Options::*>) {
           return words_text(kBarrierWords, core.*field);
-        } else if constexpr (std::is_same_v<F, CircleFit Options::*>) {
-          return std::string(choice_name(kCircleFitWords, core.*field));
+        } else if constexpr (IsChoice<F>) {
+          return std::string(choice_name(Choice<typename ChoiceMember<F>::Type>::kWords, member_of(options, field)));
         } else if constexpr (std::is_same_v<F, AxisField>) {
           return axis_text(core);
         } else if constexpr (std::is_same_v<F, ElementsField>) {

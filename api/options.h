@@ -8,6 +8,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -22,12 +23,13 @@ enum class Preset {
   kExact,   ///< facets and boundaries stay as they are: feature_angle_deg=0, split_boundaries=false, defeature_size=0
 };
 
-/// All settings that a caller may choose: the options of the pipeline, with the preset already applied, and the format
-/// of the answer.
+/// All settings that a caller may choose: the options of the pipeline, with the preset already applied, and the form of
+/// the answer.
 struct RequestOptions {
   Options core;
   std::optional<Preset> preset;
   std::optional<Format> format;
+  Writing writing = {};
 };
 
 enum class OptionType {
@@ -49,9 +51,11 @@ struct AxisField {};
 struct ElementsField {};
 
 /// The member in which an option's value is stored.
-using OptionField = std::variant<bool Options::*, double Options::*, std::optional<double> Options::*,
-                                 std::optional<std::uint64_t> Options::*, Repair Options::*, Barriers Options::*,
-                                 CircleFit Options::*, AxisField, ElementsField, PresetField, FormatField>;
+using OptionField =
+    std::variant<bool Options::*, double Options::*, std::optional<double> Options::*,
+                 std::optional<std::uint64_t> Options::*, Repair Options::*, Barriers Options::*, CircleFit Options::*,
+                 LabelChoice Writing::*, NameRule Writing::*, StlSolids Writing::*, MshVersion Writing::*, AxisField,
+                 ElementsField, PresetField, FormatField>;
 
 struct OptionSpec {
   std::string_view name;
@@ -70,6 +74,8 @@ std::span<const OptionSpec> option_table();
 const OptionSpec* find_option(std::string_view name);
 /// Finds the option whose name takes the fewest edits to reach from `name`. The first one wins a tie.
 const OptionSpec& nearest_option(std::string_view name);
+/// True if an option does not change the result, but only the form in which it is written.
+bool is_of_output(const OptionSpec& spec);
 /// The words that a kWords or kChoice option accepts, and those that an option accepts in place of a number,
 /// without the word for "no value".
 std::vector<std::string_view> option_words(const OptionSpec& spec);
@@ -90,6 +96,10 @@ enum class ValueKind { kUntyped, kBoolean, kNumber, kString, kList, kObject, kNu
 /// Collects the options of one request from all the places where they may occur.
 class OptionReader {
  public:
+  OptionReader() = default;
+  /// `defaults` has the values of the options that are not given.
+  explicit OptionReader(RequestOptions defaults) : options_(std::move(defaults)) {}
+
   /// Reads one option. The items of a list are separated by commas.
   /// Holds:  the order does not matter: a given option overrides the value that a preset has for it.
   /// Errors: kUnknownOption - the message names the nearest known one; kInvalidOption - given twice, of the wrong

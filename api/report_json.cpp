@@ -127,9 +127,12 @@ void write_statistics_members(JsonWriter& json, const MeshStatistics& mesh) {
   write_quality(json, mesh.quality);
 }
 
-void write_statistics(JsonWriter& json, const MeshStatistics& mesh) {
+/// Writes the statistics of the input, and what its format tells of the coordinates.
+void write_input(JsonWriter& json, const Report& report) {
   json.begin_object();
-  write_statistics_members(json, mesh);
+  write_statistics_members(json, report.input);
+  if (!report.input_unit.empty()) json.member("unit", report.input_unit);
+  if (!report.input_up_axis.empty()) json.member("up_axis", report.input_up_axis);
   json.end_object();
 }
 
@@ -274,6 +277,17 @@ void write_patches(JsonWriter& json, const std::vector<PatchSummary>& patches, c
     json.member("reason", reason.empty() ? std::nullopt : std::optional(reason));
     json.member("deviation", patch.deviation);
     json.member("bound", proven(patch.bound, kind));
+    json.end_object();
+  }
+  json.end_array();
+}
+
+void write_renamed_labels(JsonWriter& json, const std::vector<RenamedLabel>& renamed) {
+  json.begin_array();
+  for (const RenamedLabel& label : renamed) {
+    json.begin_object();
+    json.member("from", label.from);
+    json.member("to", label.to);
     json.end_object();
   }
   json.end_array();
@@ -441,7 +455,7 @@ double StageTimes::total() const {
 
 void write_report(JsonWriter& json, const Report& report, const RequestOptions& options, ReportKind kind,
                   const StageTimes& times, RunControl& control) {
-  RequestOptions used = with_defaults({report.options, options.preset, options.format});
+  RequestOptions used = with_defaults({report.options, options.preset, options.format, options.writing});
   used.core.plane_tolerance = report.first_plane_tolerance;
   if (report.min_edge_length > 0) used.core.min_edge_length = report.min_edge_length;
   const bool is_remesh = kind == ReportKind::kRemesh;
@@ -457,7 +471,7 @@ void write_report(JsonWriter& json, const Report& report, const RequestOptions& 
   json.member("volume_bound", report.volume_bound);
   json.end_object();
   json.key("input");
-  write_statistics(json, report.input);
+  write_input(json, report);
   if (is_remesh) {
     json.key("output");
     write_output(json, report);
@@ -469,6 +483,10 @@ void write_report(JsonWriter& json, const Report& report, const RequestOptions& 
   write_distance_bound(json, report.distance_bound);
   json.key("diagnostics");
   write_diagnostics(json, report.diagnostics);
+  if (is_remesh) {
+    json.key("renamed_labels");
+    write_renamed_labels(json, report.renamed_labels);
+  }
   json.key("volume_ready");
   write_volume_ready(json, report.volume_obstacles);
   if (!is_remesh) {

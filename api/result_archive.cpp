@@ -15,7 +15,7 @@ static_assert(std::endian::native == std::endian::little, "archives are little-e
 static_assert(sizeof(Vec3) == 24);
 
 /// The last digit is the version of the format.
-constexpr std::string_view kMagic = "REMESHD6";
+constexpr std::string_view kMagic = "REMESHD7";
 
 constexpr std::uint32_t value_of(std::uint32_t number) { return number; }
 template <class Tag>
@@ -102,6 +102,13 @@ class Unpacker {
     if (value >= kUnrefinedReasonCount) fail();
     return static_cast<UnrefinedReason>(value);
   }
+  /// Reads a value of an enumeration.
+  template <class Value>
+  Value choice(Value last) {
+    const std::uint64_t value = number();
+    if (value > static_cast<std::uint64_t>(last)) fail();
+    return static_cast<Value>(value);
+  }
   std::string text() { return std::string(cut(number())); }
   std::vector<std::string> texts() {
     std::vector<std::string> values;
@@ -158,6 +165,20 @@ class Unpacker {
 
   std::string_view rest_;
 };
+
+void pack(const Writing& writing, Packer& out) {
+  out.number(static_cast<std::uint64_t>(writing.label));
+  out.number(static_cast<std::uint64_t>(writing.names));
+  out.number(static_cast<std::uint64_t>(writing.stl_solids));
+  out.number(static_cast<std::uint64_t>(writing.msh_version));
+}
+
+void unpack(Unpacker& in, Writing& writing) {
+  writing.label = in.choice(LabelChoice::kSurface);
+  writing.names = in.choice(NameRule::kExact);
+  writing.stl_solids = in.choice(StlSolids::kOne);
+  writing.msh_version = in.choice(MshVersion::k41);
+}
 
 void pack(const Summary& summary, Packer& out) {
   for (const std::uint64_t count : {summary.input_faces, summary.output_faces, summary.patches, summary.kept})
@@ -258,6 +279,7 @@ std::string pack_result(const KeptResult& kept) {
   out.append(kMagic.data(), kMagic.size());
   out.text(format_name(kept.format));
   out.number(kept.local_origin);
+  pack(kept.writing, out);
   pack(kept.summary, out);
   out.text(kept.server_timing);
   out.text(kept.file_name);
@@ -270,6 +292,7 @@ std::string pack_result(const KeptResult& kept) {
   out.texts(result.mesh.labels.material_libraries);
   out.ids(result.face_patch.items());
   out.ids(result.report.surfaces.of_patch.items());
+  out.text(result.report.input_up_axis);
   out.ids(result.face_source.items());
   out.ids(result.input_face_patch.items());
   pack(result.rounding_input, out);
@@ -285,6 +308,7 @@ KeptResult unpack_result(std::string_view bytes) {
   if (!format) Unpacker::fail();
   kept.format = *format;
   kept.local_origin = in.flag();
+  unpack(in, kept.writing);
   unpack(in, kept.summary);
   kept.server_timing = in.text();
   kept.file_name = in.text();
@@ -302,6 +326,7 @@ KeptResult unpack_result(std::string_view bytes) {
   result.mesh.labels.material_libraries = in.texts();
   in.ids(result.face_patch.items());
   in.ids(result.report.surfaces.of_patch.items());
+  result.report.input_up_axis = in.text();
   in.ids(result.face_source.items());
   in.ids(result.input_face_patch.items());
   unpack(in, result.rounding_input);

@@ -15,13 +15,16 @@ namespace remesh::api {
 struct KeptResult {
   Format format = Format::kObj;  ///< the format that the job asked for
   bool local_origin = false;     ///< the option of the job
+  Writing writing;               ///< the options of the job
   Summary summary;               ///< describes the result in doubles
   std::string server_timing;
   std::string file_name;  ///< the name of the uploaded file, not trusted
   /// The report on the result in doubles, as JSON. It is empty unless the job's own report describes coordinates that
-  /// were rounded for its format.
+  /// were rounded for its
+  /// format, or names that were changed for it.
   std::string exact_report;
-  /// The result in doubles, with its basis. Its report is empty, except for the surfaces of the patches.
+  /// The result in doubles, with its basis. Its report is empty, except for the surfaces of the patches
+  /// and the axis that points upwards.
   Result result;
 };
 

@@ -27,6 +27,11 @@ std::string distance_text(const DistanceBound& bound) {
 
 }  // namespace
 
+std::string warning_text(const Diagnostic& diagnostic) {
+  return in_one_line(std::string(diagnostic_name(diagnostic.code)) + ": " + std::to_string(diagnostic.count) + ": " +
+                     diagnostic.message);
+}
+
 Summary summary_of(const Report& report) {
   Summary summary;
   summary.input_faces = report.input.faces;
@@ -37,10 +42,7 @@ Summary summary_of(const Report& report) {
                     [](const PatchSummary& patch) { return patch.status == PatchStatus::kKept; }));
   summary.min_angle_deg = report.output.quality.min_angle_deg;
   summary.is_verified = report.verified.all_true();
-  for (const Diagnostic& diagnostic : report.diagnostics) {
-    summary.warnings.push_back(in_one_line(std::string(diagnostic_name(diagnostic.code)) + ": " +
-                                           std::to_string(diagnostic.count) + ": " + diagnostic.message));
-  }
+  for (const Diagnostic& diagnostic : report.diagnostics) summary.warnings.push_back(warning_text(diagnostic));
   for (const Unrefined& left : report.unrefined) summary.unrefined.emplace_back(left.reason, left.count);
   summary.distance_bound = report.distance_bound;
   summary.origin = report.output_origin;

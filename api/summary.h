@@ -28,6 +28,9 @@ struct Summary {
 
 Summary summary_of(const Report& report);
 
+/// Formats a diagnostic as a line of the summary's warnings.
+std::string warning_text(const Diagnostic& diagnostic);
+
 /// Formats three numbers with their shortest digits and blanks between them.
 std::string origin_text(const Vec3& origin);
 

@@ -72,7 +72,8 @@ std::vector<File> find_files(const std::string& folder, const std::string& outpu
 void name_outputs(std::vector<File>& files, const std::string& folder, std::optional<Format> asked) {
   std::set<std::string> taken;
   for (File& file : files) {
-    const Format format = asked.value_or(*format_from_file_name(file.name));
+    const Format own = *format_from_file_name(file.name);
+    const Format format = asked.value_or(is_written(own) ? own : Format::kObj);
     const std::string ending = "." + std::string(file_ending(format));
     fs::path path = fs::path(folder) / file.name;
     const fs::path with_both = path.string() + ending;

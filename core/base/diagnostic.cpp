@@ -29,6 +29,7 @@ std::string_view diagnostic_name(DiagnosticCode code) {
     case DiagnosticCode::kRemovedDetail: return "removed_detail";
     case DiagnosticCode::kSmallDetail: return "small_detail";
     case DiagnosticCode::kOutputAsText: return "output_as_text";
+    case DiagnosticCode::kRenamedLabels: return "renamed_labels";
   }
   return "";
 }

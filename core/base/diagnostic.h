@@ -36,6 +36,7 @@ enum class DiagnosticCode {
   kRemovedDetail,
   kSmallDetail,
   kOutputAsText,
+  kRenamedLabels,
 };
 
 /// Something that was found, dropped, merged or split. `elements` has the first 100, in the input's numbering from 0.

@@ -3,10 +3,12 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/base/ids.h"
 #include "core/base/options.h"
 #include "core/base/run_control.h"
+#include "core/io/common/boundaries.h"
 #include "core/io/common/format.h"
 #include "core/mesh/mesh.h"
 
@@ -29,19 +31,32 @@ enum class Mark {
   kCertain,   ///< no other format looks like this, whatever its first words say
 };
 
-/// One format. The web page and the documents name the formats on their own. The media type stands here although only
-/// the API and the daemon use it, because then one row is all that the code has to know of a format.
+/// The labels that a format can hold.
+enum class LabelsHeld {
+  kNone,
+  kOne,  ///< one label for each face: its boundary (boundaries.h)
+  kAll,  ///< object, group and material of each face
+};
+
+/// One format. One row is all that the code has to know of a format, so there are also things that only the API, the
+/// daemon and the page use: the media type, and what people want to know of the file.
 struct FormatSpec {
   std::string_view name;    ///< the stable name: `obj`
   std::string_view ending;  ///< of a file's name, without the point
   std::string_view media_type;
-  Storage storage;  ///< the numbers in which it is written
+  Storage storage;                        ///< the numbers in which it is written
+  LabelsHeld labels = LabelsHeld::kNone;  ///< those that it has when it is written
+  std::string_view about = {};            ///< what is in the file, in a few words
+  std::string_view programs = {};         ///< programs that were seen to read it
+  std::string_view next = {};  ///< one to three lines that go on with a file `part`; empty if it is only read
   /// Looks at a content; null if the format is never recognised by its content.
   Mark (*mark)(const Sniffed& content) = nullptr;
   /// Null if the format is not read, or only above this library, as JSON is.
   ReadResult (*read)(std::string_view content, const ReadLimits& limits, RunControl& control) = nullptr;
-  /// Null if the format is written only above this library, as JSON is.
+  /// Null if the format is only read, or written only above this library, as JSON is.
   std::string (*write)(const WriterInput& input, RunControl& control) = nullptr;
+  /// The names of labels that are changed when the mesh is written. Null if they are written as they came.
+  std::vector<RenamedLabel> (*renamed)(const WriterInput& input, RunControl& control) = nullptr;
 };
 
 const FormatSpec& format_spec(Format format);

@@ -16,11 +16,8 @@ struct ForeignMark {
   std::string_view begin;
   std::string_view name;
 };
-constexpr std::array<ForeignMark, 13> kForeignMarks{{
-    {"pk\x03\x04", "a ZIP archive, as 3MF is"},
-    {"gltf", "binary glTF"},
+constexpr std::array<ForeignMark, 10> kForeignMarks{{
     {"iso-10303-21", "STEP"},
-    {"# vtk datafile", "legacy VTK"},
     {"kaydara fbx binary", "FBX"},
     {"\xfd"
      "7zxz",
@@ -31,11 +28,12 @@ constexpr std::array<ForeignMark, 13> kForeignMarks{{
     {"%pdf-", "PDF"},
     {"<!doctype html", "an HTML page"},
     {"<html", "an HTML page"},
-    {"<?xml", "XML that is not VTU"},
+    {"<?xml", "XML that is no VTK file"},
 }};
 
 }  // namespace
 
+bool is_written(Format format) { return format == Format::kJson || format_spec(format).write != nullptr; }
 std::string_view format_name(Format format) { return format_spec(format).name; }
 std::string_view file_ending(Format format) { return format_spec(format).ending; }
 Storage storage_of(Format format) { return format_spec(format).storage; }

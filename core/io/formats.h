@@ -9,6 +9,8 @@
 
 namespace remesh {
 
+/// True if a format can be written; false if it is only read.
+bool is_written(Format format);
 /// The stable name of a format: `obj`, `json`, ...
 std::string_view format_name(Format format);
 /// The usual ending of a file name, without the point. It is the name of the format, except for `stl_ascii`, whose

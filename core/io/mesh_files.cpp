@@ -18,4 +18,9 @@ std::string write_mesh(Format format, const WriterInput& input, RunControl& cont
               "the format " + std::string(format_name(format)) + " is not written here");
 }
 
+std::vector<RenamedLabel> renamed_labels(Format format, const WriterInput& input, RunControl& control) {
+  const auto renamed = format_spec(format).renamed;
+  return renamed == nullptr ? std::vector<RenamedLabel>() : renamed(input, control);
+}
+
 }  // namespace remesh

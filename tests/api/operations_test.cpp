@@ -138,8 +138,8 @@ TEST(run_remesh, the_report_has_every_field_of_the_contract) {
   };
   EXPECT_EQ(keys(report),
             (std::set<std::string>{"version", "options", "tolerance", "input", "output", "patches", "surfaces",
-                                   "distance_bound", "diagnostics", "volume_ready", "smallest_gap", "unrefined",
-                                   "refinement_rounds", "verified", "timing_ms"}));
+                                   "distance_bound", "diagnostics", "renamed_labels", "volume_ready", "smallest_gap",
+                                   "unrefined", "refinement_rounds", "verified", "timing_ms"}));
   for (const char* side : {"input", "output"}) {
     std::set<std::string> expected{"vertices",     "faces",  "components", "boundary_edges", "non_manifold_edges",
                                    "closed",       "euler",  "area",       "volume",         "intersecting_pairs",
@@ -363,7 +363,7 @@ TEST(run_remesh, bad_input_has_its_code) {
   EXPECT_EQ(code_of(request_of("v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")), Code::kNonfiniteCoordinate);
   EXPECT_EQ(code_of(request_of(kRing, "model/stl")), Code::kInvalidMesh);
   EXPECT_EQ(code_of(request_of("ply\nformat ascii 1.0\n")), Code::kInvalidMesh);
-  EXPECT_EQ(code_of(request_of(kRing, "application/x-gmsh")), Code::kUnsupportedMediaType);
+  EXPECT_EQ(code_of(request_of(kRing, "application/x-tetgen")), Code::kUnsupportedMediaType);
   EXPECT_EQ(code_of(request_of(kRing, "", {}, "model/step")), Code::kNotAcceptable);
   EXPECT_EQ(code_of(request_of(kRing, "", {{"max_edge", "1"}})), RequestCode::kUnknownOption);
   EXPECT_EQ(code_of(request_of(kRing, "", {{"weld_tolerance", "-1"}})), Code::kInvalidOption);
@@ -394,6 +394,7 @@ TEST(run_remesh, options_are_refused_before_the_mesh_is_read) {
 TEST(run_remesh, every_format_goes_out_and_what_is_read_comes_in_again_as_the_same_mesh) {
   const json as_json = json::parse(remesh(request_of(kCube, "", {{"format", "json"}})).body)["mesh"];
   for (const Format format : kFormats) {
+    if (!is_written(format)) continue;
     SCOPED_TRACE(format_name(format));
     const Response response = remesh(request_of(kCube, "", {}, std::string(media_type(format))));
     EXPECT_EQ(response.content_type, media_type(format));
@@ -575,7 +576,8 @@ TEST(openapi, the_report_schema_names_what_a_report_has) {
   expect_same_keys(schemas["Report"], report);
   json input = report["input"];
   for (const auto& [key, member] : schemas["InputStatistics"]["allOf"][1]["properties"].items()) {
-    EXPECT_TRUE(input.contains(key)) << key;
+    // Only some formats tell these two.
+    EXPECT_EQ(input.contains(key), key != "unit" && key != "up_axis") << key;
     input.erase(key);
   }
   expect_same_keys(schemas["Statistics"], input);

@@ -79,7 +79,11 @@ TEST(options, the_table_has_every_option_of_the_contract_with_its_default) {
                                                          {"local_origin", "false"},
                                                          {"reference_axis", "dominant_edge"},
                                                          {"preset", "none"},
-                                                         {"format", "auto"}};
+                                                         {"format", "auto"},
+                                                         {"label", "auto"},
+                                                         {"names", "portable"},
+                                                         {"stl_solids", "label"},
+                                                         {"msh_version", "2.2"}};
   std::map<std::string_view, std::string> table;
   for (const OptionSpec& spec : option_table()) table[spec.name] = option_text(spec, with_defaults(RequestOptions{}));
   EXPECT_EQ(table, contract);
@@ -414,6 +418,8 @@ TEST(options, json_types_must_fit) {
   expect_invalid("format", "1", ValueKind::kNumber);
   expect_invalid("plane_tolerance", "true", ValueKind::kBoolean);
   expect_invalid("plane_tolerance", "1,2", ValueKind::kList);
+  EXPECT_EQ(read("msh_version", "4.1", ValueKind::kNumber).writing.msh_version, MshVersion::k41);
+  expect_invalid("msh_version", "4", ValueKind::kNumber);
   EXPECT_EQ(read("repair", "winding", ValueKind::kList).core.repair.winding, true);
 }
 

@@ -50,6 +50,7 @@ nlohmann::json without_times(const std::string& text) {
 TEST(result_archive, a_kept_result_is_written_in_every_format_as_it_would_have_been_at_once) {
   const StoredRemesh kept = keep(request(kLabelled, {{"max_edge_length", "0.3"}}));
   for (const Format format : kFormats) {
+    if (!is_written(format)) continue;
     const std::string name(format_name(format));
     RunControl control;
     const Response direct = run_remesh(request(kLabelled, {{"max_edge_length", "0.3"}, {"format", name}}), {}, control);
@@ -79,6 +80,7 @@ TEST(result_archive, every_number_and_label_comes_back) {
   KeptResult kept;
   kept.format = Format::kPly;
   kept.local_origin = true;
+  kept.writing = {LabelChoice::kMaterial, NameRule::kExact, StlSolids::kOne, MshVersion::k41};
   kept.summary = {.input_faces = 1,
                   .output_faces = 2,
                   .patches = 3,
@@ -116,10 +118,12 @@ TEST(result_archive, every_number_and_label_comes_back) {
   for (const std::uint32_t id : {0xffffffffu, 0u, 0x80000000u, 0x7fffffffu, 63u, 64u, 127u, 128u})
     kept.result.face_source.push_back(FaceId(id));
   kept.result.input_face_patch.push_back(PatchId(3));
+  kept.result.report.input_up_axis = "y";
   const KeptResult back = unpack_result(pack_result(kept));
   EXPECT_EQ(back.format, kept.format);
   EXPECT_EQ(back.summary, kept.summary);
   EXPECT_EQ(back.local_origin, kept.local_origin);
+  EXPECT_EQ(back.writing, kept.writing);
   EXPECT_EQ(back.exact_report, kept.exact_report);
   EXPECT_EQ(back.result.rounding_input.normals, basis.normals);
   EXPECT_EQ(back.result.rounding_input.allowed_move, basis.allowed_move);
@@ -143,6 +147,7 @@ TEST(result_archive, every_number_and_label_comes_back) {
   EXPECT_EQ(back.result.report.surfaces.of_patch, kept.result.report.surfaces.of_patch);
   EXPECT_EQ(back.result.face_source, kept.result.face_source);
   EXPECT_EQ(back.result.input_face_patch, kept.result.input_face_patch);
+  EXPECT_EQ(back.result.report.input_up_axis, "y");
 }
 
 TEST(result_archive, damaged_bytes_are_refused) {
@@ -178,7 +183,7 @@ TEST(result_archive, a_request_is_checked_before_its_mesh_is_read) {
   EXPECT_EQ(code(request("", {{"max_output_faces", std::to_string(Limits{}.max_output_faces + 1)}})), "invalid_option");
   EXPECT_EQ(code(request("", {}, "image/png")), "not_acceptable");
   Request written_only = request("");
-  written_only.content_type = "application/x-vtu";
+  written_only.content_type = "application/x-tetgen";
   EXPECT_EQ(code(written_only), "unsupported_media_type");
   Request coded = request("");
   coded.content_encoding = "br";

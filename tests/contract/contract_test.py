@@ -433,7 +433,7 @@ def check_jobs(contract, program, folder):
         wait_until_ended(daemon, job, "succeeded")
         contract.check("getJob", ask(port, "GET", f"/v1/jobs/{job}"), 200)
         check_result(contract, port, job, 200)
-        for kind in ("obj", "json", "stl", "ply", "off", "vtu", "msh"):
+        for kind in ("obj", "json", "stl", "ply", "off", "vtu", "msh", "mesh", "smesh", "ply_ascii", "glb"):
             contract.check("getJobResult", ask(port, "GET", f"/v1/jobs/{job}/result?format={kind}"), 200, kind)
         for operation, name in (("getJobResult", "result"), ("getJobReport", "report")):
             path = f"/v1/jobs/{job}/{name}"

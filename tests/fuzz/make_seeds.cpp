@@ -1,4 +1,6 @@
 // Writes the first inputs of the fuzz targets, small files of every kind: make_seeds FOLDER.
+#include <zlib.h>
+
 #include <filesystem>
 #include <fstream>
 #include <iostream>
@@ -6,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "core/io/common/bytes.h"
 #include "core/io/gzip.h"
 #include "core/io/mesh_files.h"
 
@@ -16,7 +19,8 @@ using namespace remesh;
 /// Two triangles with labels of every kind.
 TriangleMesh two_triangles() {
   TriangleMesh mesh;
-  for (const Vec3& p : {Vec3{0, 0, 0}, Vec3{1, 0, 0.5}, Vec3{1, 1, -2}, Vec3{0, 1, 1e-9}}) mesh.positions.push_back(p);
+  for (const Vec3& p : {Vec3{0, 0, 0}, Vec3{1, 0, 0.5}, Vec3{1, 1, -2}, Vec3{0, 1, 0x1p-30}})
+    mesh.positions.push_back(p);
   mesh.faces.push_back({VertexId(0), VertexId(1), VertexId(2)});
   mesh.faces.push_back({VertexId(0), VertexId(2), VertexId(3)});
   for (LabelSet* set : {&mesh.labels.object, &mesh.labels.group, &mesh.labels.material}) {
@@ -35,6 +39,61 @@ std::string big_endian_ply() {
   return file + std::string{3, 0, 0, 0, 1, 0, 2, 0};
 }
 
+/// A ZIP archive of one file that is not packed.
+std::string stored_zip(const std::string& name, const std::string& content) {
+  const auto size = static_cast<std::uint32_t>(content.size());
+  const auto name_size = static_cast<std::uint16_t>(name.size());
+  std::string sizes;
+  const auto checksum =
+      static_cast<std::uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(content.data()), content.size()));
+  for (const std::uint32_t number : {checksum, size, size}) append_little_endian(sizes, number);
+  append_little_endian(sizes, name_size);
+  append_little_endian(sizes, std::uint16_t{0});
+  const std::string file = "PK\3\4" + std::string(10, '\0') + sizes + name + content;
+  std::string directory = "PK\1\2" + std::string(12, '\0') + sizes + std::string(14, '\0') + name;
+  std::string end = "PK\5\6" + std::string(4, '\0');
+  for (int i = 0; i < 2; ++i) append_little_endian(end, std::uint16_t{1});
+  append_little_endian(end, static_cast<std::uint32_t>(directory.size()));
+  append_little_endian(end, static_cast<std::uint32_t>(file.size()));
+  return file + directory + end + std::string(2, '\0');
+}
+
+template <class T>
+void append(std::string& out, const std::vector<T>& numbers) {
+  for (const T number : numbers) append_little_endian(out, number);
+}
+
+/// A triangle in Gmsh's binary format.
+std::string binary_msh(const std::string& version) {
+  using Ints = std::vector<std::int32_t>;
+  using Sizes = std::vector<std::uint64_t>;
+  std::string file = "$MeshFormat\n" + version + " 1 8\n";
+  append(file, Ints{1});
+  file += "\n$EndMeshFormat\n$Nodes\n";
+  const bool is_new = version == "4.1";
+  if (is_new) {
+    append(file, Sizes{1, 3, 1, 3});
+    append(file, Ints{2, 1, 0});
+    append(file, Sizes{3, 1, 2, 3});
+  } else {
+    file += "3\n";
+  }
+  for (const int v : {0, 1, 2}) {
+    if (!is_new) append(file, Ints{v + 1});
+    append(file, std::vector<double>{double(v % 2), double(v / 2), 0.5});
+  }
+  file += "\n$EndNodes\n$Elements\n";
+  if (is_new) {
+    append(file, Sizes{1, 1, 1, 1});
+    append(file, Ints{2, 1, 2});
+    append(file, Sizes{1, 1, 1, 2, 3});
+  } else {
+    file += "1\n";
+    append(file, Ints{2, 1, 2, 1, 7, 1, 1, 2, 3});
+  }
+  return file + "\n$EndElements\n";
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -43,6 +102,10 @@ int main(int argc, char** argv) {
   const TriangleMesh mesh = two_triangles();
   const IdVector<FaceId, PatchId> patches(2, PatchId(0));
   const auto written = [&](Format format) { return write_mesh(format, {mesh, patches, {"a comment"}}, control); };
+
+  const auto written_as = [&](const Writing& writing) {
+    return write_mesh(Format::kMsh, {mesh, patches, {}, {}, writing}, control);
+  };
 
   const std::map<std::string, std::vector<std::string>> seeds{
       {"head",
@@ -77,6 +140,41 @@ int main(int argc, char** argv) {
        {written(Format::kOff), "STCNOFF 3 1\n0 0 0 1\n1 0 0\n0 1 0\n3 0 1 2 255 0 0 # red\n",
         std::string("OFF BINARY\n\0\0\0\3\0\0\0\1\0\0\0\0", 23) + std::string(36, '\0') +
             std::string("\0\0\0\3\0\0\0\0\0\0\0\1\0\0\0\2\0\0\0\0", 20)}},
+      {"vtu",
+       {written(Format::kVtu),
+        "<VTKFile type=\"PolyData\"><PolyData><Piece NumberOfPoints=\"3\" NumberOfPolys=\"1\"><Points><DataArray "
+        "type=\"Float32\" NumberOfComponents=\"3\" format=\"ascii\">0 0 0 1 0 0 0 1 "
+        "0</DataArray></Points><Polys><DataArray "
+        "type=\"Int32\" Name=\"connectivity\">0 1 2</DataArray><DataArray type=\"Int32\" Name=\"offsets\">3</DataArray>"
+        "</Polys></Piece></PolyData></VTKFile>",
+        "<VTKFile type=\"PolyData\" compressor=\"vtkZLibDataCompressor\"><PolyData><Piece NumberOfPoints=\"1\"><Points>"
+        "<DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"appended\" "
+        "offset=\"0\"/></Points></Piece></PolyData>"
+        "<AppendedData encoding=\"base64\">_AQAAABgAAAAAAAAACwAAAA==eJxjYEAGAAAYAAE=</AppendedData></VTKFile>",
+        "# vtk DataFile Version 3.0\nt\nASCII\nDATASET POLYDATA\nPOINTS 3 float\n0 0 0 1 0 0 0 1 0\nPOLYGONS 1 4\n3 0 "
+        "1 2\n"
+        "CELL_DATA 1\nSCALARS group int\nLOOKUP_TABLE default\n7\n"}},
+      {"glb",
+       {written(Format::kGlb),
+        R"({"asset":{"version":"2.0"},"bufferViews":[{"buffer":0,"byteLength":36}],"accessors":[{"bufferView":0,)"
+        R"("componentType":5126,"count":3,"type":"VEC3"}],"nodes":[{"mesh":0,"children":[1]},{"scale":[2,2,2],"mesh":0}],)"
+        R"("buffers":[{"byteLength":36,"uri":"data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}],)"
+        R"("meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"scenes":[{"nodes":[0]}]})"}},
+      {"threemf",
+       {stored_zip(
+           "3D/3dmodel.model",
+           "<model unit=\"inch\"><resources><basematerials id=\"1\"><base name=\"a\"/></basematerials><object id=\"2\" "
+           "pid=\"1\"><mesh><vertices><vertex x=\"0\" y=\"0\" z=\"0\"/><vertex x=\"1\" y=\"0\" z=\"0\"/><vertex "
+           "x=\"0\" "
+           "y=\"1\" z=\"0\"/></vertices><triangles><triangle v1=\"0\" v2=\"1\" v3=\"2\" p1=\"0\"/></triangles></mesh>"
+           "</object><object id=\"3\"><components><component objectid=\"2\" transform=\"1 0 0 0 1 0 0 0 1 5 6 "
+           "7\"/></components></object></resources><build><item objectid=\"3\"/></build></model>")}},
+      {"msh",
+       {written(Format::kMsh), written_as({.msh_version = MshVersion::k41}), binary_msh("2.2"), binary_msh("4.1")}},
+      {"mesh",
+       {written(Format::kMesh),
+        "MeshVersionFormatted 1 Dimension\n3 # reference 2: a b\nVertices 3 0 0 0 0 1 0 0 0 0 1 0 0 Edges 1 1 2 0\n"
+        "Quadrilaterals 1 1 2 3 1 2 End"}},
       {"json",
        {R"({"mesh":{"vertices":[[0,0,0],[1,0,0],[0,1,1e-3]],"faces":[[0,1,2]],"face_groups":[3]},"options":{"refine":false,"barriers":["group"]}})",
         R"({"vertices":[[0,0,0],[1,0,0],[1,1,0],[0,1,0]],"faces":[[0,1,2,3]],"what":{"ever":[null,true,"\u00e9"]}})"}},

@@ -117,7 +117,7 @@ onPage("every format is downloaded, and reads back", async ({ page, open, run, t
   await open(bracket, /^4,800 faces$/);
   await run();
   await tab("download");
-  for (const format of ["json", "obj", "stl", "ply", "off", "vtu", "msh"]) {
+  for (const format of ["json", "obj", "stl", "ply", "off", "vtu", "msh", "mesh", "smesh", "glb"]) {
     await page.click(`#download [data-format="${format}"]`);
     await waitForText("#download section p", new RegExp(`Saved as bracket-remeshed\\.${format}`));
     const path = join(folder.path, `bracket-remeshed.${format}`);

@@ -224,6 +224,88 @@ WrittenMesh read_ply(std::string_view bytes) {
   return mesh;
 }
 
+/// Reads PLY as text, with x, y and z as the only properties of vertices.
+WrittenMesh read_ply_text(std::string_view text) {
+  WrittenMesh mesh;
+  std::uint32_t vertices = 0, faces = 0, more_of_face = 0;
+  Words lines(text);
+  for (std::string_view line = lines.line(); line != "end_header"; line = lines.line()) {
+    Words words(line);
+    if (line.starts_with("format ") && line != "format ascii 1.0") fail("a PLY format that is not read here");
+    if (line.starts_with("property int ")) ++more_of_face;
+    if (!line.starts_with("element ")) continue;
+    words.expect("element");
+    const bool are_vertices = words.word() == "vertex";
+    (are_vertices ? vertices : faces) = words.index();
+  }
+  for (std::uint32_t v = 0; v < vertices; ++v) mesh.positions.push_back(lines.point());
+  for (std::uint32_t f = 0; f < faces; ++f) {
+    lines.expect("3");
+    auto& face = mesh.faces.emplace_back();
+    for (std::uint32_t& v : face) v = lines.index();
+    for (std::uint32_t i = 0; i < more_of_face; ++i) lines.index();
+  }
+  if (!lines.is_at_end()) fail("something stands behind the last face");
+  return mesh;
+}
+
+/// Reads Medit's format of version 2 without comments between the records.
+WrittenMesh read_medit(std::string_view text) {
+  WrittenMesh mesh;
+  const std::size_t begin = text.find("\nVertices\n");
+  if (begin == std::string_view::npos || !text.starts_with("MeshVersionFormatted 2\nDimension 3\n"))
+    fail("a Medit file not read here");
+  Words words(text.substr(begin));
+  words.expect("Vertices");
+  const std::uint32_t vertices = words.index();
+  for (std::uint32_t v = 0; v < vertices; ++v) {
+    mesh.positions.push_back(words.point());
+    words.expect("0");
+  }
+  words.expect("Triangles");
+  const std::uint32_t faces = words.index();
+  for (std::uint32_t f = 0; f < faces; ++f) {
+    auto& face = mesh.faces.emplace_back();
+    for (std::uint32_t& v : face) v = words.index() - 1;
+    if (words.index() == 0) fail("a reference is 0");
+  }
+  words.expect("End");
+  return mesh;
+}
+
+/// Reads TetGen's format of surfaces: nodes and facets numbered from 1, with markers.
+WrittenMesh read_smesh(std::string_view text) {
+  std::string plain;
+  for (Words lines(text); !lines.is_at_end();) {
+    const std::string_view line = lines.line();
+    if (!line.starts_with('#')) plain.append(line).append("\n");
+  }
+  WrittenMesh mesh;
+  Words words(plain);
+  const std::uint32_t vertices = words.index();
+  for (const char* number : {"3", "0", "0"}) words.expect(number);
+  for (std::uint32_t v = 0; v < vertices; ++v) {
+    if (words.index() != v + 1) fail("nodes are not numbered from 1");
+    mesh.positions.push_back(words.point());
+  }
+  const std::uint32_t faces = words.index();
+  words.expect("1");
+  for (std::uint32_t f = 0; f < faces; ++f) {
+    words.expect("3");
+    auto& face = mesh.faces.emplace_back();
+    for (std::uint32_t& v : face) v = words.index() - 1;
+    if (words.index() == 0) fail("a marker is 0");
+  }
+  for (const int numbers : {0, 2}) {  // behind the points of holes, and those of regions
+    for (std::uint32_t points = words.index(); points > 0; --points) {
+      words.index(), words.point();
+      for (int i = 0; i < numbers; ++i) words.number();
+    }
+  }
+  if (!words.is_at_end()) fail("something stands behind the regions");
+  return mesh;
+}
+
 /// Reads version 2.2 of Gmsh's format as text.
 WrittenMesh read_msh(std::string_view text) {
   WrittenMesh mesh;
@@ -308,6 +390,37 @@ nlohmann::json parse(const std::string& text) {
   }
 }
 
+/// Reads binary glTF whose primitives share the vertices of accessor 0 and have indices of 32 bits.
+WrittenMesh read_glb(std::string_view bytes) {
+  WrittenMesh mesh;
+  mesh.has_floats = true;
+  if (!bytes.starts_with("glTF") || bytes.size() % 4 != 0) fail("a glTF file not read here");
+  std::string_view head = bytes.substr(4, 16);
+  if (take<std::uint32_t>(head) != 2 || take<std::uint32_t>(head) != bytes.size()) fail("a wrong head of glTF");
+  const auto json_size = take<std::uint32_t>(head);
+  const nlohmann::json document = parse(std::string(bytes.substr(20, json_size)));
+  const std::string_view data = bytes.substr(28 + json_size);
+  const auto numbers = [&](const nlohmann::json& accessor) {
+    const nlohmann::json& view = document.at("bufferViews").at(accessor.at("bufferView").get<std::size_t>());
+    return data.substr(view.value("byteOffset", 0u) + accessor.value("byteOffset", 0u));
+  };
+  const nlohmann::json& points = document.at("accessors").at(0);
+  std::string_view rest = numbers(points);
+  for (std::size_t v = 0; v < points.at("count").get<std::size_t>(); ++v) {
+    Vec3& p = mesh.positions.emplace_back();
+    for (int axis = 0; axis < 3; ++axis) p[axis] = static_cast<double>(take<float>(rest));
+  }
+  for (const nlohmann::json& primitive : document.at("meshes").at(0).at("primitives")) {
+    const nlohmann::json& corners = document.at("accessors").at(primitive.at("indices").get<std::size_t>());
+    rest = numbers(corners);
+    for (std::size_t i = 0; i < corners.at("count").get<std::size_t>(); i += 3) {
+      auto& face = mesh.faces.emplace_back();
+      for (std::uint32_t& v : face) v = take<std::uint32_t>(rest);
+    }
+  }
+  return mesh;
+}
+
 WrittenMesh read_json(const std::string& text) {
   const nlohmann::json document = parse(text);
   WrittenMesh mesh;
@@ -335,6 +448,11 @@ WrittenMesh read_written(Format format, const std::string& bytes) {
     case Format::kJson: mesh = read_json(bytes); break;
     case Format::kMsh: mesh = read_msh(bytes); break;
     case Format::kVtu: mesh = read_vtu(bytes); break;
+    case Format::kMesh: mesh = read_medit(bytes); break;
+    case Format::kSmesh: mesh = read_smesh(bytes); break;
+    case Format::kPlyAscii: mesh = read_ply_text(bytes); break;
+    case Format::kGlb: mesh = read_glb(bytes); break;
+    case Format::kThreemf: fail("3MF is not written");
   }
   for (const auto& face : mesh.faces)
     for (const std::uint32_t v : face)

@@ -9,6 +9,7 @@ not installed, and what it would have read was not tested.
 
 import json
 import os
+import re
 import shutil
 import struct
 import subprocess
@@ -37,7 +38,16 @@ f 3 4 8 7
 f 4 1 5 8
 """
 
-FORMATS = ["obj", "stl", "ply", "off", "vtu", "msh"]
+FORMATS = ["obj", "stl", "ply", "off", "vtu", "msh", "mesh"]
+# Other forms of these formats, with the options that ask for them.
+FORMS = {
+    "msh41": ["--format", "msh", "--msh-version", "4.1"],
+    "by_material": ["--format", "msh", "--msh-version", "4.1", "--label", "material"],
+    "stl_ascii": ["--format", "stl_ascii"],
+    "ply_ascii": ["--format", "ply_ascii"],
+    "smesh": ["--format", "smesh"],
+    "json": ["--format", "json"],
+}
 
 
 def to_float(x):
@@ -55,9 +65,13 @@ class Expected:
         self.labels = mesh.get("labels")
         self.min_angle_deg = report["output"]["quality"]["min_angle_deg"]
 
-    def group_names(self):
-        groups = self.labels["group"]
-        return [groups["names"][g] for g in groups["of_face"]]
+    def boundary_names(self, kind):
+        """The names that the groups or materials of the faces have in files for mesh programs."""
+        labels = self.labels[kind]
+        return [re.sub("[^A-Za-z0-9_.-]", "_", labels["names"][i]) for i in labels["of_face"]]
+
+    def markers(self):
+        return [g + 1 for g in self.labels["group"]["of_face"]]
 
 
 def check(condition, message):
@@ -104,10 +118,26 @@ def with_meshio(labelled, plain):
         if kind == "msh":
             names = {tag: name for name, (tag, _) in mesh.field_data.items()}
             groups = [names[tag] for tag in mesh.cell_data["gmsh:physical"][0]]
-            check(groups == [n.replace('"', "'") for n in expected.group_names()], f"{what}: the groups differ")
+            check(groups == expected.boundary_names("group"), f"{what}: the groups differ")
+        if kind == "mesh":
+            check(list(mesh.cell_data["medit:ref"][0]) == expected.markers(), f"{what}: the references differ")
         print(f"ok: {what}")
-    # As text, all digits of the doubles are there.
     expected, path = labelled
+    # Version 4 has the faces of one patch after the other.
+    mesh = meshio.read(path["msh41"], file_format="gmsh")
+    names = {tag: name for name, (tag, dimension) in mesh.field_data.items() if dimension == 2}
+    found = []
+    for block, tags in zip(mesh.cells, mesh.cell_data["gmsh:physical"], strict=True):
+        found += [(*(int(v) for v in face), names[tag]) for face, tag in zip(block.data, tags, strict=True)]
+    wanted = [(*face, name) for face, name in zip(expected.faces, expected.boundary_names("group"), strict=True)]
+    check(sorted(found) == sorted(wanted), "meshio, msh 4.1: the faces or their groups differ")
+    check([tuple(map(float, p)) for p in mesh.points] == expected.points, "meshio, msh 4.1: the vertices differ")
+    print("ok: meshio, msh 4.1")
+    mesh = meshio.read(path["ply_ascii"], file_format="ply")
+    check_mesh(expected, mesh.points, mesh.cells_dict["triangle"], "meshio, ply_ascii")
+    check(list(mesh.cell_data["group"][0]) == expected.labels["group"]["of_face"], "meshio, ply_ascii: the groups differ")
+    print("ok: meshio, ply_ascii")
+    # As text, all digits of the doubles are there.
     mesh = meshio.read(path["stl_ascii"], file_format="stl")
     found = [tuple(tuple(map(float, mesh.points[v])) for v in face) for face in mesh.cells_dict["triangle"]]
     check(found == [tuple(expected.points[v] for v in face) for face in expected.faces], "meshio, stl_ascii differs")
@@ -150,6 +180,9 @@ def with_vtk(labelled, _):
         for i, name in enumerate(labels["names"]):
             comment = f"<!-- {kind} {i}: {name} -->".replace("3--4", "3-?4")
             check(comment in text, f"vtk, vtu: the name {name} is missing")
+        array = grid.GetFieldData().GetArray(f"{kind}_names")
+        names = [array.GetComponentName(i) for i in range(array.GetNumberOfComponents())]
+        check(names == labels["names"], f"vtk, vtu: the names of {kind}s differ")
     # Verdict itself, as VTK has it inside, says what the quality is.
     quality = vtk.vtkMeshQuality()
     quality.SetInputData(grid)
@@ -181,58 +214,106 @@ def with_gmsh(labelled, _):
 
     expected, path = labelled
 
+    def physical_groups(dimension):
+        found = {}
+        for dim, tag in gmsh.model.getPhysicalGroups(dimension):
+            for entity in gmsh.model.getEntitiesForPhysicalGroup(dim, tag):
+                found[int(entity)] = gmsh.model.getPhysicalName(dim, tag)
+        return found
+
+    def triangles():
+        """The corners and the entity of each triangle by its number."""
+        found = {}
+        for _, entity in gmsh.model.getEntities(2):
+            _, elements, nodes = gmsh.model.mesh.getElements(2, entity)
+            for i, element in enumerate(elements[0] if len(elements) else []):
+                found[int(element)] = (tuple(int(n) - 1 for n in nodes[0][3 * i : 3 * i + 3]), entity)
+        return found
+
+    def check_vertices(what):
+        tags, coordinates, _ = gmsh.model.mesh.getNodes()
+        points = {int(t): tuple(coordinates[3 * i : 3 * i + 3]) for i, t in enumerate(tags)}
+        check([points[i + 1] for i in range(len(expected.points))] == expected.points, f"{what}: the vertices differ")
+
     gmsh.initialize()
     gmsh.option.setNumber("General.Terminal", 0)
-    gmsh.open(path["msh"])
-    tags, coordinates, _ = gmsh.model.mesh.getNodes()
-    points = {int(t): tuple(coordinates[3 * i : 3 * i + 3]) for i, t in enumerate(tags)}
-    check([points[i + 1] for i in range(len(points))] == expected.points, "gmsh, msh: the vertices differ")
+    for form, kind in (("msh", "group"), ("msh41", "group"), ("by_material", "material")):
+        what = f"gmsh, {form}"
+        gmsh.clear()
+        gmsh.merge(path[form])
+        check_vertices(what)
+        group_of, found = physical_groups(2), triangles()
+        order = sorted(found)
+        check([found[e][0] for e in order] == expected.faces, f"{what}: the faces differ")
+        check([found[e][1] - 1 for e in order] == expected.patches, f"{what}: the patches differ")
+        check([group_of[found[e][1]] for e in order] == expected.boundary_names(kind), f"{what}: the {kind}s differ")
+        views = gmsh.view.getTags()
+        check(len(views) == 1, f"{what}: there is not one view")
+        _, elements, values, _, _ = gmsh.view.getModelData(views[0], 0)
+        surface_of = {int(element): int(value[0]) for element, value in zip(elements, values, strict=True)}
+        check([surface_of[e] for e in order] == expected.surfaces, f"{what}: the surfaces differ")
+        print(f"ok: {what}")
 
-    group_of_entity = {}
-    for dimension, tag in gmsh.model.getPhysicalGroups(2):
-        for entity in gmsh.model.getEntitiesForPhysicalGroup(dimension, tag):
-            group_of_entity[int(entity)] = gmsh.model.getPhysicalName(dimension, tag)
-    faces, patches, groups = {}, {}, {}
-    for _, entity in gmsh.model.getEntities(2):
-        _, elements, nodes = gmsh.model.mesh.getElements(2, entity)
-        for i, element in enumerate(elements[0]):
-            faces[int(element)] = tuple(int(n) - 1 for n in nodes[0][3 * i : 3 * i + 3])
-            patches[int(element)] = entity - 1
-            groups[int(element)] = group_of_entity[int(entity)]
-    order = sorted(faces)
-    check([faces[e] for e in order] == expected.faces, "gmsh, msh: the faces differ")
-    check([patches[e] for e in order] == expected.patches, "gmsh, msh: the patches differ")
-    names = [n.replace('"', "'") for n in expected.group_names()]
-    check([groups[e] for e in order] == names, "gmsh, msh: the groups differ")
-    views = gmsh.view.getTags()
-    check(len(views) == 1, "gmsh, msh: there is not one view")
-    _, elements, values, _, _ = gmsh.view.getModelData(views[0], 0)
-    surface_of = {int(element): int(value[0]) for element, value in zip(elements, values, strict=True)}
-    check([surface_of[e] for e in order] == expected.surfaces, "gmsh, msh: the surfaces differ")
+        # The lines in the comments fill the surface, and leave its triangles and groups as they are.
+        with open(path[form], encoding="utf-8") as file:
+            comments = file.read().split("$EndComments")[0]
+        lines = [line for line in comments.splitlines() if line.endswith(";")]
+        source = path[form] + ".geo"
+        with open(source, "w", encoding="utf-8") as file:
+            file.write(f'Merge "{path[form]}";\n' + "\n".join(lines))
+        gmsh.clear()
+        gmsh.merge(source)
+        gmsh.model.mesh.generate(3)
+        check(set(physical_groups(3).values()) == {"volume"}, f"{what}, filled: there is no group of the volume")
+        # It has given new numbers to the nodes.
+        tags, coordinates, _ = gmsh.model.mesh.getNodes()
+        points = {int(t): tuple(coordinates[3 * i : 3 * i + 3]) for i, t in enumerate(tags)}
+        found = sorted((*sorted(points[v + 1] for v in f), physical_groups(2)[e]) for f, e in triangles().values())
+        names = expected.boundary_names(kind)
+        wanted = sorted((*sorted(expected.points[v] for v in f), n) for f, n in zip(expected.faces, names, strict=True))
+        check(found == wanted, f"{what}, filled: the faces or their {kind}s differ")
+        check(sum(len(tags) for tags in gmsh.model.mesh.getElements(3)[1]) > 0, f"{what}, filled: no tetrahedra")
+        print(f"ok: {what}, filled")
+
+    gmsh.clear()
+    gmsh.merge(path["mesh"])
+    check_vertices("gmsh, mesh")
+    found = triangles()
+    check([found[e] for e in sorted(found)] == list(zip(expected.faces, expected.markers(), strict=True)),
+          "gmsh, mesh: the faces or their references differ")
+    print("ok: gmsh, mesh")
+    gmsh.clear()
+    gmsh.merge(path["ply_ascii"])
+    check(sum(len(tags) for tags in gmsh.model.mesh.getElements(2)[1]) == len(expected.faces), "gmsh, ply_ascii differs")
+    print("ok: gmsh, ply_ascii")
     gmsh.finalize()
-    print("ok: gmsh, msh")
 
 
 def with_tetgen(labelled, _):
-    """TetGen fills the solid that the OFF file bounds, with the surface as it is (-Y), and writes both again."""
+    """TetGen fills the solid, with the surface as it is (-Y), and writes both again, with markers and regions (-A)."""
     expected, path = labelled
-    run = subprocess.run(["tetgen", "-pYQ", path["off"]], capture_output=True, text=True, timeout=600)
-    check(run.returncode == 0, f"tetgen, off: exit code {run.returncode}: {run.stdout}{run.stderr}")
+    for kind in ("off", "mesh", "smesh"):
+        what = f"tetgen, {kind}"
+        run = subprocess.run(["tetgen", "-pYAQ", path[kind]], capture_output=True, text=True, timeout=600)
+        check(run.returncode == 0, f"{what}: exit code {run.returncode}: {run.stdout}{run.stderr}")
 
-    def rows(ending):
-        with open(path["off"].removesuffix(".off") + ending, encoding="ascii") as file:
-            lines = [line.split() for line in file if not line.startswith("#")]
-        check(len(lines) == int(lines[0][0]) + 1, f"tetgen, off: {ending} is cut short")
-        return [line[1:] for line in lines[1:]]
+        def rows(ending):
+            with open(os.path.splitext(path[kind])[0] + ending, encoding="ascii") as file:
+                lines = [line.split() for line in file if not line.startswith("#")]
+            check(len(lines) == int(lines[0][0]) + 1, f"{what}: {ending} is cut short")
+            return [line[1:] for line in lines[1:]]
 
-    points = [tuple(float(x) for x in row) for row in rows(".1.node")[: len(expected.points)]]
-    # It prints 16 digits, one too few for all doubles.
-    for found, wanted in zip(points, expected.points, strict=True):
-        check(all(abs(f - w) <= 1e-15 for f, w in zip(found, wanted)), "tetgen, off: the vertices differ")
-    faces = sorted(sorted(int(i) for i in row[:3]) for row in rows(".1.face"))
-    check(faces == sorted(sorted(face) for face in expected.faces), "tetgen, off: the faces differ")
-    check(len(rows(".1.ele")) > 0, "tetgen, off: no tetrahedra")
-    print("ok: tetgen, off")
+        points = [tuple(float(x) for x in row) for row in rows(".1.node")[: len(expected.points)]]
+        # It prints 16 digits, one too few for all doubles.
+        for found, wanted in zip(points, expected.points, strict=True):
+            check(all(abs(f - w) <= 1e-15 for f, w in zip(found, wanted)), f"{what}: the vertices differ")
+        first = 0 if kind == "off" else 1
+        markers = [1] * len(expected.faces) if kind == "off" else expected.markers()
+        faces = sorted((*sorted(int(i) - first for i in row[:3]), int(row[3])) for row in rows(".1.face"))
+        wanted = sorted((*sorted(face), marker) for face, marker in zip(expected.faces, markers, strict=True))
+        check(faces == wanted, f"{what}: the faces or their markers differ")
+        check({row[4] for row in rows(".1.ele")} == {"1"}, f"{what}: the tetrahedra are not one region")
+        print(f"ok: {what}")
 
 
 def remesh_to_all(remesh, folder, part):
@@ -242,10 +323,11 @@ def remesh_to_all(remesh, folder, part):
     with open(source, "w", encoding="utf-8") as file:
         file.write(part)
     path = {}
-    for kind in FORMATS + ["stl_ascii", "json"]:
-        path[kind] = os.path.join(folder, "out." + kind)
-        command = [remesh, source, "-o", path[kind], "--format", kind, "--max-edge-length", "0.3"]
-        subprocess.run(command, check=True, timeout=600)
+    forms = {kind: ["--format", kind] for kind in FORMATS} | FORMS
+    for kind, options in forms.items():
+        ending = options[1].split("_")[0]
+        path[kind] = os.path.join(folder, f"{kind}.{ending}")
+        subprocess.run([remesh, source, "-o", path[kind], *options, "--max-edge-length", "0.3"], check=True, timeout=600)
     with open(path["json"], encoding="utf-8") as file:
         answer = json.load(file)
     expected = Expected(answer["mesh"], answer["report"])

@@ -22,22 +22,34 @@ std::string without_control_characters(std::string_view text) {
   return clean;
 }
 
-const LabelSet* dividing_labels(const FaceLabels& labels) {
-  for (const LabelSet* set : {&labels.group, &labels.object, &labels.material}) {
-    if (set->is_used()) return set;
+void append_comments(std::string& out, const std::vector<std::string>& comments) {
+  constexpr std::size_t kLongest = 200;
+  for (const std::string& comment : comments) {
+    for (const std::string& line : comment_lines(comment)) {
+      std::string_view rest = line;
+      do {
+        const std::string_view piece = rest.substr(0, kLongest);
+        out.append("# ").append(piece).append("\n");
+        rest.remove_prefix(piece.size());
+      } while (!rest.empty());
+    }
   }
-  return nullptr;
+}
+
+void append_point(std::string& out, const Vec3& position) {
+  char text[3 * 32];  // the longest number has 24 characters: -2.2250738585072014e-308
+  char* const end = text + sizeof text;
+  char* at = std::to_chars(text, end, position.x).ptr;
+  *at++ = ' ';
+  at = std::to_chars(at, end, position.y).ptr;
+  *at++ = ' ';
+  out.append(text, std::to_chars(at, end, position.z).ptr);
 }
 
 void append_coordinates(std::string& out, const Vec3& position) {
-  char line[3 * 32 + 1];  // the longest number has 24 characters: -2.2250738585072014e-308
-  char* at = line;
-  for (const double coordinate : {position.x, position.y, position.z}) {
-    *at++ = ' ';
-    at = std::to_chars(at, line + sizeof line, coordinate).ptr;
-  }
-  *at++ = '\n';
-  out.append(line, at);
+  out += ' ';
+  append_point(out, position);
+  out += '\n';
 }
 
 }  // namespace remesh

@@ -63,12 +63,19 @@ std::vector<std::string> comment_lines(std::string_view comment);
 /// Replaces all control characters, including line ends, by blanks.
 std::string without_control_characters(std::string_view text);
 
-/// The labels by which a mesh is divided in a format that has only one kind of division: groups, else objects, else
-/// materials.
-/// Output: null if the mesh has none.
-const LabelSet* dividing_labels(const FaceLabels& labels);
+/// Appends a line for each line of the comments: `# ` and its text. Longer lines are folded, because Gmsh takes what is
+/// behind the first 255 bytes of a line in Medit's format for another line.
+void append_comments(std::string& out, const std::vector<std::string>& comments);
 
+/// Appends the three coordinates with blanks between them.
+void append_point(std::string& out, const Vec3& position);
 /// Appends the three coordinates, each after a blank, and a line end.
 void append_coordinates(std::string& out, const Vec3& position);
+
+/// The share of the progress that the vertices take, if all elements take the same time.
+inline double share_of_vertices(const TriangleMesh& mesh) {
+  const std::size_t elements = mesh.positions.size() + mesh.faces.size();
+  return static_cast<double>(mesh.positions.size()) / static_cast<double>(std::max<std::size_t>(elements, 1));
+}
 
 }  // namespace remesh

@@ -1,22 +1,42 @@
-/// Writes Gmsh's mesh format.
+/// Reads and writes Gmsh's mesh format.
 #pragma once
 
 #include <string>
+#include <string_view>
 
-#include "core/base/ids.h"
 #include "core/base/run_control.h"
+#include "core/io/common/boundaries.h"
 #include "core/io/common/format.h"
 
 namespace remesh {
 
-/// Writes `.msh` as text of version 2.2, which most programs can read. Each patch is an elementary entity. Each label
-/// of the first kind that the mesh has (group, object, material) is a physical group of that name. Without labels,
-/// each patch is a physical group named `patch_0`, `patch_1`, ... If the surfaces of the patches are known, each face
-/// has the number of its surface in an element data section named `surface`, which Gmsh shows as a view. `comments` are
-/// in a section `$Comments`.
-/// Holds:  every number is the shortest text that reads back to the same double; no name can end its line.
+/// Reads `.msh`.
+/// Input:   version 2.x or 4.1, as text or as binary with numbers of 8 bytes, of either byte order. Nodes must come
+///          before elements.
+/// Output:  the triangles and quadrilaterals in the order of the file, those of higher order by their corners. Physical
+///          groups are groups: those of the elements in version 2, and the first one of each surface in version 4. They
+///          have the names of physical groups of dimension 2, else their digits. Elements that are no faces, and nodes
+///          on edges, are counted as attribute_dropped.
+/// Errors:  with the line or byte: kInvalidMesh - not Gmsh's format, another version, a section that does not follow
+///          it, a number that two nodes have, a type of elements that is not known; kIndexOutOfRange,
+///          kNonfiniteCoordinate - also with the element; kMeshTooLarge - more than `limits`. kEmptyMesh - no face;
+///          kCancelled, kTimeout - through `control`.
+/// Cost:    O(n log n), or O(n) if the nodes are numbered 1, 2, 3, ...
+ReadResult read_msh(std::string_view content, const ReadLimits& limits, RunControl& control);
+
+/// Writes `.msh` as text, in version 2.2 or 4.1. Each patch is an elementary entity. Each boundary (boundaries.h) is a
+/// physical group of its name; a patch that belongs to several boundaries is several entities. If the surfaces of the
+/// patches are known, each face has the number of its surface in an element data section named `surface`, which Gmsh
+/// shows as a view. `comments` are in a section `$Comments`. If the surface encloses volumes, there is the name of one
+/// physical volume, and the comments have the lines of Gmsh's language that make this volume and its elementary parts.
+/// Without such lines `gmsh -3` makes no tetrahedra, and with an entity of dimension 3 in the file it refuses to.
+/// Holds:  every number is the shortest text that reads back to the same double; no name can end its line; no number
+///         stands for two physical groups. The nodes and triangles have the numbers of the vertices and faces, from 1.
 /// Errors: kCancelled, kTimeout - through `control`.
 /// Cost:   O(output).
 std::string write_msh(const WriterInput& input, RunControl& control);
+
+/// The boundaries that write_msh makes physical groups of. Without a change, a name has no quotes or line ends.
+Boundaries msh_boundaries(const WriterInput& input, RunControl& control);
 
 }  // namespace remesh

@@ -67,7 +67,7 @@ std::string write_obj(const TriangleMesh& mesh, const std::vector<std::string>& 
   }
   for (const std::string& files : mesh.labels.material_libraries) append_free_text(out, "mtllib", files);
 
-  const double share = static_cast<double>(vertices) / static_cast<double>(std::max<std::size_t>(vertices + faces, 1));
+  const double share = share_of_vertices(mesh);
   append_elements(out, vertices, {0, share}, control, [&](std::string& text, std::size_t v) {
     text += 'v';
     append_coordinates(text, mesh.positions[VertexId(v)]);

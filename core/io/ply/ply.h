@@ -15,9 +15,10 @@ namespace remesh {
 ///          record is one line.
 /// Output:  the polygons in their order, from the list `vertex_indices` or `vertex_index` of the element `face`.
 ///          Vertices come from x, y and z of the element `vertex`, which may have any number type; in text they are
-///          read as doubles. Whole numbers `object`, `group` and `material` of a face are its labels. Their names are
-///          those that write_ply puts into comments, else their digits. Other elements and properties are skipped,
-///          and each is counted as attribute_dropped. A few bytes after the last record are counted as
+///          read as doubles. Whole numbers `object`, `group` and `material` of a face are its labels. Without a
+///          `group`, the first one of `group_id`, `layer_id` and `material_index` that there is are its groups. Their
+///          names are those that write_ply puts into comments, else their digits. Other elements and properties are
+///          skipped, and each is counted as attribute_dropped. A few bytes after the last record are counted as
 ///          trailing_bytes.
 /// Errors:  with the line or byte: kInvalidMesh - not PLY, a record that does not fit the header, data that ends
 ///          early or continues, triangle strips; kIndexOutOfRange, kNonfiniteCoordinate - also with the element;
@@ -31,5 +32,9 @@ ReadResult read_ply(std::string_view content, const ReadLimits& limits, RunContr
 /// Errors: kCancelled, kTimeout - through `control`.
 /// Cost:   O(output).
 std::string write_ply(const TriangleMesh& mesh, const std::vector<std::string>& comments, RunControl& control);
+
+/// Writes PLY as text, with the shortest digits that read back to the same doubles. Everything else is as in write_ply.
+/// Some programs (Gmsh, meshio with labels) read only this form.
+std::string write_ply_ascii(const TriangleMesh& mesh, const std::vector<std::string>& comments, RunControl& control);
 
 }  // namespace remesh

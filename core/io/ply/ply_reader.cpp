@@ -245,14 +245,27 @@ class PlyReader {
     }
   }
 
+  /// Finds the property that has the labels of a kind. Other programs have other names for groups.
+  static std::optional<std::size_t> find_label(const PlyElement& element, std::string_view kind) {
+    constexpr std::array<std::string_view, 3> kGroups{"group_id", "layer_id", "material_index"};
+    const auto find = [&](std::string_view name) {
+      const auto property = element.find(name);
+      const bool is_whole_number =
+          property && !element.properties[*property].count_type && !is_real(element.properties[*property].type);
+      return is_whole_number ? property : std::nullopt;
+    };
+    std::optional<std::size_t> found = find(kind);
+    for (std::size_t i = 0; !found && kind == "group" && i < kGroups.size(); ++i) found = find(kGroups[i]);
+    return found;
+  }
+
   void read_faces(const PlyElement& element) {
     if (element.count == 0) return;
     const std::size_t corners = find_corners(element);
     std::vector<LabelProperty*> label_of(element.properties.size(), nullptr);
     for (LabelProperty& label : labels_) {
-      const auto property = element.find(label.kind);
-      if (!property || element.properties[*property].count_type || is_real(element.properties[*property].type))
-        continue;
+      const auto property = find_label(element, label.kind);
+      if (!property) continue;
       label_of[*property] = &label;
       find_names(header_, label);
     }

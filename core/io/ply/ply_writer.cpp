@@ -2,18 +2,21 @@
 #include <utility>
 
 #include "core/io/common/bytes.h"
+#include "core/io/common/number_parsing.h"
 #include "core/io/common/write_text.h"
 #include "core/io/ply/ply.h"
 
 namespace remesh {
+namespace {
 
-std::string write_ply(const TriangleMesh& mesh, const std::vector<std::string>& comments, RunControl& control) {
-  control.enter(Stage::kWrite);
+/// Writes the header.
+/// Output: the labels that each face has.
+std::vector<const LabelSet*> write_ply_header(std::string& out, std::string_view encoding, const TriangleMesh& mesh,
+                                              const std::vector<std::string>& comments) {
   const FaceLabels& labels = mesh.labels;
   const std::array<std::pair<std::string, const LabelSet*>, 3> kinds{
       {{"object", &labels.object}, {"group", &labels.group}, {"material", &labels.material}}};
-
-  std::string out = "ply\nformat binary_little_endian 1.0\n";
+  out.append("ply\nformat ").append(encoding).append(" 1.0\n");
   for (const std::string& comment : comments) {
     for (const std::string& line : comment_lines(comment)) out += "comment " + line + "\n";
   }
@@ -35,7 +38,15 @@ std::string write_ply(const TriangleMesh& mesh, const std::vector<std::string>& 
     used.push_back(set);
   }
   out += "end_header\n";
+  return used;
+}
 
+}  // namespace
+
+std::string write_ply(const TriangleMesh& mesh, const std::vector<std::string>& comments, RunControl& control) {
+  control.enter(Stage::kWrite);
+  std::string out;
+  const std::vector<const LabelSet*> used = write_ply_header(out, "binary_little_endian", mesh, comments);
   out.reserve(out.size() + 24 * mesh.positions.size() + (13 + 4 * used.size()) * mesh.faces.size());
   WriteProgress progress(mesh.positions.size() + mesh.faces.size(), control);
   for (const Vec3& position : mesh.positions) {
@@ -50,6 +61,28 @@ std::string write_ply(const TriangleMesh& mesh, const std::vector<std::string>& 
     for (const LabelSet* set : used) append_little_endian(out, set->of_face[f]);
     ++f.value;
   }
+  return out;
+}
+
+std::string write_ply_ascii(const TriangleMesh& mesh, const std::vector<std::string>& comments, RunControl& control) {
+  control.enter(Stage::kWrite);
+  std::string out;
+  const std::vector<const LabelSet*> used = write_ply_header(out, "ascii", mesh, comments);
+  const double share = share_of_vertices(mesh);
+  append_elements(out, mesh.positions.size(), {0, share}, control, [&](std::string& text, std::size_t v) {
+    append_point(text, mesh.positions[VertexId(v)]);
+    text += '\n';
+  });
+  append_elements(out, mesh.faces.size(), {share, 1}, control, [&](std::string& text, std::size_t f) {
+    text += '3';
+    const auto append = [&](std::uint32_t number) {
+      text += ' ';
+      append_integer(text, number);
+    };
+    for (const VertexId v : mesh.faces[FaceId(f)]) append(v.value);
+    for (const LabelSet* set : used) append(set->of_face[FaceId(f)]);
+    text += '\n';
+  });
   return out;
 }
 

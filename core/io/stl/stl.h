@@ -1,11 +1,13 @@
 /// Reads and writes STL, binary and text.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "core/base/run_control.h"
+#include "core/io/common/boundaries.h"
 #include "core/io/common/format.h"
 
 namespace remesh {
@@ -41,12 +43,16 @@ ReadResult read_stl(std::string_view content, const ReadLimits& limits, RunContr
 /// Cost:    O(output).
 std::string write_stl(const TriangleMesh& mesh, const std::vector<std::string>& comments, RunControl& control);
 
-/// Writes STL as text, with the shortest digits that read back to the same doubles. Each group becomes a solid of its
-/// name. Without groups this applies to objects, and without these to materials. A mesh without labels becomes one
-/// solid without a name. Text STL has no place for comments.
-/// Output:  the solids in the order of their labels, and the faces of each in the order of the mesh.
+/// Writes STL as text, with the shortest digits that read back to the same doubles. Each boundary becomes a solid of
+/// its name (boundaries.h). A mesh without such labels becomes one solid without a name, and so does any mesh with
+/// StlSolids::kOne. Text STL has no place for comments.
+/// Output:  the solids in the order of their boundaries, and the faces of each in the order of the mesh.
 /// Errors:  kCancelled, kTimeout - through `control`.
 /// Cost:    O(output).
-std::string write_stl_ascii(const TriangleMesh& mesh, RunControl& control);
+std::string write_stl_ascii(const WriterInput& input, RunControl& control);
+
+/// The boundaries that write_stl_ascii makes solids of.
+/// Output:  nothing if it makes one solid without a name.
+std::optional<Boundaries> stl_boundaries(const WriterInput& input, RunControl& control);
 
 }  // namespace remesh

@@ -97,13 +97,21 @@ std::string write_stl(const TriangleMesh& mesh, const std::vector<std::string>& 
   return out;
 }
 
-std::string write_stl_ascii(const TriangleMesh& mesh, RunControl& control) {
+std::optional<Boundaries> stl_boundaries(const WriterInput& input, RunControl& control) {
+  const LabelChoice choice = input.writing.label;
+  const bool are_divided = choice == LabelChoice::kPatch || choice == LabelChoice::kSurface ||
+                           chosen_labels(input.mesh.labels, choice) != nullptr;
+  if (!are_divided || input.writing.stl_solids == StlSolids::kOne) return std::nullopt;
+  return Boundaries(input, control);
+}
+
+std::string write_stl_ascii(const WriterInput& input, RunControl& control) {
   control.enter(Stage::kWrite);
-  const LabelSet* const labels = dividing_labels(mesh.labels);
-  const std::size_t solids = labels == nullptr ? 1 : labels->names.size();
+  const TriangleMesh& mesh = input.mesh;
+  const std::optional<Boundaries> boundaries = stl_boundaries(input, control);
+  const std::size_t solids = boundaries ? boundaries->size() : 1;
   const Grouping faces_of = group_by(
-      mesh.faces.size(), solids, [&](std::uint32_t f) { return labels == nullptr ? 0 : labels->of_face[FaceId(f)]; },
-      control);
+      mesh.faces.size(), solids, [&](std::uint32_t f) { return boundaries ? boundaries->of(FaceId(f)) : 0; }, control);
   std::string out;
   std::size_t written = 0;
   const auto share = [&] {
@@ -111,8 +119,8 @@ std::string write_stl_ascii(const TriangleMesh& mesh, RunControl& control) {
   };
   for (std::size_t solid = 0; solid < solids; ++solid) {
     const std::span<const std::uint32_t> faces = faces_of[solid];
-    if (faces.empty() && labels != nullptr) continue;
-    const std::string name = labels == nullptr ? "" : without_control_characters(labels->names[solid]);
+    if (faces.empty() && boundaries) continue;
+    const std::string name = boundaries ? boundaries->name(solid) : "";
     out += "solid " + name + "\n";
     const double begin = share();
     written += faces.size();

@@ -83,6 +83,45 @@ void append_comment(std::string& out, std::string_view line) {
 
 using LabelKinds = std::array<std::pair<std::string_view, const LabelSet*>, 3>;
 
+/// Appends the value of an attribute in valid UTF-8.
+void append_attribute(std::string& out, std::string_view text) {
+  while (!text.empty()) {
+    const std::size_t length = utf8_length(text);
+    switch (text.front()) {
+      case '&': out += "&amp;"; break;
+      case '<': out += "&lt;"; break;
+      case '>': out += "&gt;"; break;  // for VTK the data of the array begin behind the first one in the file
+      case '"': out += "&quot;"; break;
+      default: length > 0 ? out += text.substr(0, length) : out += '?';
+    }
+    text.remove_prefix(std::max<std::size_t>(length, 1));
+  }
+}
+
+/// Writes the names of labels as the names of an array's components, in which ParaView shows them. The components have
+/// the numbers of the labels as values. An array of strings would be the usual form, but meshio reads no file that has
+/// one.
+void write_names(std::string& out, const LabelKinds& kinds, RunControl& control) {
+  // VTK takes time in proportion to the square of the number of components.
+  constexpr std::size_t kMaxNames = 1000;
+  out += "<FieldData>\n";
+  for (const auto& [kind, set] : kinds) {
+    const std::size_t n = set->names.size();
+    if (!set->is_used() || n > kMaxNames) continue;
+    std::string attributes = typed("Int32", std::string(kind) + "_names") +
+                             " NumberOfTuples=\"1\" NumberOfComponents=\"" + std::to_string(n) + "\"";
+    for (std::size_t i = 0; i < n; ++i) {
+      attributes += " ComponentName" + std::to_string(i) + "=\"";
+      append_attribute(attributes, without_control_characters(set->names[i]));
+      attributes += '"';
+    }
+    DataArray numbers(std::move(attributes), sizeof(std::int32_t) * n, control);
+    for (std::size_t i = 0; i < n; ++i) numbers.add(static_cast<std::int32_t>(i));
+    numbers.write(out);
+  }
+  out += "</FieldData>\n";
+}
+
 void write_points(std::string& out, const TriangleMesh& mesh, WriteProgress& progress, RunControl& control) {
   DataArray points(typed("Float64", "Points") + " NumberOfComponents=\"3\"", 3 * sizeof(double) * mesh.positions.size(),
                    control);
@@ -166,6 +205,8 @@ std::string write_vtu(const WriterInput& input, RunControl& control) {
   out +=
       "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
       "<UnstructuredGrid>\n";
+  if (std::any_of(kinds.begin(), kinds.end(), [](const auto& kind) { return kind.second->is_used(); }))
+    write_names(out, kinds, control);
   out += "<Piece NumberOfPoints=\"" + std::to_string(mesh.positions.size()) + "\" NumberOfCells=\"" +
          std::to_string(mesh.faces.size()) + "\">\n";
   write_points(out, mesh, progress, control);

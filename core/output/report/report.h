@@ -4,12 +4,14 @@
 #include <cstdint>
 #include <map>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/base/diagnostic.h"
 #include "core/base/options.h"
 #include "core/base/stopwatch.h"
 #include "core/base/vec.h"
+#include "core/io/common/writing.h"
 #include "core/mesh/statistics.h"
 #include "core/output/report/volume_obstacle.h"
 #include "core/patches/planar/patch_summary.h"
@@ -34,6 +36,8 @@ struct Report {
   /// Bound on the change of volume. It is the verdict's, or for an analysis that of PatchSummaries.
   double volume_bound = 0;
   MeshStatistics input;
+  std::string input_unit;     ///< the unit of the coordinates of the input, if its format tells it
+  std::string input_up_axis;  ///< the axis that points upwards, if its format tells it
   MeshStatistics output;
   /// The largest distance by which the output format moved a vertex, in model units; 0 if it holds all coordinates.
   double output_rounding = 0;
@@ -42,6 +46,8 @@ struct Report {
   std::vector<PatchSummary> patches;
   RecognisedSurfaces surfaces;  ///< those of the input; `of_patch` has one entry per item of `patches`
   std::vector<Diagnostic> diagnostics;
+  /// The names of labels that the output format has in another form, because mesh programs would not read them.
+  std::vector<RenamedLabel> renamed_labels;
   std::vector<VolumeObstacle> volume_obstacles;  ///< those of the result; for an analysis, those of the input as mended
   std::uint64_t predicted_faces = 0;  ///< for an analysis: the number of faces that a remeshing is expected to make
   /// The number of faces that is predicted for other values of elements_per_circle. It is empty if no surface is

@@ -167,7 +167,8 @@ std::string reason_text(const FloatForm& form, double allowed_move) {
 std::string names_of_formats(Storage storage) {
   std::string names;
   for (const Format format : kFormats)
-    if (storage_of(format) == storage) names.append(names.empty() ? "" : ", ").append(format_name(format));
+    if (is_written(format) && storage_of(format) == storage)
+      names.append(names.empty() ? "" : ", ").append(format_name(format));
   return names;
 }
 

@@ -105,7 +105,7 @@ TEST_F(batch, what_is_no_mesh_by_its_ending_is_passed_over_and_a_compressed_mesh
   RunControl control;
   folder_.write("parts/part.obj.gz", gzip(kSquare, control));
   folder_.write("parts/readme.txt", "no mesh");
-  folder_.write("parts/only_written.vtu", "no mesh that is read");
+  folder_.write("parts/only_written.smesh", "no mesh that is read");
   BatchJob with_output = job();
   with_output.output_folder = folder_.path("done");
   EXPECT_EQ(run(with_output).files, 1u);

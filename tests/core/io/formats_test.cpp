@@ -23,10 +23,12 @@ TEST(formats, every_format_is_found_by_its_name_and_has_its_own_media_type) {
   std::set<std::string_view> media_types;
   for (const Format format : kFormats) {
     EXPECT_EQ(format_from_name(format_name(format)), format);
-    // The two kinds of STL have one type and one ending.
-    EXPECT_EQ(media_types.insert(media_type(format)).second, format != Format::kStlAscii) << media_type(format);
-    EXPECT_EQ(format_from_file_name("part." + std::string(file_ending(format))),
-              format == Format::kStlAscii ? Format::kStl : format);
+    // The two kinds of STL have one type and one ending, and so have those of PLY.
+    const Format first = format == Format::kStlAscii   ? Format::kStl
+                         : format == Format::kPlyAscii ? Format::kPly
+                                                       : format;
+    EXPECT_EQ(media_types.insert(media_type(format)).second, format == first) << media_type(format);
+    EXPECT_EQ(format_from_file_name("part." + std::string(file_ending(format))), first);
   }
   EXPECT_EQ(media_type(Format::kObj), "model/obj");
   EXPECT_EQ(media_type(Format::kJson), "application/json");
@@ -40,10 +42,15 @@ TEST(formats, every_format_has_a_row_of_its_own) {
     EXPECT_FALSE(spec.name.empty());
     EXPECT_FALSE(spec.ending.empty()) << spec.name;
     EXPECT_FALSE(spec.media_type.empty()) << spec.name;
+    EXPECT_FALSE(spec.about.empty()) << spec.name;
+    EXPECT_FALSE(spec.programs.empty()) << spec.name;
+    EXPECT_EQ(spec.next.empty(), !is_written(format)) << spec.name;
+    // Only formats with one label for each face change names, and glTF is not for mesh programs.
+    EXPECT_EQ(spec.renamed != nullptr, spec.labels == LabelsHeld::kOne && format != Format::kGlb) << spec.name;
     EXPECT_TRUE(names.insert(spec.name).second) << spec.name;
     EXPECT_EQ(format_from_name(spec.name), format);
-    // JSON is read and written above the core.
-    EXPECT_EQ(spec.write == nullptr, format == Format::kJson) << spec.name;
+    // JSON is read and written above the core, and 3MF is only read.
+    EXPECT_EQ(spec.write == nullptr, format == Format::kJson || format == Format::kThreemf) << spec.name;
   }
 }
 
@@ -112,7 +119,11 @@ TEST(formats, ply_and_off_are_known_by_their_first_word) {
   for (const char* word : {"off", "OFFSET", "XOFF", "plywood"}) EXPECT_EQ(sniff_format(word), Format::kObj) << word;
 }
 
-TEST(formats, what_is_only_written_is_known_too_so_that_it_can_be_refused_as_such) {
+TEST(formats, other_formats_are_known_by_words_or_marks_of_their_own) {
+  EXPECT_EQ(sniff_format("# vtk DataFile Version 3.0\npart\nASCII\nDATASET POLYDATA\n"), Format::kVtu);
+  EXPECT_EQ(sniff_format("MeshVersionFormatted 2\nDimension 3\n"), Format::kMesh);
+  EXPECT_EQ(sniff_format("glTF\x02"), Format::kGlb);
+  EXPECT_EQ(sniff_format("PK\x03\x04\x14"), Format::kThreemf);
   EXPECT_EQ(sniff_format("<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\">\n"), Format::kVtu);
   EXPECT_EQ(sniff_format("<VTKFile>"), Format::kVtu);
   EXPECT_EQ(sniff_format("$MeshFormat\n2.2 0 8\n"), Format::kMsh);
@@ -122,10 +133,7 @@ TEST(formats, what_is_only_written_is_known_too_so_that_it_can_be_refused_as_suc
 
 TEST(formats, files_of_other_kinds_are_known_by_how_they_begin) {
   const std::vector<std::pair<std::string, std::string>> others{
-      {"PK\x03\x04\x14", "ZIP"},
-      {"glTF\x02", "glTF"},
       {"ISO-10303-21;\nHEADER;\n", "STEP"},
-      {"# vtk DataFile Version 3.0\npart\nASCII\nDATASET POLYDATA\n", "VTK"},
       {"Kaydara FBX Binary  ", "FBX"},
       {"\xfd"
        "7zXZ",

@@ -27,6 +27,13 @@ std::string header(const std::string& format, int vertices, int faces) {
 }
 constexpr int kHeaderLines = 10;
 
+/// Reads a triangle with more properties.
+PolygonMesh read_with_labels(const std::string& properties, const std::string& values) {
+  std::string head = header("ascii", 3, 1);
+  head.insert(head.find("end_header"), properties);
+  return test::read_with(read_ply, head + "0 0 0\n1 0 0\n1 1 0\n3 0 1 2 " + values + "\n").mesh;
+}
+
 template <class T>
 void append(std::string& out, T value, ByteOrder order) {
   std::string bytes;
@@ -50,6 +57,16 @@ std::string binary_ply(ByteOrder order) {
 
 ReadResult read_as_ply(const std::string& content, const ReadLimits& limits = {}) {
   return test::read_with(read_ply, content, limits);
+}
+
+TEST(ply_reader, groups_have_other_names_in_files_of_other_programs) {
+  const auto groups = [](const std::string& properties, const std::string& values) {
+    return label_of_faces(read_with_labels(properties, values).labels.group);
+  };
+  EXPECT_EQ(groups("property int layer_id\n", "7"), std::vector<std::string>{"7"});
+  EXPECT_EQ(groups("property uchar material_index\nproperty int group_id\n", "5 6"), std::vector<std::string>{"6"});
+  EXPECT_EQ(groups("property uchar material_index\nproperty int group\n", "5 6"), std::vector<std::string>{"6"});
+  EXPECT_EQ(groups("property float group_id\n", "5"), std::vector<std::string>{}) << "no whole number";
 }
 
 TEST(ply_reader, text_and_both_byte_orders_give_the_same_polygons) {

@@ -79,7 +79,7 @@ TEST(round_for_format, a_part_at_map_coordinates_is_refused_with_reason_step_and
   // Floats from 2^22 to 2^23 are a half apart.
   EXPECT_THAT(error.what(), HasSubstr("0.5 apart"));
   EXPECT_THAT(error.what(), HasSubstr("moves a vertex"));
-  EXPECT_THAT(error.what(), HasSubstr("obj, json, stl_ascii, ply, off, vtu, msh"));
+  EXPECT_THAT(error.what(), HasSubstr("obj, json, stl_ascii, ply, off, vtu, msh, mesh, smesh, ply_ascii"));
   EXPECT_THAT(error.what(), HasSubstr("local_origin=true"));
 }
 

@@ -24,7 +24,7 @@ AnalyticSurface plane(const Vec3& origin, const Vec3& normal) {
 }
 
 /// Two surfaces and two points of the curve where they meet.
-struct Case {
+struct CurveCase {
   std::string name;
   AnalyticSurface curved;
   std::optional<AnalyticSurface> other;
@@ -35,8 +35,8 @@ struct Case {
   CurveTrace trace() const { return CurveTrace::choose(from, to, curved, other).value(); }
 };
 
-std::vector<Case> cases() {
-  std::vector<Case> all;
+std::vector<CurveCase> curve_cases() {
+  std::vector<CurveCase> all;
   const AnalyticSurface shaft = kShaft.shape();
   all.push_back({"circle", shaft, plane({0, 0, 3}, {0, 0, 1}), kShaft.point(0.2, 3), kShaft.point(1.3, 3), true});
   // The plane z = x / 2 cuts an ellipse.
@@ -76,7 +76,7 @@ TEST(boundary_curve, a_line_is_straight_and_has_its_ends_exactly) {
 }
 
 TEST(boundary_curve, the_ends_of_a_traced_curve_are_exact_even_if_they_lie_off_the_surfaces) {
-  for (const Case& c : cases()) {
+  for (const CurveCase& c : curve_cases()) {
     const Vec3 from = c.from + Vec3{1e-6, 2e-6, -1e-6}, to = c.to + Vec3{-3e-6, 0, 1e-6};
     const auto trace = CurveTrace::choose(from, to, c.curved, c.other);
     ASSERT_TRUE(trace.has_value()) << c.name;
@@ -88,7 +88,7 @@ TEST(boundary_curve, the_ends_of_a_traced_curve_are_exact_even_if_they_lie_off_t
 }
 
 TEST(boundary_curve, traced_places_lie_on_both_surfaces_beside_their_line) {
-  for (const Case& c : cases()) {
+  for (const CurveCase& c : curve_cases()) {
     SCOPED_TRACE(c.name);
     const CurveTrace trace = c.trace();
     const BoundaryCurve curve = BoundaryCurve::traced(c.from, c.to, trace);
@@ -152,7 +152,7 @@ TEST(boundary_curve, a_curve_that_leaves_the_other_surface_is_not_a_circle) {
 }
 
 STAGE(boundary_curve, test::kScale, test::kExtremeScale) {
-  for (Case c : cases()) {
+  for (CurveCase c : curve_cases()) {
     c.curved = test::scaled(c.curved, trial.scale);
     if (c.other) c.other = test::scaled(*c.other, trial.scale);
     c.from = trial.scale * c.from;

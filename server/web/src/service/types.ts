@@ -17,6 +17,7 @@ export interface Format {
   name: string;
   media_type: string;
   ending: string;
+  about: string;
 }
 export interface Capabilities {
   name: string;

@@ -9,17 +9,6 @@ export interface Result {
   json: Blob;
 }
 
-const kAbout: Record<string, string> = {
-  obj: "objects, groups, materials",
-  json: "with patches and report",
-  stl: "binary, floats",
-  stl_ascii: "text, doubles",
-  ply: "binary, doubles",
-  off: "text",
-  vtu: "ParaView: patch and quality",
-  msh: "Gmsh 2.2",
-};
-
 /** The result in every format, and the line of a shell that makes it. */
 export class DownloadPanel {
   private readonly buttons = h("div", { class: "formats", role: "group", "aria-label": "Formats" });
@@ -64,12 +53,12 @@ export class DownloadPanel {
   offer(formats: Format[]): void {
     this.formats = formats;
     this.buttons.replaceChildren(
-      ...formats.map(({ name, media_type }) =>
+      ...formats.map(({ name, media_type, about }) =>
         h(
           "button",
           { type: "button", disabled: true, "data-format": name, title: media_type, click: () => void this.save(name) },
           h("strong", {}, titleOf(name)),
-          h("span", { class: "muted" }, kAbout[name] ?? media_type),
+          h("span", { class: "muted" }, about),
         ),
       ),
     );
