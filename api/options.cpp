@@ -53,120 +53,139 @@ constexpr std::array<PresetValue, 5> kPresetValues{{
 constexpr std::array<std::pair<std::string_view, CircleFit>, 2> kCircleFitWords{
     {{"inscribed", CircleFit::kInscribed}, {"volume", CircleFit::kVolume}}};
 
-const std::array<OptionSpec, 28> kTable{{
+/// Sorts the rows by their groups.
+template <std::size_t N>
+std::array<OptionSpec, N> in_groups(std::array<OptionSpec, N> rows) {
+  std::stable_sort(rows.begin(), rows.end(),
+                   [](const OptionSpec& a, const OptionSpec& b) { return a.group < b.group; });
+  return rows;
+}
+
+const std::array<OptionSpec, 28> kTable = in_groups<28>({{
     {.name = "refine",
      .type = OptionType::kBoolean,
      .field = &Options::refine,
-     .help =
-         "insert points until the bounds on angles and sizes hold; false: insert none, and use only the vertices that "
-         "the shape needs",
+     .group = OptionGroup::kResult,
+     .help = "false: no points are inserted, and only the vertices that the shape needs are used",
      .example = "false"},
     {.name = "min_angle_deg",
      .type = OptionType::kNumber,
      .field = &Options::min_angle_deg,
-     .help = "no angle below this, except where the input's own sharp corners forbid it; 0: no bound",
+     .group = OptionGroup::kResult,
+     .help = "no angle is below this, except where the sharp corners of the input forbid it; 0: no bound",
      .unset = "auto",
      .excludes = "max_radius_edge_ratio",
      .example = "30"},
     {.name = "max_radius_edge_ratio",
      .type = OptionType::kNumber,
      .field = &Options::max_radius_edge_ratio,
-     .help = "in place of min_angle_deg: the largest ratio of a triangle's circumradius to its shortest edge, "
-             "which is 1/(2 sin min_angle)",
+     .group = OptionGroup::kExpert,
+     .help = "in place of min_angle_deg: the largest ratio of circumradius to shortest edge, 1/(2 sin angle)",
      .unset = "none",
      .excludes = "min_angle_deg",
      .example = "1.2"},
     {.name = "max_edge_length",
      .type = OptionType::kNumber,
      .field = &Options::max_edge_length,
-     .help = "no edge longer than this, in model units",
+     .group = OptionGroup::kSize,
+     .help = "no edge is longer than this, in model units",
      .unset = "none",
      .excludes = "max_edge_fraction",
      .example = "0.5"},
     {.name = "max_edge_fraction",
      .type = OptionType::kNumber,
      .field = &Options::max_edge_fraction,
-     .help = "no edge longer than this fraction of the bounding box's diagonal",
+     .group = OptionGroup::kSize,
+     .help = "in place of max_edge_length: the same length as a fraction of the bounding box's diagonal",
      .unset = "none",
      .excludes = "max_edge_length",
      .example = "0.02"},
     {.name = "max_area",
      .type = OptionType::kNumber,
      .field = &Options::max_area,
-     .help = "no triangle larger than this, in model units squared",
+     .group = OptionGroup::kSize,
+     .help = "no triangle is larger than this, in model units squared",
      .unset = "none",
      .example = "0.25"},
     {.name = "min_edge_length",
      .type = OptionType::kNumber,
      .field = &Options::min_edge_length,
-     .help = "refinement makes no edge shorter than this, in model units; auto: edges of any length, unless the "
-             "result would then have more than 20 faces for each triangle of the input plus 1,000 (with proximity: "
-             "40 for each plus 20,000, or plus 5,000 with elements_per_circle or a surface_tolerance), in which case "
-             "a length is chosen that prevents this; 0: edges of any length",
+     .group = OptionGroup::kSize,
+     .help = "refinement makes no edge shorter than this, in model units; auto: such a length is chosen only if the "
+             "faces would be out of proportion to the input; 0: edges of any length",
      .unset = "auto",
      .example = "0.001"},
     {.name = "defeature_size",
      .type = OptionType::kNumber,
      .field = &Options::defeature_size,
-     .help = "details smaller than this are removed, in model units: shorter edges, narrower faces and slits, "
-             "lower steps and flaps; auto: only details smaller than plane_tolerance; 0: no details",
+     .group = OptionGroup::kRepair,
+     .help = "details smaller than this are removed, in model units; auto: only what the rounding of coordinates "
+             "explains; 0: no details",
      .unset = "auto",
      .example = "0.01"},
     {.name = "proximity",
      .type = OptionType::kNumber,
      .field = &Options::proximity,
-     .help = "edges are at most as long as the gap to the nearest facet that is not a neighbour, divided by this "
-             "number; the report lists triangles with longer edges; 0: gaps do not matter",
+     .group = OptionGroup::kSize,
+     .help = "edges to fit across the gap to the nearest facet that is not a neighbour, as in thin walls; 0: gaps do "
+             "not matter",
      .example = "1"},
     {.name = "gradation",
      .type = OptionType::kNumber,
      .field = &Options::gradation,
-     .help =
-         "largest factor by which neighbouring edges may differ in size; auto: 1.5 with proximity, otherwise no limit",
+     .group = OptionGroup::kSize,
+     .help = "the largest factor by which neighbouring edges may differ in size; auto: 1.5 with proximity, otherwise "
+             "no limit",
      .unset = "auto",
      .example = "1.3"},
     {.name = "max_output_faces",
      .type = OptionType::kInteger,
      .field = &Options::max_output_faces,
-     .help = "the largest number of faces that the result may have. A request that certainly needs more is refused; "
-             "otherwise refinement stops at this number. The default, and the largest value, is the server's limit",
+     .group = OptionGroup::kSize,
+     .help = "the largest number of faces that the result may have: refinement stops there, and what certainly needs "
+             "more is refused",
      .unset = "none",
      .example = "100000"},
     {.name = "split_boundaries",
      .type = OptionType::kBoolean,
      .field = &Options::split_boundaries,
-     .help = "true: patch boundaries may get new vertices; false: they get none",
+     .group = OptionGroup::kExpert,
+     .help = "false: the boundaries of patches get no new vertices",
      .example = "false"},
     {.name = "keep_boundary_vertices",
      .type = OptionType::kBoolean,
      .field = &Options::keep_boundary_vertices,
-     .help = "true: keep collinear vertices on patch boundaries",
+     .group = OptionGroup::kExpert,
+     .help = "true: collinear vertices on the boundaries of patches stay",
      .example = "true"},
     {.name = "plane_tolerance",
      .type = OptionType::kNumber,
      .field = &Options::plane_tolerance,
-     .help = "largest distance of a patch's vertices from its plane, in model units; auto: the distance that "
-             "follows from the rounding of the coordinates, from 1e-9 to 1e-4 of the bounding box's diagonal",
+     .group = OptionGroup::kExpert,
+     .help = "the largest distance of a patch's vertices from its plane, in model units; auto: what the rounding of "
+             "the coordinates explains",
      .unset = "auto",
      .example = "1e-5"},
     {.name = "feature_angle_deg",
      .type = OptionType::kNumber,
      .field = &Options::feature_angle_deg,
-     .help = "edges where facets turn by more than this, in degrees, are features and stay; facets that meet at a "
-             "smaller angle may be pieces of one curved surface; 0: each facet is its own surface",
+     .group = OptionGroup::kCurved,
+     .help = "edges where facets turn by more than this are features and stay, and facets that turn by less may be one "
+             "curved surface; 0: nothing is curved",
      .example = "40"},
     {.name = "surface_tolerance",
      .type = OptionType::kNumber,
      .field = &Options::surface_tolerance,
-     .help = "largest distance between the curved parts of input and result, in both directions, in model units; "
-             "auto: for surfaces that elements_per_circle remeshes, the distance of the input's own facets from "
-             "the surface, and for all others facets stay as they are; 0: facets stay as they are",
+     .group = OptionGroup::kCurved,
+     .help = "the largest distance between the curved parts of input and result, in model units; auto: as near as the "
+             "input's own facets; 0: facets stay",
      .unset = "auto",
      .excludes = "surface_tolerance_fraction",
      .example = "0.01"},
     {.name = "surface_tolerance_fraction",
      .type = OptionType::kNumber,
      .field = &Options::surface_tolerance_fraction,
+     .group = OptionGroup::kCurved,
      .help = "in place of surface_tolerance: the same distance as a fraction of the bounding box's diagonal",
      .unset = "none",
      .excludes = "surface_tolerance",
@@ -174,80 +193,82 @@ const std::array<OptionSpec, 28> kTable{{
     {.name = "elements_per_circle",
      .type = OptionType::kNumber,
      .field = ElementsField{},
-     .help = "number of edges per full turn on curved surfaces and arcs; the distance of such an edge from its "
-             "arc is allowed on top of surface_tolerance; 16 is usual before volume meshing; none: facets stay "
-             "unless a surface_tolerance is given; auto: like none, but if no surface_tolerance is given and "
-             "boundaries may be divided, surfaces with more than 32 facets per turn are remeshed with 24 edges "
-             "per turn",
+     .group = OptionGroup::kCurved,
+     .help = "the number of edges per full turn of a curved surface; 16 is usual before volume meshing; none: facets "
+             "stay; auto: surfaces with more than 32 facets per turn get 24",
      .unset = "auto",
      .example = "16"},
     {.name = "circle_fit",
      .type = OptionType::kChoice,
      .field = &Options::circle_fit,
-     .help = "where vertices of circles and curved surfaces lie; inscribed: on the surface, so that shafts lose "
-             "volume and holes get smaller; volume: outside of the surface by about half the chord height, so that "
-             "the volume of the recognised solid is kept, or the area of an open surface; it has an effect only on "
-             "surfaces that are remeshed because of elements_per_circle or a surface_tolerance",
+     .group = OptionGroup::kCurved,
+     .help = "where vertices of remeshed curved surfaces lie; inscribed: on the surface; volume: a little outside, so "
+             "that the volume of the solid is kept",
      .example = "volume"},
     {.name = "normal_tolerance",
      .type = OptionType::kNumber,
      .field = &Options::normal_tolerance,
+     .group = OptionGroup::kExpert,
      .help = "unit normals in one patch may always differ by this much in each component",
      .example = "1e-5"},
     {.name = "weld_tolerance",
      .type = OptionType::kNumber,
      .field = &Options::weld_tolerance,
-     .help = "vertices at most this far apart are merged, in model units, and open edges are split at vertices this "
-             "near; 0: only vertices with equal coordinates are merged",
+     .group = OptionGroup::kRepair,
+     .help = "vertices at most this far apart are merged, in model units; 0: only those with equal coordinates",
      .example = "1e-6"},
     {.name = "repair",
      .type = OptionType::kWords,
      .field = &Options::repair,
-     .help = "the defects of the input that are repaired; the report counts each repair; seams: open edges are "
-             "joined with open edges beside them, if their distance can be explained by the rounding of the "
-             "coordinates; a list of words replaces the default, +word or -word changes it",
+     .group = OptionGroup::kRepair,
+     .help = "the defects of the input that are repaired; a list of words replaces the default, and +word or -word "
+             "changes it",
      .example = "duplicates,degenerate"},
     {.name = "max_hole_edges",
      .type = OptionType::kInteger,
      .field = &Options::max_hole_edges,
-     .help = "with holes in repair: flat holes whose rims have at most this many edges are closed; none: holes "
-             "smaller than defeature_size are closed, or if that is not given, holes with at most 12 edges or "
-             "smaller than 5 % of the bounding box's diagonal",
+     .group = OptionGroup::kRepair,
+     .help = "with holes in repair: flat holes whose rims have at most this many edges are closed; none: small holes",
      .unset = "none",
      .example = "64"},
     {.name = "barriers",
      .type = OptionType::kWords,
      .field = &Options::barriers,
-     .help = "the labels that separate patches even in one plane; a list of words replaces the default, +word or "
+     .group = OptionGroup::kExpert,
+     .help = "the labels that separate patches even in one plane; a list of words replaces the default, and +word or "
              "-word changes it",
      .example = "none"},
     {.name = "local_origin",
      .type = OptionType::kBoolean,
      .field = &Options::local_origin,
-     .help = "true: coordinates that the output format cannot hold are written relative to an origin near the mesh; "
-             "the report and the summary give this origin",
+     .group = OptionGroup::kResult,
+     .help = "true: coordinates that the format cannot hold are written relative to an origin near the mesh, which the "
+             "report gives",
      .example = "true"},
     {.name = "reference_axis",
      .type = OptionType::kAxis,
      .field = AxisField{},
+     .group = OptionGroup::kExpert,
      .help = "the direction of the first axis in the plane of each patch: x, dominant_edge, or a direction dx,dy,dz",
      .example = "0,1,0"},
     {.name = "preset",
      .type = OptionType::kChoice,
      .field = PresetField{},
-     .help = "sets several options at once; volume: values that suit volume meshing (proximity=0.25, "
-             "elements_per_circle=16); exact: facets and boundaries stay as they are (feature_angle_deg=0, "
-             "split_boundaries=false, defeature_size=0); an option that is given itself overrides the preset",
+     .group = OptionGroup::kResult,
+     .help = "values for several options, where these are not given; volume: what suits volume meshing "
+             "(proximity=0.25, elements_per_circle=16); exact: facets and boundaries stay (feature_angle_deg=0, "
+             "split_boundaries=false, defeature_size=0)",
      .unset = "none",
      .example = "exact"},
     {.name = "format",
      .type = OptionType::kChoice,
      .field = FormatField{},
-     .help = "the format of the result; auto: the format that the Accept header asks for, otherwise the format of "
-             "the input, but text (stl_ascii) if binary STL cannot hold the result",
+     .group = OptionGroup::kResult,
+     .help = "the format of the result; auto: what the Accept header or the name of the file asks for, otherwise the "
+             "format of the input",
      .unset = "auto",
      .example = "json"},
-}};
+}});
 
 [[noreturn]] void fail(const OptionSpec& spec, const std::string& message) {
   throw Error(Code::kInvalidOption, Stage::kRead, std::string(spec.name) + " " + message)
@@ -507,6 +528,17 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 }  // namespace
 
 std::span<const OptionSpec> option_table() { return kTable; }
+
+std::string_view group_name(OptionGroup group) {
+  switch (group) {
+    case OptionGroup::kResult: return "result";
+    case OptionGroup::kSize: return "size";
+    case OptionGroup::kCurved: return "curved";
+    case OptionGroup::kRepair: return "repair";
+    case OptionGroup::kExpert: break;
+  }
+  return "expert";
+}
 
 const OptionSpec* find_option(std::string_view name) {
   const auto spec = std::find_if(kTable.begin(), kTable.end(), [&](const OptionSpec& s) { return s.name == name; });

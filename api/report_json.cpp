@@ -290,6 +290,15 @@ void write_diagnostics(JsonWriter& json, const std::vector<Diagnostic>& diagnost
     for (const std::uint64_t element : diagnostic.elements) json.integer(element);
     json.end_array();
     json.member("message", diagnostic.message);
+    json.key("remedies");
+    json.begin_array();
+    for (const Remedy& remedy : diagnostic.remedies) {
+      json.begin_object();
+      json.member("options", remedy.options);
+      json.member("effect", remedy.effect);
+      json.end_object();
+    }
+    json.end_array();
     json.end_object();
   }
   json.end_array();

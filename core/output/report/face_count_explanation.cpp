@@ -51,7 +51,7 @@ std::string about(double faces) {
 std::string whole_text(double faces) { return grouped_digits(static_cast<std::uint64_t>(std::min(faces, 0x1p62))); }
 
 /// A value of an option, and the number of faces that are predicted with it.
-struct Remedy {
+struct TriedValue {
   std::string option;  ///< with its value
   double faces;
 };
@@ -89,13 +89,17 @@ class Explanation {
                       cause_text(cause) + "; half of them are in " +
                       (patches == 1 ? "1 patch" : grouped_digits(patches) + " patches");
     if (is_floor_found()) warning.message += floor_text();
-    const std::vector<Remedy> remedies = are_many() ? find_remedies(cause) : find_remedies_without_floor();
+    std::vector<TriedValue> remedies = are_many() ? find_remedies(cause) : find_remedies_without_floor();
     for (std::size_t i = 0; i < remedies.size(); ++i)
       warning.message += (i == 0                     ? "; "
                           : i + 1 == remedies.size() ? " and "
                                                      : ", ") +
                          remedies[i].option + (i == 0 ? " would give " : " ") + about(remedies[i].faces) +
                          (i == 0 ? are_many() ? " faces" : " faces without a floor" : "");
+    std::stable_sort(remedies.begin(), remedies.end(),
+                     [](const TriedValue& a, const TriedValue& b) { return a.faces < b.faces; });
+    for (TriedValue& tried : remedies)
+      warning.remedies.push_back({std::move(tried.option), "would give " + about(tried.faces) + " faces"});
     return warning;
   }
 
@@ -216,7 +220,7 @@ class Explanation {
   /// Input: `next` sets the next value in the goals, and returns how it is asked for; empty: there are no more.
   template <class Next>
   void try_values(const Next& next) {
-    std::optional<Remedy> best;
+    std::optional<TriedValue> best;
     Goals goals = first_goals_;
     for (int step = 0; step < kMaxSteps && places_ < kMaxPlaces; ++step) {
       const std::string option = next(goals, step);
@@ -229,7 +233,7 @@ class Explanation {
     if (best && best->faces <= max_worth_telling_) remedies_.push_back(*std::move(best));
   }
 
-  std::vector<Remedy> find_remedies(Cause cause) {
+  std::vector<TriedValue> find_remedies(Cause cause) {
     if (cause == Cause::kSizes) try_sizes();
     if (cause == Cause::kGaps) try_gaps();
     try_circles();
@@ -243,7 +247,7 @@ class Explanation {
   }
 
   /// Finds the values of options with which a floor would not even be looked for.
-  std::vector<Remedy> find_remedies_without_floor() {
+  std::vector<TriedValue> find_remedies_without_floor() {
     first_goals_.min_edge_length = lowest_floor_;
     scale_ = 1;
     allowed_ = max_worth_telling_ = static_cast<double>(result_.goals.faces_without_min_edge);
@@ -301,7 +305,7 @@ class Explanation {
   }
 
   void try_circles() {
-    std::optional<Remedy> best;
+    std::optional<TriedValue> best;
     const std::map<int, std::uint64_t> by_number = result_.predict_by_circles();
     for (auto of = by_number.rbegin(); of != by_number.rend(); ++of) {
       if (result_.options.elements_per_circle && of->first >= *result_.options.elements_per_circle) continue;
@@ -320,7 +324,7 @@ class Explanation {
   double scale_ = 1;  ///< the faces there are over those that are predicted
   double max_worth_telling_ = 0;
   std::uint64_t places_ = 0;  ///< the number of places at which predictions have looked at sizes
-  std::vector<Remedy> remedies_;
+  std::vector<TriedValue> remedies_;
 };
 
 }  // namespace
