@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "api/file_name.h"
 #include "api/json_reader.h"
 #include "api/quoting.h"
 #include "core/base/error.h"
@@ -53,6 +54,11 @@ std::string remark(Format format, bool is_named, std::string_view mesh) {
                                         ", because its content looks like this "
                                         "format";
   }
+  if (is_file_name(mesh))
+    return text +
+           "; it is only the name of a file: with curl, an @ in front of the name sends the file, as in "
+           "--data-binary @" +
+           std::string(mesh);
   const bool is_one_line = !mesh.empty() && mesh.find_first_of(std::string_view("\n\r\0", 3)) == std::string_view::npos;
   if (is_one_line && format != Format::kJson)
     text += "; it has only one line: if its line ends were lost on the way, use curl --data-binary, which keeps them";

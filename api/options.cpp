@@ -511,6 +511,28 @@ bool is_set(const OptionSpec& spec, const RequestOptions& options) {
   return !std::holds_alternative<std::monostate>(option_value(spec, options));
 }
 
+/// Names that other programs have for options of ours.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 12> kOtherNames{{{"hmax", "max_edge_length"},
+                                                                                     {"hsiz", "max_edge_length"},
+                                                                                     {"clmax", "max_edge_length"},
+                                                                                     {"lcmax", "max_edge_length"},
+                                                                                     {"size", "max_edge_length"},
+                                                                                     {"hmin", "min_edge_length"},
+                                                                                     {"clmin", "min_edge_length"},
+                                                                                     {"hgrad", "gradation"},
+                                                                                     {"hausd", "surface_tolerance"},
+                                                                                     {"clcurv", "elements_per_circle"},
+                                                                                     {"output", "format"},
+                                                                                     {"type", "format"}}};
+
+/// Writes a name in lower case and without separators, so that maxEdgeLength is max_edge_length.
+std::string plain_name(std::string_view name) {
+  std::string plain;
+  for (const char c : ascii_lower(name))
+    if (c != '_' && c != '-' && c != ' ' && c != '.') plain += c;
+  return plain;
+}
+
 // Computes the Levenshtein distance row by row.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
@@ -548,7 +570,19 @@ const OptionSpec* find_option(std::string_view name) {
 const OptionSpec& nearest_option(std::string_view name) {
   constexpr std::size_t kLongestCompared = 64;  // the caller chooses the length of the name
   const std::string_view start = name.substr(0, kLongestCompared);
-  const auto distance = [&](const OptionSpec& spec) { return edit_distance(start, spec.name); };
+  const std::string plain = plain_name(start);
+  const auto* other =
+      std::find_if(kOtherNames.begin(), kOtherNames.end(), [&](const auto& n) { return n.first == plain; });
+  if (other != kOtherNames.end()) return *find_option(other->second);
+  // A part of a name is nearer to it than another name of the same length: max_edge stands for max_edge_length.
+  constexpr std::size_t kShortestPart = 4, kPerEdit = 4;
+  const auto distance = [&](const OptionSpec& spec) {
+    const std::string full = plain_name(spec.name);
+    const auto& [part, whole] =
+        std::minmax(plain, full, [](const auto& a, const auto& b) { return a.size() < b.size(); });
+    if (part.size() >= kShortestPart && whole.find(part) != std::string::npos) return whole.size() - part.size();
+    return kPerEdit * edit_distance(plain, full);
+  };
   return *std::min_element(kTable.begin(), kTable.end(),
                            [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
 }

@@ -80,7 +80,9 @@ std::string_view group_name(OptionGroup group);
 /// Finds an option by its name.
 /// Output: null if there is none.
 const OptionSpec* find_option(std::string_view name);
-/// Finds the option whose name takes the fewest edits to reach from `name`. The first one wins a tie.
+/// Finds the option that a wrong name most likely stands for: the one that other programs call so; else one of whose
+/// name it is a part, or the other way round; else the one that takes the fewest edits. Case and separators do not
+/// count. The first one wins a tie.
 const OptionSpec& nearest_option(std::string_view name);
 /// The words that a kWords or kChoice option accepts, and those that an option accepts in place of a number,
 /// without the word for "no value".

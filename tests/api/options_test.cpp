@@ -419,7 +419,9 @@ TEST(options, json_types_must_fit) {
 
 TEST(options, an_unknown_option_names_the_nearest) {
   const std::map<std::string_view, std::string_view> nearest{
-      {"min_angle", "min_angle_deg"}, {"max_edge_lenght", "max_edge_length"}, {"Refine", "refine"}};
+      {"min_angle", "min_angle_deg"},  {"max_edge_lenght", "max_edge_length"}, {"Refine", "refine"},
+      {"max_edge", "max_edge_length"}, {"maxEdgeLength", "max_edge_length"},   {"hausd", "surface_tolerance"},
+      {"output_format", "format"}};
   for (const auto& [wrong, right] : nearest) {
     const Error error = error_of([&, w = wrong] { read(w, "1"); });
     EXPECT_EQ(error.code, RequestCode::kUnknownOption);
