@@ -39,6 +39,12 @@ RequestOptions bounded(RequestOptions options, const Limits& limits) {
         .for_option("max_output_faces")
         .with_limit(limits.max_output_faces);
   }
+  if (options.core.target_faces && *options.core.target_faces > limits.max_output_faces) {
+    throw Error(Code::kInvalidOption, Stage::kRead,
+                "target_faces is above the limit of " + std::to_string(limits.max_output_faces))
+        .for_option("target_faces")
+        .with_limit(limits.max_output_faces);
+  }
   const std::uint64_t usual = std::min(limits.max_output_faces, limits.usual_output_faces);
   if (!faces && usual != std::numeric_limits<std::uint64_t>::max()) faces = usual;
   return options;

@@ -61,7 +61,7 @@ std::array<OptionSpec, N> in_groups(std::array<OptionSpec, N> rows) {
   return rows;
 }
 
-const std::array<OptionSpec, 28> kTable = in_groups<28>({{
+const std::array<OptionSpec, 30> kTable = in_groups<30>({{
     {.name = "refine",
      .type = OptionType::kBoolean,
      .field = &Options::refine,
@@ -84,6 +84,22 @@ const std::array<OptionSpec, 28> kTable = in_groups<28>({{
      .unset = "none",
      .excludes = "min_angle_deg",
      .example = "1.2"},
+    {.name = "target_faces",
+     .type = OptionType::kInteger,
+     .field = &Options::target_faces,
+     .group = OptionGroup::kSize,
+     .help = "about so many faces: the largest edge is chosen for it; what the other options need is made in any case",
+     .unset = "none",
+     .excludes = "target_edge_length",
+     .example = "20000"},
+    {.name = "target_edge_length",
+     .type = OptionType::kNumber,
+     .field = &Options::target_edge_length,
+     .group = OptionGroup::kSize,
+     .help = "the median edge is about this long, in model units: the largest edge is chosen for it",
+     .unset = "none",
+     .excludes = "target_faces",
+     .example = "0.5"},
     {.name = "max_edge_length",
      .type = OptionType::kNumber,
      .field = &Options::max_edge_length,

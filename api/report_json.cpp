@@ -1,6 +1,7 @@
 #include "api/report_json.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <string>
 #include <type_traits>
@@ -485,6 +486,8 @@ void write_report(JsonWriter& json, const Report& report, const RequestOptions& 
     write_predictions(json, report.predicted_faces_by_elements_per_circle);
   }
   json.member("smallest_gap", report.smallest_gap);
+  const double largest = report.largest_edge_for_target;
+  json.member("largest_edge_for_target", largest > 0 && std::isfinite(largest) ? std::optional(largest) : std::nullopt);
   if (is_remesh) {
     json.key("unrefined");
     write_unrefined(json, report.unrefined);

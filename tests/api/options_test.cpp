@@ -55,6 +55,8 @@ TEST(options, the_table_has_every_option_of_the_contract_with_its_default) {
   const std::map<std::string_view, std::string> contract{{"refine", "true"},
                                                          {"min_angle_deg", "25"},
                                                          {"max_radius_edge_ratio", "none"},
+                                                         {"target_faces", "none"},
+                                                         {"target_edge_length", "none"},
                                                          {"max_edge_length", "none"},
                                                          {"max_edge_fraction", "none"},
                                                          {"max_area", "none"},

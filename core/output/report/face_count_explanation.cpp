@@ -11,6 +11,7 @@
 
 #include "core/base/number_text.h"
 #include "core/output/report/surface_words.h"
+#include "core/refinement/attempts/refinement_choices.h"
 
 namespace remesh {
 namespace {
@@ -67,7 +68,8 @@ class Explanation {
       faces_of_patch_.push_back(result.faces.of_patch(PatchId(p)));
       faces_ += faces_of_patch_.back();
     }
-    allowed_ = std::max(kFewFacesAlways, kTimesOfInput * static_cast<double>(result.input_triangles));
+    allowed_ = has_target() ? (1 + kOffTarget) * static_cast<double>(*result.options.target_faces)
+                            : std::max(kFewFacesAlways, kTimesOfInput * static_cast<double>(result.input_triangles));
     max_worth_telling_ = kWorthTelling * faces_;
   }
 
@@ -89,6 +91,7 @@ class Explanation {
                       cause_text(cause) + "; half of them are in " +
                       (patches == 1 ? "1 patch" : grouped_digits(patches) + " patches");
     if (is_floor_found()) warning.message += floor_text();
+    if (has_target()) warning.message += target_text();
     std::vector<TriedValue> remedies = are_many() ? find_remedies(cause) : find_remedies_without_floor();
     for (std::size_t i = 0; i < remedies.size(); ++i)
       warning.message += (i == 0                     ? "; "
@@ -191,6 +194,18 @@ class Explanation {
     return "the bound on angles divides needles and what is beside small angles or short edges of the input";
   }
 
+  bool has_target() const { return result_.options.target_faces.has_value(); }
+
+  /// Tells how many faces there are without any largest edge.
+  std::string target_text() {
+    Goals goals = result_.goals;
+    goals.max_edge_length = kInfinity;
+    const bool is_least = std::isinf(result_.goals.max_edge_length);
+    return "; target_faces=" + std::to_string(*result_.options.target_faces) +
+           " is not met: the other options alone need " + (is_least ? whole_text(faces_) : about(faces_with(goals))) +
+           " faces";
+  }
+
   /// Tells of the floor that was found.
   std::string floor_text() {
     Goals goals = result_.goals;
@@ -257,7 +272,7 @@ class Explanation {
   }
 
   void try_sizes() {
-    if (std::isfinite(result_.goals.max_edge_length))
+    if (std::isfinite(result_.goals.max_edge_length) && !is_target_given(result_.options))
       try_values([&](Goals& goals, int) -> std::string {
         const double of_one = result_.options.max_edge_fraction ? result_.diagonal : 1;
         const double value = with_three_digits(2 * goals.max_edge_length / of_one);

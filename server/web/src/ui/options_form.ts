@@ -4,7 +4,15 @@ import { type Child, h } from "./dom.ts";
 import { label, real, sentence } from "./words.ts";
 
 /** Those that most runs need; the others fold away. */
-const kFirst = ["preset", "elements_per_circle", "refine", "min_angle_deg", "max_edge_length", "proximity"];
+const kFirst = [
+  "preset",
+  "elements_per_circle",
+  "refine",
+  "min_angle_deg",
+  "target_faces",
+  "max_edge_length",
+  "proximity",
+];
 /** The page asks for what it needs, see the downloads. */
 const kNotAsked = ["format"];
 /** Numbers to pick from, beside any other. */
