@@ -31,6 +31,7 @@ void write_option(JsonWriter& json, const OptionSpec& spec) {
   json.begin_object();
   json.member("name", spec.name);
   json.member("type", type_name(spec.type));
+  json.member("group", group_name(spec.group));
   json.key("default");
   write_option_value(json, option_value(spec, with_defaults(RequestOptions{})));
   if (!spec.unset.empty()) json.member("unset", spec.unset);
@@ -43,6 +44,7 @@ void write_option(JsonWriter& json, const OptionSpec& spec) {
     json.begin_array();
     for (const std::string_view word : words) json.string(word);
     json.end_array();
+    if (spec.type == OptionType::kWords) json.member("is_list", true);
   }
   if (!spec.excludes.empty()) json.member("excludes", spec.excludes);
   json.member("description", spec.help);

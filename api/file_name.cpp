@@ -69,6 +69,12 @@ std::string content_disposition(std::string_view upload, Format format) {
   return value;
 }
 
+bool is_file_name(std::string_view text) {
+  constexpr std::size_t kLongest = 255;
+  return text.size() <= kLongest && text.find_first_of(std::string_view("\n\r\0{", 4)) == std::string_view::npos &&
+         format_from_file_name(text).has_value();
+}
+
 std::string decode_extended_value(std::string_view value) {
   const auto [charset, rest] = cut(value, '\'');
   const std::string_view text = cut(rest, '\'').second;

@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "api/file_name.h"
 #include "api/json_reader.h"
 #include "api/quoting.h"
 #include "core/base/error.h"
@@ -38,6 +39,12 @@ RequestOptions bounded(RequestOptions options, const Limits& limits) {
         .for_option("max_output_faces")
         .with_limit(limits.max_output_faces);
   }
+  if (options.core.target_faces && *options.core.target_faces > limits.max_output_faces) {
+    throw Error(Code::kInvalidOption, Stage::kRead,
+                "target_faces is above the limit of " + std::to_string(limits.max_output_faces))
+        .for_option("target_faces")
+        .with_limit(limits.max_output_faces);
+  }
   const std::uint64_t usual = std::min(limits.max_output_faces, limits.usual_output_faces);
   if (!faces && usual != std::numeric_limits<std::uint64_t>::max()) faces = usual;
   return options;
@@ -53,6 +60,11 @@ std::string remark(Format format, bool is_named, std::string_view mesh) {
                                         ", because its content looks like this "
                                         "format";
   }
+  if (is_file_name(mesh))
+    return text +
+           "; it is only the name of a file: with curl, an @ in front of the name sends the file, as in "
+           "--data-binary @" +
+           std::string(mesh);
   const bool is_one_line = !mesh.empty() && mesh.find_first_of(std::string_view("\n\r\0", 3)) == std::string_view::npos;
   if (is_one_line && format != Format::kJson)
     text += "; it has only one line: if its line ends were lost on the way, use curl --data-binary, which keeps them";

@@ -233,6 +233,10 @@ bool Handler::key(std::string& name) {
   key_ = static_cast<Key>(known - kKeyNames.begin());
   if (stack_.back() == Place::kMesh && key_ == Key::kMesh) key_ = Key::kUnknown;
   if (key_ == Key::kUnknown) {
+    if (stack_.back() == Place::kRoot && find_option(name) != nullptr)
+      throw Error(Code::kInvalidOption, Stage::kRead,
+                  "the option " + name + " stands beside the mesh; it belongs into \"options\": {...}")
+          .for_option(name);
     ++unknown_key_count_;
     if (unknown_keys_.size() < kMaxNamedKeys) unknown_keys_.push_back(shortened(name));
     return true;

@@ -8,7 +8,7 @@
 namespace remesh::api {
 namespace {
 
-constexpr std::size_t kMaxParts = 8;
+constexpr std::size_t kMaxParts = 64;  // one for each option, and some files
 constexpr std::size_t kMaxHeadBytes = 8192;
 constexpr std::size_t kMaxBoundary = 70;  // RFC 2046, 5.1.1
 constexpr std::string_view kLineEnd = "\r\n";
@@ -53,9 +53,12 @@ void read_part_header(std::string_view line, FormPart& part) {
     if (!part.name.empty()) fail("a part has two Content-Disposition headers");
     if (ascii_lower(trim(cut(value, ';').first)) != "form-data") fail("a part is not form-data");
     part.name = header_parameter(value, "name").value_or("");
-    part.file_name = header_parameter(value, "filename").value_or("");
+    const auto file_name = header_parameter(value, "filename");
+    part.is_file = file_name.has_value();
+    part.file_name = file_name.value_or("");
     // Forms should not have it (RFC 7578, section 4.2), but some clients send nothing else for names beyond ASCII.
     if (const auto extended = header_parameter(value, "filename*")) {
+      part.is_file = true;
       if (std::string name = decode_extended_value(*extended); !name.empty()) part.file_name = std::move(name);
     }
   } else if (name == "content-type") {
@@ -134,7 +137,7 @@ std::vector<FormPart> parse_multipart(std::string_view body, std::string_view co
     while (!rest.empty() && is_blank(rest.front())) rest.remove_prefix(1);
     if (!rest.starts_with(kLineEnd)) fail("a boundary is not followed by a line end");
     rest.remove_prefix(kLineEnd.size());
-    if (parts.size() == kMaxParts) fail("more than 8 parts");
+    if (parts.size() == kMaxParts) fail("more than 64 parts");
 
     FormPart part = read_part_head(rest);
     const std::size_t end = rest.find(delimiter);

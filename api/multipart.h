@@ -12,6 +12,7 @@ namespace remesh::api {
 struct FormPart {
   std::string name;
   std::string file_name;     ///< empty if the part has none; not trusted
+  bool is_file = false;      ///< it has a file name, even an empty one
   std::string content_type;  ///< as sent; empty if there is none
   std::string_view content;
 };
@@ -19,7 +20,7 @@ struct FormPart {
 /// Splits a body into its parts.
 /// Input:  the whole body, and its Content-Type with the `boundary`.
 /// Holds:  no byte of a part's content is changed or copied.
-/// Errors: kMalformedMultipart - a missing or bad boundary, a part without a name, an encoding, more than 8 parts, a
+/// Errors: kMalformedMultipart - a missing or bad boundary, a part without a name, an encoding, more than 64 parts, a
 ///         missing end, or anything else that RFC 7578 does not permit.
 /// Cost:   O(body).
 std::vector<FormPart> parse_multipart(std::string_view body, std::string_view content_type);

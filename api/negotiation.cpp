@@ -6,6 +6,7 @@
 
 #include "api/quoting.h"
 #include "core/base/error.h"
+#include "core/io/foreign_files.h"
 #include "core/io/format_spec.h"
 
 namespace remesh::api {
@@ -79,10 +80,10 @@ std::optional<Format> format_of_content_type(std::string_view content_type) {
 }
 
 Format choose_input_format(std::optional<Format> named, std::string_view content) {
-  if (const auto foreign = named ? std::nullopt : foreign_format(content)) {
+  if (const ForeignFile* foreign = named ? nullptr : foreign_file(content)) {
     throw Error(Code::kUnsupportedMediaType, Stage::kRead,
-                "the content looks like " + std::string(*foreign) + "; the formats that can be read are " +
-                    names_of_formats(can_read) + ", also compressed by gzip");
+                "the content looks like " + std::string(foreign->name) + "; " + std::string(foreign->next) +
+                    "; the formats that can be read are " + names_of_formats(can_read) + ", also compressed by gzip");
   }
   const Format format = named ? *named : sniff_format(content);
   if (can_read(format)) return format;

@@ -1,6 +1,7 @@
 #include "api/operations.h"
 
 #include <algorithm>
+#include <array>
 
 #include "api/file_name.h"
 #include "api/job.h"
@@ -89,32 +90,70 @@ bool is_urlencoded(std::string_view body) {
   });
 }
 
-/// Reads the mesh and the options of a form. Other parts are refused: a misspelt part for options would otherwise be
-/// ignored.
+/// The names under which a form may have its mesh, as other services call it.
+constexpr std::array<std::string_view, 5> kMeshNames{"mesh", "file", "model", "upload", "data"};
+/// Files with these names have meanings of their own, and are no mesh to be remeshed.
+constexpr std::array<std::string_view, 3> kOtherFiles{"sizes", "a", "b"};
+
+template <class Names>
+bool is_one_of(const Names& names, std::string_view name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+/// Returns a field without blanks and line ends around it, which text areas and files of one word have.
+std::string_view without_line_ends(std::string_view text) {
+  constexpr std::string_view kAround = " \t\r\n";
+  const std::size_t begin = text.find_first_not_of(kAround);
+  return begin == std::string_view::npos ? "" : text.substr(begin, text.find_last_not_of(kAround) + 1 - begin);
+}
+
+[[noreturn]] void fail_form(const std::string& message) {
+  throw Error(as_code(RequestCode::kMalformedMultipart), Stage::kRead, message);
+}
+
+std::string names_of_mesh() {
+  std::string text;
+  for (const std::string_view name : kMeshNames)
+    text.append(text.empty() ? "" : name == kMeshNames.back() ? " or " : ", ").append(name);
+  return text;
+}
+
+/// Takes the mesh of a form.
+void take_mesh_part(const FormPart& part, std::string_view earlier, ParsedRequest& parsed) {
+  if (!earlier.empty())
+    fail_form("the form has a mesh as " + in_quotes(earlier) + " and another one as " + in_quotes(part.name) +
+              "; send one of them");
+  if (!part.is_file && is_file_name(part.content))
+    fail_form("the part " + in_quotes(part.name) + " is only the name of a file, " + in_quotes(part.content) +
+              "; with curl, an @ in front of the name sends the file: -F " + part.name + "=@" +
+              shortened(part.content));
+  if (part.content.empty())
+    throw Error(Code::kEmptyMesh, Stage::kRead, "the file of the part " + in_quotes(part.name) + " is empty");
+  parsed.job.mesh = part.content;
+  parsed.job.input_format = format_of_content_type(part.content_type);
+  parsed.file_name = part.file_name;
+}
+
+/// Reads the mesh and the options of a form: a part with a file name is a file, and one without is an option.
 void read_form(std::string_view body, const Request& request, RunControl& control, ParsedRequest& parsed) {
-  bool has_mesh = false;
+  std::string mesh_name;
   bool has_options = false;
   for (const FormPart& part : parse_multipart(body, request.content_type)) {
-    bool& seen = part.name == "mesh" ? has_mesh : has_options;
-    if (part.name != "mesh" && part.name != "options") {
-      throw Error(as_code(RequestCode::kMalformedMultipart), Stage::kRead,
-                  "the form has a part " + in_quotes(part.name) +
-                      "; the only parts allowed are \"mesh\" and "
-                      "\"options\"");
-    }
-    if (std::exchange(seen, true)) {
-      throw Error(as_code(RequestCode::kMalformedMultipart), Stage::kRead,
-                  "the form has more than one part " + in_quotes(part.name));
-    }
     if (part.name == "options") {
+      if (std::exchange(has_options, true)) fail_form("the form has more than one part \"options\"");
       read_options_part(part.content, control, parsed.job.options);
+    } else if (is_one_of(kMeshNames, part.name)) {
+      take_mesh_part(part, mesh_name, parsed);
+      mesh_name = part.name;
+    } else if (part.is_file) {
+      fail_form("the form has a file as " + in_quotes(part.name) +
+                (is_one_of(kOtherFiles, part.name) ? ", which is no mesh to be remeshed" : "") + "; send the mesh as " +
+                names_of_mesh());
     } else {
-      parsed.job.mesh = part.content;
-      parsed.job.input_format = format_of_content_type(part.content_type);
-      parsed.file_name = part.file_name;
+      parsed.job.options.add(part.name, without_line_ends(part.content));
     }
   }
-  if (!has_mesh) throw Error(as_code(RequestCode::kMalformedMultipart), Stage::kRead, "the form has no part \"mesh\"");
+  if (mesh_name.empty()) fail_form("the form has no mesh; send it as a file with the name " + names_of_mesh());
 }
 
 /// Fills `parsed` in place, because its `job` refers to its other members.
@@ -139,7 +178,7 @@ void parse_request(const Request& request, const Limits& limits, RunControl& con
     if (media_type_of(request.content_type) == "application/x-www-form-urlencoded" && is_urlencoded(body)) {
       throw Error(Code::kUnsupportedMediaType, Stage::kRead,
                   "the body is a urlencoded form; send the mesh itself as the body, or a form of the type "
-                  "multipart/form-data with the mesh in its part \"mesh\"");
+                  "multipart/form-data with the mesh as its file \"mesh\"");
     }
     parsed.job.mesh = body;
     parsed.job.input_format = format_of_content_type(request.content_type);

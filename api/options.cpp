@@ -104,120 +104,155 @@ auto& member_of(auto& options, Value Writing::*field) {
   return options.writing.*field;
 }
 
-const std::array<OptionSpec, 32> kTable{{
+/// Sorts the rows by their groups.
+template <std::size_t N>
+std::array<OptionSpec, N> in_groups(std::array<OptionSpec, N> rows) {
+  std::stable_sort(rows.begin(), rows.end(),
+                   [](const OptionSpec& a, const OptionSpec& b) { return a.group < b.group; });
+  return rows;
+}
+
+const std::array<OptionSpec, 34> kTable = in_groups<34>({{
     {.name = "refine",
      .type = OptionType::kBoolean,
      .field = &Options::refine,
-     .help =
-         "insert points until the bounds on angles and sizes hold; false: insert none, and use only the vertices that "
-         "the shape needs",
+     .group = OptionGroup::kResult,
+     .help = "false: no points are inserted, and only the vertices that the shape needs are used",
      .example = "false"},
     {.name = "min_angle_deg",
      .type = OptionType::kNumber,
      .field = &Options::min_angle_deg,
-     .help = "no angle below this, except where the input's own sharp corners forbid it; 0: no bound",
+     .group = OptionGroup::kResult,
+     .help = "no angle is below this, except where the sharp corners of the input forbid it; 0: no bound",
      .unset = "auto",
      .excludes = "max_radius_edge_ratio",
      .example = "30"},
     {.name = "max_radius_edge_ratio",
      .type = OptionType::kNumber,
      .field = &Options::max_radius_edge_ratio,
-     .help = "in place of min_angle_deg: the largest ratio of a triangle's circumradius to its shortest edge, "
-             "which is 1/(2 sin min_angle)",
+     .group = OptionGroup::kExpert,
+     .help = "in place of min_angle_deg: the largest ratio of circumradius to shortest edge, 1/(2 sin angle)",
      .unset = "none",
      .excludes = "min_angle_deg",
      .example = "1.2"},
+    {.name = "target_faces",
+     .type = OptionType::kInteger,
+     .field = &Options::target_faces,
+     .group = OptionGroup::kSize,
+     .help = "about so many faces: the largest edge is chosen for it; what the other options need is made in any case",
+     .unset = "none",
+     .excludes = "target_edge_length",
+     .example = "20000"},
+    {.name = "target_edge_length",
+     .type = OptionType::kNumber,
+     .field = &Options::target_edge_length,
+     .group = OptionGroup::kSize,
+     .help = "the median edge is about this long, in model units: the largest edge is chosen for it",
+     .unset = "none",
+     .excludes = "target_faces",
+     .example = "0.5"},
     {.name = "max_edge_length",
      .type = OptionType::kNumber,
      .field = &Options::max_edge_length,
-     .help = "no edge longer than this, in model units",
+     .group = OptionGroup::kSize,
+     .help = "no edge is longer than this, in model units",
      .unset = "none",
      .excludes = "max_edge_fraction",
      .example = "0.5"},
     {.name = "max_edge_fraction",
      .type = OptionType::kNumber,
      .field = &Options::max_edge_fraction,
-     .help = "no edge longer than this fraction of the bounding box's diagonal",
+     .group = OptionGroup::kSize,
+     .help = "in place of max_edge_length: the same length as a fraction of the bounding box's diagonal",
      .unset = "none",
      .excludes = "max_edge_length",
      .example = "0.02"},
     {.name = "max_area",
      .type = OptionType::kNumber,
      .field = &Options::max_area,
-     .help = "no triangle larger than this, in model units squared",
+     .group = OptionGroup::kSize,
+     .help = "no triangle is larger than this, in model units squared",
      .unset = "none",
      .example = "0.25"},
     {.name = "min_edge_length",
      .type = OptionType::kNumber,
      .field = &Options::min_edge_length,
-     .help = "refinement makes no edge shorter than this, in model units; auto: edges of any length, unless the "
-             "result would then have more than 20 faces for each triangle of the input plus 1,000 (with proximity: "
-             "40 for each plus 20,000, or plus 5,000 with elements_per_circle or a surface_tolerance), in which case "
-             "a length is chosen that prevents this; 0: edges of any length",
+     .group = OptionGroup::kSize,
+     .help = "refinement makes no edge shorter than this, in model units; auto: such a length is chosen only if the "
+             "faces would be out of proportion to the input; 0: edges of any length",
      .unset = "auto",
      .example = "0.001"},
     {.name = "defeature_size",
      .type = OptionType::kNumber,
      .field = &Options::defeature_size,
-     .help = "details smaller than this are removed, in model units: shorter edges, narrower faces and slits, "
-             "lower steps and flaps; auto: only details smaller than plane_tolerance; 0: no details",
+     .group = OptionGroup::kRepair,
+     .help = "details smaller than this are removed, in model units; auto: only what the rounding of coordinates "
+             "explains; 0: no details",
      .unset = "auto",
      .example = "0.01"},
     {.name = "proximity",
      .type = OptionType::kNumber,
      .field = &Options::proximity,
-     .help = "edges are at most as long as the gap to the nearest facet that is not a neighbour, divided by this "
-             "number; the report lists triangles with longer edges; 0: gaps do not matter",
+     .group = OptionGroup::kSize,
+     .help = "edges to fit across the gap to the nearest facet that is not a neighbour, as in thin walls; 0: gaps do "
+             "not matter",
      .example = "1"},
     {.name = "gradation",
      .type = OptionType::kNumber,
      .field = &Options::gradation,
-     .help =
-         "largest factor by which neighbouring edges may differ in size; auto: 1.5 with proximity, otherwise no limit",
+     .group = OptionGroup::kSize,
+     .help = "the largest factor by which neighbouring edges may differ in size; auto: 1.5 with proximity, otherwise "
+             "no limit",
      .unset = "auto",
      .example = "1.3"},
     {.name = "max_output_faces",
      .type = OptionType::kInteger,
      .field = &Options::max_output_faces,
-     .help = "the largest number of faces that the result may have. A request that certainly needs more is refused; "
-             "otherwise refinement stops at this number. The default, and the largest value, is the server's limit",
+     .group = OptionGroup::kSize,
+     .help = "the largest number of faces that the result may have: refinement stops there, and what certainly needs "
+             "more is refused",
      .unset = "none",
      .example = "100000"},
     {.name = "split_boundaries",
      .type = OptionType::kBoolean,
      .field = &Options::split_boundaries,
-     .help = "true: patch boundaries may get new vertices; false: they get none",
+     .group = OptionGroup::kExpert,
+     .help = "false: the boundaries of patches get no new vertices",
      .example = "false"},
     {.name = "keep_boundary_vertices",
      .type = OptionType::kBoolean,
      .field = &Options::keep_boundary_vertices,
-     .help = "true: keep collinear vertices on patch boundaries",
+     .group = OptionGroup::kExpert,
+     .help = "true: collinear vertices on the boundaries of patches stay",
      .example = "true"},
     {.name = "plane_tolerance",
      .type = OptionType::kNumber,
      .field = &Options::plane_tolerance,
-     .help = "largest distance of a patch's vertices from its plane, in model units; auto: the distance that "
-             "follows from the rounding of the coordinates, from 1e-9 to 1e-4 of the bounding box's diagonal",
+     .group = OptionGroup::kExpert,
+     .help = "the largest distance of a patch's vertices from its plane, in model units; auto: what the rounding of "
+             "the coordinates explains",
      .unset = "auto",
      .example = "1e-5"},
     {.name = "feature_angle_deg",
      .type = OptionType::kNumber,
      .field = &Options::feature_angle_deg,
-     .help = "edges where facets turn by more than this, in degrees, are features and stay; facets that meet at a "
-             "smaller angle may be pieces of one curved surface; 0: each facet is its own surface",
+     .group = OptionGroup::kCurved,
+     .help = "edges where facets turn by more than this are features and stay, and facets that turn by less may be one "
+             "curved surface; 0: nothing is curved",
      .example = "40"},
     {.name = "surface_tolerance",
      .type = OptionType::kNumber,
      .field = &Options::surface_tolerance,
-     .help = "largest distance between the curved parts of input and result, in both directions, in model units; "
-             "auto: for surfaces that elements_per_circle remeshes, the distance of the input's own facets from "
-             "the surface, and for all others facets stay as they are; 0: facets stay as they are",
+     .group = OptionGroup::kCurved,
+     .help = "the largest distance between the curved parts of input and result, in model units; auto: as near as the "
+             "input's own facets; 0: facets stay",
      .unset = "auto",
      .excludes = "surface_tolerance_fraction",
      .example = "0.01"},
     {.name = "surface_tolerance_fraction",
      .type = OptionType::kNumber,
      .field = &Options::surface_tolerance_fraction,
+     .group = OptionGroup::kCurved,
      .help = "in place of surface_tolerance: the same distance as a fraction of the bounding box's diagonal",
      .unset = "none",
      .excludes = "surface_tolerance",
@@ -225,82 +260,85 @@ const std::array<OptionSpec, 32> kTable{{
     {.name = "elements_per_circle",
      .type = OptionType::kNumber,
      .field = ElementsField{},
-     .help = "number of edges per full turn on curved surfaces and arcs; the distance of such an edge from its "
-             "arc is allowed on top of surface_tolerance; 16 is usual before volume meshing; none: facets stay "
-             "unless a surface_tolerance is given; auto: like none, but if no surface_tolerance is given and "
-             "boundaries may be divided, surfaces with more than 32 facets per turn are remeshed with 24 edges "
-             "per turn",
+     .group = OptionGroup::kCurved,
+     .help = "the number of edges per full turn of a curved surface; 16 is usual before volume meshing; none: facets "
+             "stay; auto: surfaces with more than 32 facets per turn get 24",
      .unset = "auto",
      .example = "16"},
     {.name = "circle_fit",
      .type = OptionType::kChoice,
      .field = &Options::circle_fit,
-     .help = "where vertices of circles and curved surfaces lie; inscribed: on the surface, so that shafts lose "
-             "volume and holes get smaller; volume: outside of the surface by about half the chord height, so that "
-             "the volume of the recognised solid is kept, or the area of an open surface; it has an effect only on "
-             "surfaces that are remeshed because of elements_per_circle or a surface_tolerance",
+     .group = OptionGroup::kCurved,
+     .help = "where vertices of remeshed curved surfaces lie; inscribed: on the surface; volume: a little outside, so "
+             "that the volume of the solid is kept",
      .example = "volume"},
     {.name = "normal_tolerance",
      .type = OptionType::kNumber,
      .field = &Options::normal_tolerance,
+     .group = OptionGroup::kExpert,
      .help = "unit normals in one patch may always differ by this much in each component",
      .example = "1e-5"},
     {.name = "weld_tolerance",
      .type = OptionType::kNumber,
      .field = &Options::weld_tolerance,
-     .help = "vertices at most this far apart are merged, in model units, and open edges are split at vertices this "
-             "near; 0: only vertices with equal coordinates are merged",
+     .group = OptionGroup::kRepair,
+     .help = "vertices at most this far apart are merged, in model units; 0: only those with equal coordinates",
      .example = "1e-6"},
     {.name = "repair",
      .type = OptionType::kWords,
      .field = &Options::repair,
-     .help = "the defects of the input that are repaired; the report counts each repair; seams: open edges are "
-             "joined with open edges beside them, if their distance can be explained by the rounding of the "
-             "coordinates; a list of words replaces the default, +word or -word changes it",
+     .group = OptionGroup::kRepair,
+     .help = "the defects of the input that are repaired; a list of words replaces the default, and +word or -word "
+             "changes it",
      .example = "duplicates,degenerate"},
     {.name = "max_hole_edges",
      .type = OptionType::kInteger,
      .field = &Options::max_hole_edges,
-     .help = "with holes in repair: flat holes whose rims have at most this many edges are closed; none: holes "
-             "smaller than defeature_size are closed, or if that is not given, holes with at most 12 edges or "
-             "smaller than 5 % of the bounding box's diagonal",
+     .group = OptionGroup::kRepair,
+     .help = "with holes in repair: flat holes whose rims have at most this many edges are closed; none: small holes",
      .unset = "none",
      .example = "64"},
     {.name = "barriers",
      .type = OptionType::kWords,
      .field = &Options::barriers,
-     .help = "the labels that separate patches even in one plane; a list of words replaces the default, +word or "
+     .group = OptionGroup::kExpert,
+     .help = "the labels that separate patches even in one plane; a list of words replaces the default, and +word or "
              "-word changes it",
      .example = "none"},
     {.name = "local_origin",
      .type = OptionType::kBoolean,
      .field = &Options::local_origin,
-     .help = "true: coordinates that the output format cannot hold are written relative to an origin near the mesh; "
-             "the report and the summary give this origin",
+     .group = OptionGroup::kResult,
+     .help = "true: coordinates that the format cannot hold are written relative to an origin near the mesh, which the "
+             "report gives",
      .example = "true"},
     {.name = "reference_axis",
      .type = OptionType::kAxis,
      .field = AxisField{},
+     .group = OptionGroup::kExpert,
      .help = "the direction of the first axis in the plane of each patch: x, dominant_edge, or a direction dx,dy,dz",
      .example = "0,1,0"},
     {.name = "preset",
      .type = OptionType::kChoice,
      .field = PresetField{},
-     .help = "sets several options at once; volume: values that suit volume meshing (proximity=0.25, "
-             "elements_per_circle=16); exact: facets and boundaries stay as they are (feature_angle_deg=0, "
-             "split_boundaries=false, defeature_size=0); an option that is given itself overrides the preset",
+     .group = OptionGroup::kResult,
+     .help = "values for several options, where these are not given; volume: what suits volume meshing "
+             "(proximity=0.25, elements_per_circle=16); exact: facets and boundaries stay (feature_angle_deg=0, "
+             "split_boundaries=false, defeature_size=0)",
      .unset = "none",
      .example = "exact"},
     {.name = "format",
      .type = OptionType::kChoice,
      .field = FormatField{},
-     .help = "the format of the result; auto: the format that the Accept header asks for, otherwise the format of "
-             "the input, but text (stl_ascii) if binary STL cannot hold the result",
+     .group = OptionGroup::kResult,
+     .help = "the format of the result; auto: what the Accept header or the name of the file asks for, otherwise the "
+             "format of the input",
      .unset = "auto",
      .example = "json"},
     {.name = "label",
      .type = OptionType::kChoice,
      .field = &Writing::label,
+     .group = OptionGroup::kResult,
      .help = "the labels that name the boundaries in formats with one label for each face (stl_ascii, msh); auto: "
              "groups, otherwise objects, otherwise materials; a mesh without these labels has its patches as "
              "boundaries, and in stl_ascii one solid",
@@ -308,6 +346,7 @@ const std::array<OptionSpec, 32> kTable{{
     {.name = "names",
      .type = OptionType::kChoice,
      .field = &Writing::names,
+     .group = OptionGroup::kResult,
      .help = "the names of boundaries in stl_ascii and msh; portable: names that all mesh programs read, with only "
              "ASCII letters, digits, _, - and ., at most 120 bytes, no two equal; the report lists the changed ones; "
              "exact: as they came. All other formats have names as they came",
@@ -315,15 +354,17 @@ const std::array<OptionSpec, 32> kTable{{
     {.name = "stl_solids",
      .type = OptionType::kChoice,
      .field = &Writing::stl_solids,
+     .group = OptionGroup::kResult,
      .help = "the solids of stl_ascii; label: one for each boundary; one: a single one without a name, because some "
              "programs read only the first solid",
      .example = "one"},
     {.name = "msh_version",
      .type = OptionType::kChoice,
      .field = &Writing::msh_version,
+     .group = OptionGroup::kResult,
      .help = "the version of Gmsh's format in which msh is written",
      .example = "4.1"},
-}};
+}});
 
 [[noreturn]] void fail(const OptionSpec& spec, const std::string& message) {
   throw Error(Code::kInvalidOption, Stage::kRead, std::string(spec.name) + " " + message)
@@ -568,6 +609,28 @@ bool is_set(const OptionSpec& spec, const RequestOptions& options) {
   return !std::holds_alternative<std::monostate>(option_value(spec, options));
 }
 
+/// Names that other programs have for options of ours.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 12> kOtherNames{{{"hmax", "max_edge_length"},
+                                                                                     {"hsiz", "max_edge_length"},
+                                                                                     {"clmax", "max_edge_length"},
+                                                                                     {"lcmax", "max_edge_length"},
+                                                                                     {"size", "max_edge_length"},
+                                                                                     {"hmin", "min_edge_length"},
+                                                                                     {"clmin", "min_edge_length"},
+                                                                                     {"hgrad", "gradation"},
+                                                                                     {"hausd", "surface_tolerance"},
+                                                                                     {"clcurv", "elements_per_circle"},
+                                                                                     {"output", "format"},
+                                                                                     {"type", "format"}}};
+
+/// Writes a name in lower case and without separators, so that maxEdgeLength is max_edge_length.
+std::string plain_name(std::string_view name) {
+  std::string plain;
+  for (const char c : ascii_lower(name))
+    if (c != '_' && c != '-' && c != ' ' && c != '.') plain += c;
+  return plain;
+}
+
 // Computes the Levenshtein distance row by row.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
@@ -586,6 +649,17 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 std::span<const OptionSpec> option_table() { return kTable; }
 
+std::string_view group_name(OptionGroup group) {
+  switch (group) {
+    case OptionGroup::kResult: return "result";
+    case OptionGroup::kSize: return "size";
+    case OptionGroup::kCurved: return "curved";
+    case OptionGroup::kRepair: return "repair";
+    case OptionGroup::kExpert: break;
+  }
+  return "expert";
+}
+
 const OptionSpec* find_option(std::string_view name) {
   const auto spec = std::find_if(kTable.begin(), kTable.end(), [&](const OptionSpec& s) { return s.name == name; });
   return spec == kTable.end() ? nullptr : &*spec;
@@ -594,7 +668,19 @@ const OptionSpec* find_option(std::string_view name) {
 const OptionSpec& nearest_option(std::string_view name) {
   constexpr std::size_t kLongestCompared = 64;  // the caller chooses the length of the name
   const std::string_view start = name.substr(0, kLongestCompared);
-  const auto distance = [&](const OptionSpec& spec) { return edit_distance(start, spec.name); };
+  const std::string plain = plain_name(start);
+  const auto* other =
+      std::find_if(kOtherNames.begin(), kOtherNames.end(), [&](const auto& n) { return n.first == plain; });
+  if (other != kOtherNames.end()) return *find_option(other->second);
+  // A part of a name is nearer to it than another name of the same length: max_edge stands for max_edge_length.
+  constexpr std::size_t kShortestPart = 4, kPerEdit = 4;
+  const auto distance = [&](const OptionSpec& spec) {
+    const std::string full = plain_name(spec.name);
+    const auto& [part, whole] =
+        std::minmax(plain, full, [](const auto& a, const auto& b) { return a.size() < b.size(); });
+    if (part.size() >= kShortestPart && whole.find(part) != std::string::npos) return whole.size() - part.size();
+    return kPerEdit * edit_distance(plain, full);
+  };
   return *std::min_element(kTable.begin(), kTable.end(),
                            [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
 }

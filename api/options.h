@@ -41,6 +41,15 @@ enum class OptionType {
   kChoice,  ///< one word of several
 };
 
+/// The subject of an option. Help, documents and the page show the options in groups, in this order.
+enum class OptionGroup {
+  kResult,  ///< what comes out: presets, angles, the format
+  kSize,    ///< how large triangles are, and how many
+  kCurved,  ///< what becomes of curved surfaces
+  kRepair,  ///< what is repaired, and which details are removed
+  kExpert,  ///< what hardly anybody needs
+};
+
 /// Marks the option that does not belong to the pipeline: the format of the answer.
 struct FormatField {};
 /// Marks the option that stands for values of other options.
@@ -61,18 +70,23 @@ struct OptionSpec {
   std::string_view name;
   OptionType type;
   OptionField field;
-  std::string_view help;
+  OptionGroup group = OptionGroup::kExpert;
+  std::string_view help;           ///< one sentence, without its full stop
   std::string_view unset = {};     ///< the word for "no value" if the option may have none: `none`, `auto`
   std::string_view excludes = {};  ///< an option that may not be given together with this one
   std::string_view example = {};   ///< a value that is valid and not the default
 };
 
-/// All options, in the order of the API's documentation.
+/// All options by their groups, in the order of the API's documentation.
 std::span<const OptionSpec> option_table();
+/// The stable name of a group: `result`, `size`, ...
+std::string_view group_name(OptionGroup group);
 /// Finds an option by its name.
 /// Output: null if there is none.
 const OptionSpec* find_option(std::string_view name);
-/// Finds the option whose name takes the fewest edits to reach from `name`. The first one wins a tie.
+/// Finds the option that a wrong name most likely stands for: the one that other programs call so; else one of whose
+/// name it is a part, or the other way round; else the one that takes the fewest edits. Case and separators do not
+/// count. The first one wins a tie.
 const OptionSpec& nearest_option(std::string_view name);
 /// True if an option does not change the result, but only the form in which it is written.
 bool is_of_output(const OptionSpec& spec);

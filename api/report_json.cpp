@@ -1,6 +1,7 @@
 #include "api/report_json.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <string>
 #include <type_traits>
@@ -304,6 +305,15 @@ void write_diagnostics(JsonWriter& json, const std::vector<Diagnostic>& diagnost
     for (const std::uint64_t element : diagnostic.elements) json.integer(element);
     json.end_array();
     json.member("message", diagnostic.message);
+    json.key("remedies");
+    json.begin_array();
+    for (const Remedy& remedy : diagnostic.remedies) {
+      json.begin_object();
+      json.member("options", remedy.options);
+      json.member("effect", remedy.effect);
+      json.end_object();
+    }
+    json.end_array();
     json.end_object();
   }
   json.end_array();
@@ -494,6 +504,8 @@ void write_report(JsonWriter& json, const Report& report, const RequestOptions& 
     write_predictions(json, report.predicted_faces_by_elements_per_circle);
   }
   json.member("smallest_gap", report.smallest_gap);
+  const double largest = report.largest_edge_for_target;
+  json.member("largest_edge_for_target", largest > 0 && std::isfinite(largest) ? std::optional(largest) : std::nullopt);
   if (is_remesh) {
     json.key("unrefined");
     write_unrefined(json, report.unrefined);

@@ -140,7 +140,7 @@ std::string regex_of(std::string_view path) {
 HttpError not_found(const std::string& near = {}) {
   return HttpError(404, "not_found",
                    near.empty()
-                       ? std::string("there is nothing at this path")
+                       ? std::string("there is nothing at this path; /openapi.json lists all paths")
                        : "there is nothing at this path; without the slash at the end, the path would be " + near);
 }
 

@@ -166,7 +166,7 @@ class BatchRun {
     draft_.emplace(job_.report);
     draft_->append(kColumns);
     {
-      const ProgressBar progress([this] { return progress_line(); });
+      const ProgressBar progress([this] { return progress_line(); }, !job_.is_quiet);
       std::vector<std::thread> threads;
       for (int t = 1; t < threads_; ++t) threads.emplace_back([this] { work(); });
       work();

@@ -14,6 +14,7 @@ struct BatchJob {
   std::string output_folder;  ///< empty: no meshes are written
   api::Fields options;        ///< options by their names in the API
   api::Limits limits;         ///< `workers` applies to all files together
+  bool is_quiet = false;      ///< no progress is shown
 };
 
 struct BatchOutcome {

@@ -19,6 +19,8 @@
 #include "api/cli/batch.h"
 #include "api/cli/failure.h"
 #include "api/cli/files.h"
+#include "api/cli/flag_names.h"
+#include "api/cli/outcome_text.h"
 #include "api/cli/progress_bar.h"
 #include "api/cli/remote.h"
 #include "api/job.h"
@@ -39,6 +41,7 @@ struct Arguments {
   std::string server;
   bool is_analysis = false;
   bool is_traced = false;
+  bool is_quiet = false;
   int workers = 1;
   api::Fields options;  // options by their names in the API
 };
@@ -49,21 +52,15 @@ class UsageError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-std::string with_hyphens(std::string_view name) {
-  std::string flag(name);
-  std::replace(flag.begin(), flag.end(), '_', '-');
-  return flag;
-}
-
-std::string with_underscores(std::string_view flag) {
-  std::string name(flag);
-  std::replace(name.begin(), name.end(), '-', '_');
-  return name;
-}
-
 // Makes a help text of the form "help text [default]".
 std::string option_help(const api::OptionSpec& spec) {
   return std::string(spec.help) + " [" + api::option_text(spec, api::with_defaults({})) + "]";
+}
+
+std::string group_heading(api::OptionGroup group) {
+  std::string heading(api::group_name(group));
+  heading.front() = static_cast<char>(heading.front() - 'a' + 'A');
+  return heading;
 }
 
 std::string unknown_argument(const std::string& argument) {
@@ -74,6 +71,18 @@ std::string unknown_argument(const std::string& argument) {
 }
 
 std::string name_of_output(const std::string& path) { return path == "-" ? "standard output" : path; }
+
+/// Lists the endings of files that can be written, each once.
+std::string known_endings() {
+  std::string text;
+  std::string_view last;
+  for (const Format format : kFormats) {
+    if (file_ending(format) == last) continue;
+    last = file_ending(format);
+    text.append(text.empty() ? "." : ", .").append(last);
+  }
+  return text;
+}
 
 bool has_unknown_ending(const std::string& path) {
   return std::filesystem::path(path).has_extension() && !format_from_file_name(path);
@@ -122,6 +131,8 @@ void parse(CLI::App& app, int argc, char** argv, Arguments& arguments) {
       "file, and -o is a folder and may be left out");
   app.add_flag("--trace", arguments.is_traced,
                "print a line for each attempt at a result to standard error: what has failed, and what was decided");
+  app.add_flag("-q,--quiet", arguments.is_quiet,
+               "print nothing to standard error unless it fails; without it, a few lines say what the result is");
   app.add_option("--server", arguments.server,
                  "let the remeshd at this address do the work, as a job: http://host:8080; the API key is taken from "
                  "REMESH_API_KEY");
@@ -134,7 +145,7 @@ void parse(CLI::App& app, int argc, char** argv, Arguments& arguments) {
   for (const api::OptionSpec& spec : api::option_table()) {
     flags[spec.name] = app.add_option("--" + with_hyphens(spec.name), values[spec.name], option_help(spec))
                            ->type_name("VALUE")
-                           ->group("Remeshing (the options of the service)");
+                           ->group(group_heading(spec.group));
   }
   app.allow_extras();
   app.parse(argc, argv);
@@ -147,7 +158,8 @@ void parse(CLI::App& app, int argc, char** argv, Arguments& arguments) {
     if (flags[spec.name]->count() > 0) arguments.options.emplace_back(spec.name, values[spec.name]);
   }
   if (arguments.batch.empty() && flags["format"]->count() == 0 && has_unknown_ending(arguments.output)) {
-    throw UsageError("the ending of " + arguments.output + " does not name a format; give one with --format");
+    throw UsageError("the ending of " + arguments.output + " does not name a format that can be written; these do: " +
+                     known_endings() + ", each also with .gz; or give one with --format");
   }
 }
 
@@ -183,9 +195,14 @@ void stop_on_signals(RunControl& control) {
   ::signal(SIGPIPE, SIG_IGN);  // a reader that goes away then causes an error of write()
 }
 
+/// Prints a line for the user, unless the user wants none.
+void tell(const Arguments& arguments, const std::string& line) {
+  if (!arguments.is_quiet) std::cerr << "remesh: " + line + "\n";
+}
+
 /// Prints the origin, because the coordinates in the output are relative to it.
-void report_origin(const std::string& origin) {
-  std::cerr << "remesh: the written coordinates are relative to the origin " << origin << "\n";
+void tell_origin(const Arguments& arguments, const std::string& origin) {
+  tell(arguments, "the written coordinates are relative to the origin " + origin);
 }
 
 /// Returns the media type that the ending of the output asks for. If the input has the same ending, the result is
@@ -207,7 +224,7 @@ void remesh_one(const Arguments& arguments, api::Job job, RunControl& control) {
   api::RemeshAnswer answer;
   std::string report;
   {
-    const ProgressBar progress([&] { return progress_line(control); });
+    const ProgressBar progress([&] { return progress_line(control); }, !arguments.is_quiet);
     answer = api::run_remesh_job(std::move(job), limits_for(arguments.workers), control);
     if (is_gzip_file_name(arguments.output)) answer.body = gzip(answer.body, control);
     if (!arguments.report.empty()) report = api::report_document(answer, control);
@@ -215,9 +232,10 @@ void remesh_one(const Arguments& arguments, api::Job job, RunControl& control) {
   }
   write_file(arguments.output, answer.body);
   if (!arguments.report.empty()) write_file(arguments.report, report);
-  if (answer.report.output_origin) report_origin(api::origin_text(*answer.report.output_origin));
+  for (const std::string& line : outcome_lines(answer.report, arguments.options)) tell(arguments, line);
+  if (answer.report.output_origin) tell_origin(arguments, api::origin_text(*answer.report.output_origin));
   for (const Diagnostic& told : answer.report.diagnostics)
-    if (told.code == DiagnosticCode::kOutputAsText) std::cerr << "remesh: " << told.message << "\n";
+    if (told.code == DiagnosticCode::kOutputAsText) tell(arguments, told.message);
 }
 
 /// Prints a description of the mesh.
@@ -230,7 +248,7 @@ void analyze_one(const Arguments& arguments, api::Job job, RunControl& control) 
   api::AnalysisAnswer answer;
   std::string report;
   {
-    const ProgressBar progress([&] { return progress_line(control); });
+    const ProgressBar progress([&] { return progress_line(control); }, !arguments.is_quiet);
     answer = api::run_analyze_job(std::move(job), limits_for(arguments.workers), control);
     if (!arguments.report.empty()) report = api::report_document(answer, control);
     control.check();
@@ -255,21 +273,28 @@ void remesh_one_remotely(const Arguments& arguments, RunControl& control) {
   Remote remote(std::move(job));
   RemoteAnswer answer;
   {
-    const ProgressBar progress([&] { return remote.progress_line(); });
+    const ProgressBar progress([&] { return remote.progress_line(); }, !arguments.is_quiet);
     answer = remote.run(control);
     if (is_gzip_file_name(arguments.output)) answer.mesh = gzip(answer.mesh, control);
   }
   write_file(arguments.output, answer.mesh);
   if (!arguments.report.empty()) write_file(arguments.report, answer.report);
-  if (!answer.origin.empty()) report_origin(answer.origin);
+  tell(arguments, outcome_of_summary(answer.summary));
+  if (!answer.origin.empty()) tell_origin(arguments, answer.origin);
 }
 
 int remesh_folder(const Arguments& arguments, RunControl& control) {
-  const BatchJob job{arguments.batch, arguments.report, arguments.output, arguments.options,
-                     limits_for(arguments.workers)};
+  const BatchJob job{
+      arguments.batch,   arguments.report, arguments.output, arguments.options, limits_for(arguments.workers),
+      arguments.is_quiet};
   const BatchOutcome outcome = run_batch(job, control);
   if (outcome.files == 0) std::cerr << "remesh: no mesh found below " << arguments.batch << "\n";
-  if (outcome.failed == 0) return kDone;
+  if (outcome.failed == 0) {
+    if (outcome.files > 0)
+      tell(arguments, std::to_string(outcome.files) + (outcome.files == 1 ? " file is" : " files are") + " remeshed; " +
+                          name_of_output(arguments.report) + " has a line for each");
+    return kDone;
+  }
   std::cerr << "remesh: " << outcome.failed << " of " << outcome.files << " files failed; "
             << name_of_output(arguments.report) << " says why\n";
   return kFailed;

@@ -20,8 +20,8 @@ std::string progress_line(const RunControl& control) {
   return progress_bar(control.fraction()) + std::string(stage_name(control.stage()));
 }
 
-ProgressBar::ProgressBar(std::function<std::string()> line) : line_(std::move(line)) {
-  if (::isatty(STDERR_FILENO) == 1) thread_ = std::thread([this] { show_until_done(); });
+ProgressBar::ProgressBar(std::function<std::string()> line, bool is_wanted) : line_(std::move(line)) {
+  if (is_wanted && ::isatty(STDERR_FILENO) == 1) thread_ = std::thread([this] { show_until_done(); });
 }
 
 ProgressBar::~ProgressBar() {

@@ -21,7 +21,8 @@ std::string progress_line(const RunControl& control);
 class ProgressBar {
  public:
   /// Input: `line` - makes the line; it is called on a thread of the bar's own.
-  explicit ProgressBar(std::function<std::string()> line);
+  ///        `is_wanted` - false: nothing is shown.
+  explicit ProgressBar(std::function<std::string()> line, bool is_wanted = true);
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;

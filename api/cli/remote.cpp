@@ -101,7 +101,8 @@ class Remote::Client {
       failure = wait_until_ended(path, control);
       if (!failure) {
         httplib::Response result = fetch_response(path + "/result", control);
-        answer.origin = origin_in(result.get_header_value("Remesh-Summary"));
+        answer.summary = result.get_header_value("Remesh-Summary");
+        answer.origin = origin_in(answer.summary);
         answer.mesh = std::move(result.body);
       }
       if (!failure && job_.wants_report) answer.report = fetch(path + "/report", control) + "\n";

@@ -38,8 +38,9 @@ struct RemoteJob {
 
 struct RemoteAnswer {
   std::string mesh;
-  std::string report;  ///< JSON; empty unless it was asked for
-  std::string origin;  ///< the origin in the summary of the mesh; empty if there is none
+  std::string report;   ///< JSON; empty unless it was asked for
+  std::string summary;  ///< the summary of the mesh in one line, see summary_line
+  std::string origin;   ///< the origin in the summary of the mesh; empty if there is none
 };
 
 /// One remeshing by a server. `run` may be called once; `progress_line` may be called from any thread meanwhile.

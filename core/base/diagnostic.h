@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace remesh {
@@ -39,6 +40,18 @@ enum class DiagnosticCode {
   kRenamedLabels,
 };
 
+/// Options that would help, and what they would do.
+struct Remedy {
+  std::string options;  ///< as in a query: `repair=+holes&max_hole_edges=40`
+  std::string effect;   ///< what follows from them, as the end of a sentence: `would give about 900 faces`
+};
+
+/// A part of a message, and the remedies that it names.
+struct Advice {
+  std::string text;
+  std::vector<Remedy> remedies;
+};
+
 /// Something that was found, dropped, merged or split. `elements` has the first 100, in the input's numbering from 0.
 struct Diagnostic {
   static constexpr std::size_t kMaxElements = 100;
@@ -47,7 +60,12 @@ struct Diagnostic {
   std::uint64_t count = 0;
   std::vector<std::uint64_t> elements;
   std::string message;
+  std::vector<Remedy> remedies{};  ///< those that help most come first
 
+  void add(Advice advice) {
+    message += advice.text;
+    for (Remedy& remedy : advice.remedies) remedies.push_back(std::move(remedy));
+  }
   /// Elements may be added in any order. The list has the smallest of them, in ascending order.
   void add(std::uint64_t element) {
     ++count;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <type_traits>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/base/number_text.h"
@@ -14,13 +15,15 @@ namespace {
 constexpr NumberRange kAboveZero{.minimum = 0, .above_minimum = true};
 constexpr NumberRange kNotNegative{.minimum = 0};
 
-constexpr std::array<NumberOption, 18> kNumberOptions{{
+constexpr std::array<NumberOption, 20> kNumberOptions{{
     {"min_angle_deg", &Options::min_angle_deg, {.minimum = 0, .maximum = Options::kMaxMinAngleDeg}},
     // The minimum is 1 / (2 sin 33 degrees), cut after three decimals.
     {"max_radius_edge_ratio", &Options::max_radius_edge_ratio, {.minimum = 0.918}},
     {"max_edge_length", &Options::max_edge_length, kAboveZero},
     {"max_edge_fraction", &Options::max_edge_fraction, kAboveZero},
     {"max_area", &Options::max_area, kAboveZero},
+    {"target_faces", &Options::target_faces, {.minimum = 1}},
+    {"target_edge_length", &Options::target_edge_length, kAboveZero},
     {"min_edge_length", &Options::min_edge_length, kNotNegative},
     {"defeature_size", &Options::defeature_size, kNotNegative},
     {"proximity", &Options::proximity, kNotNegative},
@@ -54,6 +57,17 @@ std::optional<double> value_of(const NumberOption& option, const Options& option
   throw Error(Code::kInvalidOption, Stage::kQueued, "option " + name + " " + what).for_option(name);
 }
 
+/// Errors: Code::kInvalidOption - there is a target and an option that a target chooses itself.
+void check_target(const Options& options) {
+  const std::string_view target = options.target_faces ? "target_faces" : "target_edge_length";
+  if (options.target_faces && options.target_edge_length)
+    invalid("target_edge_length", "and target_faces exclude each other: give only one of them");
+  if (!options.refine) invalid(target, "needs refine=true: without refinement there is nothing to choose");
+  for (const auto& [name, is_given] : {std::pair("max_edge_length", options.max_edge_length.has_value()),
+                                       std::pair("max_edge_fraction", options.max_edge_fraction.has_value())})
+    if (is_given) invalid(target, "chooses the largest edge, so it excludes " + std::string(name));
+}
+
 }  // namespace
 
 bool NumberRange::contains(double value) const {
@@ -75,6 +89,8 @@ const NumberRange* number_range(std::string_view name) {
   return option == kNumberOptions.end() ? nullptr : &option->range;
 }
 
+bool is_target_given(const Options& options) { return options.target_faces || options.target_edge_length; }
+
 bool is_curved_resolution_given(const Options& options) {
   return options.elements_per_circle || options.surface_tolerance || options.surface_tolerance_fraction;
 }
@@ -93,6 +109,7 @@ void check_options(const Options& options) {
     invalid("max_radius_edge_ratio", "and min_angle_deg exclude each other: give only one of them");
   if (options.max_edge_length && options.max_edge_fraction)
     invalid("max_edge_fraction", "and max_edge_length exclude each other: give only one of them");
+  if (is_target_given(options)) check_target(options);
   if (options.surface_tolerance && options.surface_tolerance_fraction)
     invalid("surface_tolerance_fraction", "and surface_tolerance exclude each other: give only one of them");
   if (options.min_edge_length && options.max_edge_length && *options.min_edge_length > *options.max_edge_length)

@@ -54,6 +54,9 @@ struct Options {
   std::optional<double> max_edge_length;
   std::optional<double> max_edge_fraction;  ///< instead of max_edge_length; a fraction of the bounding box's diagonal
   std::optional<double> max_area;
+  /// The largest edge is chosen so that the result has about so many faces.
+  std::optional<std::uint64_t> target_faces;
+  std::optional<double> target_edge_length;  ///< the same, so that the median edge is about this long
   /// Empty: refinement makes edges of any length, as long as there are not far more faces than in the input; see
   /// goals.h. 0: of any length, whatever the number of faces.
   std::optional<double> min_edge_length;
@@ -118,6 +121,8 @@ std::span<const NumberOption> number_options();
 /// Output: null if no option of that name is a number.
 const NumberRange* number_range(std::string_view name);
 
+/// Returns whether the largest edge is chosen so that a target is met.
+bool is_target_given(const Options& options);
 /// Returns whether a number of elements per circle or a tolerance is given for curved surfaces.
 bool is_curved_resolution_given(const Options& options);
 /// Returns whether elements_per_circle=auto acts: neither a number of elements nor a tolerance is given, and boundaries

@@ -1,37 +1,12 @@
 #include "core/io/formats.h"
 
 #include <algorithm>
-#include <array>
 #include <cstddef>
 
 #include "core/io/common/number_parsing.h"
 #include "core/io/format_spec.h"
-#include "core/io/stl/stl.h"
 
 namespace remesh {
-namespace {
-
-/// The first bytes, in lower case, of files that users often take for meshes.
-struct ForeignMark {
-  std::string_view begin;
-  std::string_view name;
-};
-constexpr std::array<ForeignMark, 10> kForeignMarks{{
-    {"iso-10303-21", "STEP"},
-    {"kaydara fbx binary", "FBX"},
-    {"\xfd"
-     "7zxz",
-     "packed by xz"},
-    {"\x28\xb5\x2f\xfd", "packed by zstd"},
-    {"bzh", "packed by bzip2"},
-    {"7z\xbc\xaf", "a 7z archive"},
-    {"%pdf-", "PDF"},
-    {"<!doctype html", "an HTML page"},
-    {"<html", "an HTML page"},
-    {"<?xml", "XML that is no VTK file"},
-}};
-
-}  // namespace
 
 bool is_written(Format format) { return format == Format::kJson || format_spec(format).write != nullptr; }
 std::string_view format_name(Format format) { return format_spec(format).name; }
@@ -74,16 +49,6 @@ Format sniff_format(std::string_view content) {
     if (mark == Mark::kCertain) break;
   }
   return best;
-}
-
-std::optional<std::string_view> foreign_format(std::string_view content) {
-  if (has_length_of_binary_stl(content)) return std::nullopt;
-  const std::string_view text = content.starts_with("\xef\xbb\xbf") ? content.substr(3) : content;
-  if (sniff_format(content) == Format::kVtu) return std::nullopt;
-  const auto mark = std::find_if(kForeignMarks.begin(), kForeignMarks.end(), [&](const ForeignMark& m) {
-    return equals_ignoring_case(text.substr(0, m.begin.size()), m.begin);
-  });
-  return mark == kForeignMarks.end() ? std::nullopt : std::optional(mark->name);
 }
 
 }  // namespace remesh

@@ -33,8 +33,4 @@ std::string_view media_type(Format format);
 /// Cost:  O(length).
 Format sniff_format(std::string_view content);
 
-/// Describes the content if its first bytes are the mark of a file that is none of our formats: "a ZIP archive, ...".
-/// Input: the whole content, as for sniff_format.
-std::optional<std::string_view> foreign_format(std::string_view content);
-
 }  // namespace remesh

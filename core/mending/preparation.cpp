@@ -199,7 +199,7 @@ class Preparation {
     const bool are_closed = change(
         [&](Surface& s) { return close_holes(s, adjacency(), input_.labels, rules, found, holes_left_, control_); });
     if (repair.holes && !limits_.is_joining_allowed)
-      holes_left_ += "; none was closed, because the result with the new faces failed its own check";
+      holes_left_.text += "; none was closed, because the result with the new faces failed its own check";
     if (are_closed && !prepared_.without_area.empty()) prepared_.without_area = faces_without_area(surface(), control_);
     if (!is_solid())
       change([&](Surface& s) {
@@ -269,10 +269,10 @@ class Preparation {
     const auto open = std::find_if(found.begin(), found.end(),
                                    [](const Diagnostic& d) { return d.code == DiagnosticCode::kOpenBoundary; });
     if (open == found.end()) return;
-    open->message += holes_left_;
+    open->add(holes_left_);
     const CrackRules rules{std::min(rounding_, summary_.plane_tolerance), summary_.plane_tolerance};
-    open->message += describe_cracks(find_cracks(surface(), adjacency(), rules.rounding, control_), input_, options_,
-                                     rules, control_);
+    open->add(describe_cracks(find_cracks(surface(), adjacency(), rules.rounding, control_), input_, options_, rules,
+                              control_));
   }
 
   /// Returns whether all faces are triangles whose angles are so far from 0 that mend_faces would find nothing to do.
@@ -301,7 +301,7 @@ class Preparation {
   InputSummary& summary_;
   RunControl& control_;
   Prepared prepared_;
-  std::string holes_left_;      ///< the text about the open holes
+  Advice holes_left_;           ///< what is told about the open holes
   double rounding_ = 0;         ///< in model units; how far the rounding of coordinates may move a point
   double spike_rounding_ = 0;   ///< in model units; the same for the step that the digits allow without proof
   bool is_as_measured_ = true;  ///< nothing has been mended since the surface was measured

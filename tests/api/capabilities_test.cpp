@@ -47,21 +47,42 @@ json option_told(std::string_view name) {
 }
 
 TEST(capabilities, an_option_tells_its_type_default_bounds_and_words_and_nothing_it_has_not) {
-  EXPECT_EQ(option_told("refine"), json::parse(R"({"name": "refine", "type": "boolean", "default": true})"));
-  EXPECT_EQ(option_told("normal_tolerance"), json::parse(R"({"name": "normal_tolerance", "type": "number",
+  EXPECT_EQ(option_told("refine"),
+            json::parse(R"({"name": "refine", "group": "result", "type": "boolean", "default": true})"));
+  EXPECT_EQ(option_told("normal_tolerance"),
+            json::parse(R"({"name": "normal_tolerance", "group": "expert", "type": "number",
       "default": 1e-6, "minimum": 0, "maximum": 0.5})"));
-  EXPECT_EQ(option_told("max_edge_length"), json::parse(R"({"name": "max_edge_length", "type": "number",
+  EXPECT_EQ(option_told("max_edge_length"),
+            json::parse(R"({"name": "max_edge_length", "group": "size", "type": "number",
       "default": null, "unset": "none", "exclusive_minimum": 0, "excludes": "max_edge_fraction"})"));
-  EXPECT_EQ(option_told("max_output_faces"), json::parse(R"({"name": "max_output_faces", "type": "integer",
+  EXPECT_EQ(option_told("max_output_faces"),
+            json::parse(R"({"name": "max_output_faces", "group": "size", "type": "integer",
       "default": null, "unset": "none", "minimum": 1})"));
-  EXPECT_EQ(option_told("barriers"), json::parse(R"({"name": "barriers", "type": "string",
-      "default": "object,group,material", "values": ["object", "group", "material"]})"));
-  EXPECT_EQ(option_told("preset"), json::parse(R"({"name": "preset", "type": "string", "default": null,
+  EXPECT_EQ(option_told("barriers"), json::parse(R"({"name": "barriers", "group": "expert", "type": "string",
+      "default": "object,group,material", "values": ["object", "group", "material"], "is_list": true})"));
+  EXPECT_EQ(option_told("preset"),
+            json::parse(R"({"name": "preset", "group": "result", "type": "string", "default": null,
       "unset": "none", "values": ["volume", "exact"]})"));
-  EXPECT_EQ(option_told("surface_tolerance"), json::parse(R"({"name": "surface_tolerance", "type": "number",
+  EXPECT_EQ(option_told("surface_tolerance"),
+            json::parse(R"({"name": "surface_tolerance", "group": "curved", "type": "number",
       "default": null, "unset": "auto", "minimum": 0, "excludes": "surface_tolerance_fraction"})"));
-  EXPECT_EQ(option_told("elements_per_circle"), json::parse(R"({"name": "elements_per_circle", "type": "number",
+  EXPECT_EQ(option_told("elements_per_circle"),
+            json::parse(R"({"name": "elements_per_circle", "group": "curved", "type": "number",
       "default": null, "unset": "auto", "minimum": 3, "maximum": 1000, "values": ["none"]})"));
+}
+
+TEST(capabilities, options_stand_in_the_order_of_their_groups_each_in_one_sentence) {
+  const json document = json::parse(openapi().body);
+  const json& told = document["components"]["schemas"]["Capabilities"]["properties"]["options"]["items"]["properties"];
+  const json answer = json::parse(capabilities({}).body);
+  std::vector<std::string> groups;
+  for (const json& option : answer["options"]) {
+    if (groups.empty() || groups.back() != option["group"]) groups.push_back(option["group"]);
+    const std::string text = option["description"];
+    EXPECT_EQ(text.find(". "), std::string::npos) << text;
+    EXPECT_LT(text.size(), 250u) << text;
+  }
+  EXPECT_EQ(json(groups), told["group"]["enum"]);
 }
 
 TEST(capabilities, what_is_told_of_an_option_is_what_it_takes) {

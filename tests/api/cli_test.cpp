@@ -7,6 +7,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <filesystem>
 #include <fstream>
@@ -15,6 +17,8 @@
 #include <sstream>
 #include <thread>
 
+#include "api/options.h"
+#include "core/io/formats.h"
 #include "tests/support/temporary_folder.h"
 
 namespace remesh {
@@ -113,9 +117,10 @@ TEST_F(cli, a_mesh_goes_in_and_comes_out_with_its_report) {
   const Outcome outcome = run({"square.obj", "-o", "out.obj", "--report", "report.json", "--workers", "1"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(outcome.out, "");
-  EXPECT_EQ(outcome.err, "");
   EXPECT_THAT(read("out.obj"), StartsWith("# remeshd "));
   const nlohmann::json report = nlohmann::json::parse(read("report.json"));
+  EXPECT_THAT(outcome.err, StartsWith("remesh: 2 faces in, " + report["output"]["faces"].dump() +
+                                      " out; the least angle is 45 degrees; input and result are at most "));
   EXPECT_EQ(report["input"]["faces"], 2);
   EXPECT_EQ(report["verified"]["surface"], true);
   EXPECT_EQ(report["options"]["format"], "obj");
@@ -202,7 +207,9 @@ TEST_F(cli, a_batch_writes_its_meshes_where_it_is_told_none_over_another) {
   write("parts/a.obj", kSquare);
   write("parts/a.off", "OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
   write("parts/deep/c.obj", kSquare);
-  EXPECT_EQ(run({"--batch", "parts", "--report", "-", "-o", "done", "--format", "obj"}).status, 0);
+  const Outcome batch = run({"--batch", "parts", "--report", "-", "-o", "done", "--format", "obj"});
+  EXPECT_EQ(batch.status, 0);
+  EXPECT_EQ(batch.err, "remesh: 3 files are remeshed; standard output has a line for each\n");
   EXPECT_THAT(read("done/a.obj"), HasSubstr("input_faces=2"));
   EXPECT_THAT(read("done/a.off.obj"), HasSubstr("input_faces=1"));
   EXPECT_THAT(read("done/deep/c.obj"), StartsWith("# remeshd "));
@@ -219,6 +226,43 @@ TEST_F(cli, a_batch_onto_itself_is_misuse_and_one_without_a_mesh_says_so) {
   EXPECT_EQ(empty.err, "remesh: no mesh found below empty\n");
 }
 
+/// A box without a lid.
+constexpr std::string_view kOpenBox =
+    "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+    "f 4 3 2 1\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+
+TEST_F(cli, a_success_is_told_with_what_it_missed_and_the_option_that_helps_unless_it_is_to_be_quiet) {
+  write("box.obj", kOpenBox);
+  const Outcome outcome = run({"box.obj", "-o", "out.obj"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_THAT(outcome.err, StartsWith("remesh: 5 faces in, 10 out; the least angle is 45 degrees"));
+  EXPECT_THAT(outcome.err, HasSubstr("\nremesh: a volume mesher will refuse this: 4 open_boundary\n"));
+  EXPECT_THAT(outcome.err, HasSubstr("\nremesh: --repair +holes would close small holes\n"));
+  EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 3);
+  // The flags do what is said of them, and then there is nothing more to say.
+  const Outcome closed = run({"box.obj", "-o", "closed.obj", "--repair", "+holes", "--report", "report.json"});
+  EXPECT_EQ(std::count(closed.err.begin(), closed.err.end(), '\n'), 1) << closed.err;
+  EXPECT_EQ(nlohmann::json::parse(read("report.json"))["volume_ready"]["ready"], true);
+  const Outcome quiet = run({"box.obj", "-o", "quiet.obj", "--quiet"});
+  EXPECT_EQ(quiet.err, "");
+  EXPECT_EQ(read("quiet.obj"), read("out.obj"));
+}
+
+TEST_F(cli, an_ending_that_cannot_be_written_names_all_that_can) {
+  const std::string told = run({"square.obj", "-o", "o.step"}).err;
+  for (const Format format : kFormats)
+    EXPECT_THAT(told, HasSubstr("." + std::string(file_ending(format)))) << format_name(format);
+}
+
+TEST_F(cli, a_file_of_a_cad_program_is_told_what_it_is_and_the_command_that_makes_a_mesh_of_it) {
+  write("part.step", "ISO-10303-21;\nHEADER;\n");
+  const Outcome outcome = run({"part.step", "-o", "out.obj"});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("STEP"));
+  EXPECT_THAT(outcome.err, HasSubstr("gmsh part.step -2 -clcurv 40 -o part.stl"));
+}
+
 TEST_F(cli, options_have_hyphens) {
   const Outcome outcome = run({"square.obj", "-o", "out.obj", "--keep-boundary-vertices", "true",
                                "--plane-tolerance=1e-5", "--reference-axis", "-1,0,0", "--report", "-"});
@@ -230,7 +274,8 @@ TEST_F(cli, options_have_hyphens) {
 }
 
 TEST_F(cli, a_trace_goes_to_standard_error_and_changes_nothing) {
-  const Outcome plain = run({"square.obj", "-o", "-"}), traced = run({"square.obj", "-o", "-", "--trace"});
+  const Outcome plain = run({"square.obj", "-o", "-", "--quiet"});
+  const Outcome traced = run({"square.obj", "-o", "-", "--quiet", "--trace"});
   ASSERT_EQ(traced.status, 0) << traced.err;
   EXPECT_EQ(traced.out, plain.out);
   EXPECT_EQ(plain.err, "");
@@ -262,7 +307,7 @@ TEST_F(cli, misuse_is_told_in_one_line_and_exits_with_2) {
       {{"square.obj", "-o", "o.obj", "--server", "http://host", "--workers", "1"}, "--workers cannot be combined"},
       {{"square.obj", "--analyze", "--trace"}, "--trace cannot be combined with"},
       {{"square.obj", "-o", "o.obj", "--server", "http://host", "--trace"}, "--trace cannot be combined with"},
-      {{"square.obj", "-o", "o.xyz"}, "the ending of o.xyz does not name a format"}};
+      {{"square.obj", "-o", "o.step"}, "the ending of o.step does not name a format that can be written; these do: "}};
   for (const auto& [arguments, message] : cases) {
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.status, 2) << message;
@@ -350,9 +395,23 @@ TEST_F(cli, help_lists_every_option_with_its_default) {
   EXPECT_THAT(help.out, HasSubstr("--max-radius-edge-ratio"));
   EXPECT_THAT(help.out, HasSubstr("[dominant_edge]"));
   EXPECT_THAT(help.out, HasSubstr("[25]"));
-  for (const char* flag :
-       {"--surface-tolerance ", "--surface-tolerance-fraction ", "--elements-per-circle ", "--preset "})
-    EXPECT_THAT(help.out, HasSubstr(flag));
+  // The options stand in their groups, and the groups in their order.
+  std::size_t at = 0;
+  std::string_view heading;
+  for (const api::OptionSpec& spec : api::option_table()) {
+    const std::string_view group = api::group_name(spec.group);
+    if (group != heading) {
+      std::string title = "\n" + std::string(group) + ":\n";
+      title[1] = static_cast<char>(std::toupper(title[1]));
+      at = help.out.find(title, at);
+      ASSERT_NE(at, std::string::npos) << title;
+      heading = group;
+    }
+    std::string flag = "  --" + std::string(spec.name) + " ";
+    std::replace(flag.begin(), flag.end(), '_', '-');
+    at = help.out.find(flag, at);
+    ASSERT_NE(at, std::string::npos) << spec.name;
+  }
   const Outcome version = run({"--version"});
   EXPECT_EQ(version.status, 0);
   EXPECT_THAT(version.out, StartsWith("remesh "));

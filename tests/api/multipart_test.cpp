@@ -98,7 +98,7 @@ TEST(multipart, what_is_not_allowed_is_refused) {
 
 TEST(multipart, parts_are_bounded) {
   std::string body;
-  for (int i = 0; i < 9; ++i) body += "--XX\r\nContent-Disposition: form-data; name=a\r\n\r\nx\r\n";
+  for (int i = 0; i < 65; ++i) body += "--XX\r\nContent-Disposition: form-data; name=a\r\n\r\nx\r\n";
   expect_malformed(body + "--XX--");
 }
 

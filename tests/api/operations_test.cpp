@@ -136,10 +136,10 @@ TEST(run_remesh, the_report_has_every_field_of_the_contract) {
     for (const auto& [name, value] : object.items()) names.insert(name);
     return names;
   };
-  EXPECT_EQ(keys(report),
-            (std::set<std::string>{"version", "options", "tolerance", "input", "output", "patches", "surfaces",
-                                   "distance_bound", "diagnostics", "renamed_labels", "volume_ready", "smallest_gap",
-                                   "unrefined", "refinement_rounds", "verified", "timing_ms"}));
+  EXPECT_EQ(keys(report), (std::set<std::string>{"version", "options", "tolerance", "input", "output", "patches",
+                                                 "surfaces", "distance_bound", "diagnostics", "renamed_labels",
+                                                 "volume_ready", "smallest_gap", "largest_edge_for_target", "unrefined",
+                                                 "refinement_rounds", "verified", "timing_ms"}));
   for (const char* side : {"input", "output"}) {
     std::set<std::string> expected{"vertices",     "faces",  "components", "boundary_edges", "non_manifold_edges",
                                    "closed",       "euler",  "area",       "volume",         "intersecting_pairs",
@@ -354,6 +354,31 @@ TEST(run_remesh, a_form_takes_a_mesh_and_options) {
             RequestCode::kMalformedMultipart);
   EXPECT_EQ(code_of(request_of("--B\r\nContent-Disposition: form-data; name=\"options\"\r\n\r\n{}\r\n--B--", type)),
             RequestCode::kMalformedMultipart);
+}
+
+TEST(run_remesh, a_part_without_a_file_name_is_an_option_and_does_what_it_does_in_a_query) {
+  const auto form_of = [](const std::string& parts) {
+    return "--B\r\nContent-Disposition: form-data; name=\"upload\"; filename=\"ring.obj\"\r\n\r\n" +
+           std::string(kRing) + parts + "\r\n--B--";
+  };
+  const std::string type = "multipart/form-data; boundary=B";
+  std::string parts;
+  Fields query;
+  for (const OptionSpec& spec : option_table()) {
+    if (!spec.excludes.empty() || spec.name == "max_hole_edges" || spec.name == "max_output_faces") continue;
+    query.emplace_back(spec.name, spec.example);
+    parts += "\r\n--B\r\nContent-Disposition: form-data; name=\"" + std::string(spec.name) + "\"\r\n\r\n" +
+             std::string(spec.example);
+  }
+  ASSERT_GT(query.size(), 15u);
+  const auto options_of = [](const Response& response) { return json::parse(response.body)["report"]["options"]; };
+  EXPECT_EQ(options_of(remesh(request_of(form_of(parts), type))), options_of(remesh(request_of(kRing, "", query))));
+  // An option that is there twice is refused by its name, wherever the two stand.
+  const std::string twice = "\r\n--B\r\nContent-Disposition: form-data; name=\"options\"\r\n\r\n{\"refine\": false}" +
+                            std::string("\r\n--B\r\nContent-Disposition: form-data; name=\"refine\"\r\n\r\nfalse");
+  const Error error = test::error_of([&] { remesh(request_of(form_of(twice), type)); });
+  EXPECT_EQ(error.code, Code::kInvalidOption);
+  EXPECT_EQ(error.option, "refine");
 }
 
 TEST(run_remesh, bad_input_has_its_code) {

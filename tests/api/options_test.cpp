@@ -55,6 +55,8 @@ TEST(options, the_table_has_every_option_of_the_contract_with_its_default) {
   const std::map<std::string_view, std::string> contract{{"refine", "true"},
                                                          {"min_angle_deg", "25"},
                                                          {"max_radius_edge_ratio", "none"},
+                                                         {"target_faces", "none"},
+                                                         {"target_edge_length", "none"},
                                                          {"max_edge_length", "none"},
                                                          {"max_edge_fraction", "none"},
                                                          {"max_area", "none"},
@@ -425,7 +427,9 @@ TEST(options, json_types_must_fit) {
 
 TEST(options, an_unknown_option_names_the_nearest) {
   const std::map<std::string_view, std::string_view> nearest{
-      {"min_angle", "min_angle_deg"}, {"max_edge_lenght", "max_edge_length"}, {"Refine", "refine"}};
+      {"min_angle", "min_angle_deg"},  {"max_edge_lenght", "max_edge_length"}, {"Refine", "refine"},
+      {"max_edge", "max_edge_length"}, {"maxEdgeLength", "max_edge_length"},   {"hausd", "surface_tolerance"},
+      {"output_format", "format"}};
   for (const auto& [wrong, right] : nearest) {
     const Error error = error_of([&, w = wrong] { read(w, "1"); });
     EXPECT_EQ(error.code, RequestCode::kUnknownOption);

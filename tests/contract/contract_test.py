@@ -25,6 +25,7 @@ except ImportError:
 
 sys.path.append(str(pathlib.Path(__file__).resolve().parents[1] / "support"))
 import remeshd  # noqa: E402
+import requests_as_written  # noqa: E402
 
 KEY = "contract-test-key-0123456789"
 PATIENCE = 120  # seconds for what must happen; long, so that a busy machine is not mistaken for a fault
@@ -275,6 +276,19 @@ def check_plain(contract, daemon):
     contract.check("watchRequest", ask(port, "GET", unknown + "/events"), 404)
 
 
+def check_requests_as_written(contract, daemon):
+    """Whatever people write, the answer is a result, or an error that names the next step."""
+    for written, query, fields, body, status, words in requests_as_written.ROWS:
+        answer = ask(daemon.port, "POST", f"/v1/remesh{query}", body, fields)
+        contract.check("remesh", answer, status, written)
+        if answer.status >= 400 and (not words or words not in json.loads(answer.body)["detail"]):
+            contract.fail(f"{written}: {answer.body.decode()} does not say {words}")
+    for path in ("/remesh", "/api/v1/remesh", "/v1/remeshing"):
+        answer = ask(daemon.port, "POST", path, SQUARE)
+        if answer.status != 404 or "/openapi.json" not in json.loads(answer.body)["detail"]:
+            contract.fail(f"POST {path}: {answer.status} {answer.body.decode()}")
+
+
 def field_names(node):
     """Of the headers that the document describes: those that a client may send, those that it gets."""
     sent, received = set(), set()
@@ -486,6 +500,7 @@ def main():
         for schema in document["components"]["schemas"].values():
             Draft202012Validator.check_schema(schema)
         check_plain(contract, daemon)
+        check_requests_as_written(contract, daemon)
         check_options(contract, daemon)
         contract.check("submitJob", ask(daemon.port, "POST", "/v1/jobs", SQUARE), 501)
     with tempfile.TemporaryDirectory() as folder:

@@ -175,7 +175,7 @@ onPage("options of curved surfaces are hinted at, checked and sent", async (visi
   const elements = "#option-elements_per_circle";
   assert.match(
     await text(`${elements}-note`),
-    /16 is usual before volume meshing; none: .* with 24 edges per turn \(3 to 1,000\)\.$/,
+    /16 is usual before volume meshing; none: .* than 32 facets per turn get 24 \(3 to 1,000\)\.$/,
   );
   const usual = await page.$eval(elements, (input) => [...input.list.options].map(({ value }) => value));
   assert.equal(usual.join(), "8,12,16,24,36");
@@ -188,8 +188,13 @@ onPage("options of curved surfaces are hinted at, checked and sent", async (visi
   await type("#option-surface_tolerance", "0.1");
   assert.equal(await page.$eval("#option-surface_tolerance_fraction", (input) => input.disabled), true);
   await page.select("#option-preset", "exact");
+  assert.equal(await page.$eval("#option-circle_fit", (select) => select.value), "inscribed");
+  await page.select("#option-circle_fit", "volume");
   await tab("download");
-  assert.match(await text("#curl"), /\?surface_tolerance=0\.1&elements_per_circle=16&preset=exact&format=/);
+  assert.match(
+    await text("#curl"),
+    /\?preset=exact&surface_tolerance=0\.1&elements_per_circle=16&circle_fit=volume&format=/,
+  );
   await run();
   await page.click("#reset");
   assert.equal(await page.$eval("#option-preset", (select) => select.value), "none");

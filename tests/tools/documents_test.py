@@ -127,8 +127,16 @@ def number(text):
 
 
 def check_options(capabilities, contract):
-    rows = tables(section("api/README.md", "## Options"))[0]
+    lines = section("api/README.md", "## Options")
+    groups = tables(lines)
+    rows = [row for group in groups for row in group]
     options = {option["name"]: option for option in capabilities["options"]}
+    # Each group has a table. The name of the group stands above it.
+    titles = [match.group(1).lower() for line in lines if (match := re.match(r"\*\*(\w+)\*\*: ", line))]
+    found = [(title, name) for title, group in zip(titles, groups) for row in group for name in code_spans(row[0])]
+    expected = [(option["group"], option["name"]) for option in capabilities["options"]]
+    if found != expected:
+        failures.append(f"api/README.md, tables of options: they are {found}, not {expected}")
     expect_equal(contract["components"]["schemas"]["Options"]["properties"], options, "api/openapi.yaml, schema Options")
     expect_equal([name for row in rows for name in code_spans(row[0])], options, "api/README.md, table of options")
     for row in rows:
@@ -165,7 +173,8 @@ def check_formats(capabilities, contract):
     rows = next(rows for rows in tables(section("README.md", "## The service")) if len(rows[0]) == 5)
     expect_equal([code_spans(row[1])[0] for row in rows if row[3] != "no"], types_written, "README.md, table of formats")
     expect_equal([code_spans(row[1])[0] for row in rows if row[2] != "no"], types_read, "README.md, formats that are read")
-    format_row = next(row for row in tables(section("api/README.md", "## Options"))[0] if row[0] == "`format`")
+    groups = tables(section("api/README.md", "## Options"))
+    format_row = next(row for group in groups for row in group if row[0] == "`format`")
     expect_equal(code_spans(format_row[2]), names, "api/README.md, option format")
 
     parts = contract["components"]

@@ -261,13 +261,13 @@ Cracks find_cracks(const Surface& surface, const Adjacency& edges, double roundi
   return cracks;
 }
 
-std::string describe_cracks(const Cracks& cracks, const PolygonMesh& input, const Options& options,
-                            const CrackRules& rules, RunControl& control) {
+Advice describe_cracks(const Cracks& cracks, const PolygonMesh& input, const Options& options, const CrackRules& rules,
+                       RunControl& control) {
   // The widest gaps may be no cracks but, for example, the sides of a slot. Then a smaller tolerance may still close
   // the cracks.
   constexpr int kMaxTries = 4;
   const std::vector<double>& widths = cracks.widths;
-  if (widths.empty()) return "";
+  if (widths.empty()) return {};
   std::string text = "; " + std::to_string(cracks.edges) + " of these edges run beside another open edge, " +
                      (widths.size() > 1 ? number_text(widths.front(), 2) + " to " : "") +
                      number_text(widths.back(), 2) +
@@ -279,13 +279,16 @@ std::string describe_cracks(const Cracks& cracks, const PolygonMesh& input, cons
     const double tolerance = two_digits_above(*(end - 1));
     if (tolerance > options.weld_tolerance) {
       const EdgeKinds then = trial.run(tolerance);
-      if (then.is_better_than(now))
-        return text + ": weld_tolerance=" + number_text(tolerance, 2) + " would leave " + std::to_string(then.open) +
-               " of the " + std::to_string(now.welded_open) + " edges that have only one face";
+      if (then.is_better_than(now)) {
+        const std::string option = "weld_tolerance=" + number_text(tolerance, 2);
+        const std::string effect = "would leave " + std::to_string(then.open) + " of the " +
+                                   std::to_string(now.welded_open) + " edges that have only one face";
+        return {text + ": " + option + " " + effect, {{option, effect}}};
+      }
     }
     end = std::upper_bound(widths.begin(), end - 1, *(end - 1) / 2);
   }
-  return text + ": no `weld_tolerance` was found that closes edges without damage elsewhere";
+  return {text + ": no `weld_tolerance` was found that closes edges without damage elsewhere", {}};
 }
 
 }  // namespace remesh

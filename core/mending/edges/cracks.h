@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/base/diagnostic.h"
 #include "core/base/options.h"
 #include "core/base/run_control.h"
 #include "core/mesh/adjacency.h"
@@ -46,7 +47,7 @@ struct CrackRules {
 ///          were, makes no further edges with three or more faces, and makes no further edge of a face vanish.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:    O(n log n) if there is a crack.
-std::string describe_cracks(const Cracks& cracks, const PolygonMesh& input, const Options& options,
-                            const CrackRules& rules, RunControl& control);
+Advice describe_cracks(const Cracks& cracks, const PolygonMesh& input, const Options& options, const CrackRules& rules,
+                       RunControl& control);
 
 }  // namespace remesh

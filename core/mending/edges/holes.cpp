@@ -23,6 +23,9 @@
 namespace remesh {
 namespace {
 
+/// The remedy for a hole that is small by itself.
+constexpr std::string_view kClosedByWord = "repair=+holes closes it";
+
 /// A hole is small by itself if its rims have at most this many edges, or are smaller than this part of the diagonal.
 constexpr std::size_t kFewHoleEdges = 12;
 constexpr double kSmallHole = 0.05;
@@ -187,7 +190,7 @@ class Closing {
           RunControl& control)
       : surface_(surface), edges_(edges), labels_(labels), rules_(rules), control_(control) {}
 
-  bool run(std::vector<Diagnostic>& diagnostics, std::string& left) {
+  bool run(std::vector<Diagnostic>& diagnostics, Advice& left) {
     const double tolerance = rules_.plane_tolerance / surface_.unit;
     const std::vector<Opening> openings = find_openings(surface_, edges_, tolerance, control_);
     for (const Opening& opening : openings) {
@@ -423,7 +426,7 @@ class Closing {
     if (hole.is_unknown)
       return "not closed, because so many faces meet here that it was not found out whether a flat face over it would";
     if (hole.is_tested && hole.triangles.empty()) return "no option closes it, because it touches itself";
-    if (rules_.mend == MendMode::kNo && hole.is_small) return "repair=+holes closes it";
+    if (rules_.mend == MendMode::kNo && hole.is_small) return std::string(kClosedByWord);
     return "repair=+holes with max_hole_edges=" + std::to_string(most_edges(hole)) + " closes it";
   }
 
@@ -434,7 +437,7 @@ class Closing {
   }
 
   /// Describes the holes that stay open.
-  std::string describe_left() const {
+  Advice describe_left() const {
     std::vector<const Hole*> named;
     std::vector<std::string> remedies;
     std::size_t larger = 0, edges_of_larger = 0;
@@ -450,13 +453,19 @@ class Closing {
         edges_of_larger = std::max(edges_of_larger, most_edges(hole));
       }
     }
-    std::string text;
+    Advice left;
+    std::string& text = left.text;
+    if (std::find(remedies.begin(), remedies.end(), kClosedByWord) != remedies.end())
+      left.remedies.push_back({"repair=+holes", "would close small holes"});
+    if (larger > 0)
+      left.remedies.push_back(
+          {"repair=+holes&max_hole_edges=" + std::to_string(edges_of_larger), "would close flat holes"});
     if (!named.empty()) text = "; loops of these edges: " + list(named, remedies);
     if (larger > 0)
       text += "; " + std::to_string(larger) + " larger " + (larger == 1 ? "loop is" : "loops are") +
               " flat, and repair=+holes with max_hole_edges=" + std::to_string(edges_of_larger) +
               " closes what no other face meets";
-    return text;
+    return left;
   }
 
   Surface& surface_;
@@ -471,7 +480,7 @@ class Closing {
 }  // namespace
 
 bool close_holes(Surface& surface, const Adjacency& edges, const FaceLabels& labels, const HoleRules& rules,
-                 std::vector<Diagnostic>& diagnostics, std::string& left, RunControl& control) {
+                 std::vector<Diagnostic>& diagnostics, Advice& left, RunControl& control) {
   if (edges.odd_edges().empty()) return false;
   return Closing(surface, edges, labels, rules, control).run(diagnostics, left);
 }

@@ -32,12 +32,12 @@ struct HoleRules {
 /// face with these labels at the longest edge. It stands behind the last face of that source, and in Surface::caps.
 /// Input:   `labels` are those of the input's faces.
 /// Output:  whether the surface changed. `diagnostics` gets closed_hole, whose elements are the sources of the new
-///          faces. The text continues the message of open_boundary. It names the holes that stay open, with place, size
+///          faces. `left` continues the message of open_boundary. It names the holes that stay open, with place, size
 ///          and the option that closes them, if they are small by themselves or were selected.
 /// Holds:   what is closed does not depend on the order of the faces, nor on the number of threads.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:    O(b log b) for b open edges, and O(n + k log n) for k triangles of closed holes.
 bool close_holes(Surface& surface, const Adjacency& edges, const FaceLabels& labels, const HoleRules& rules,
-                 std::vector<Diagnostic>& diagnostics, std::string& left, RunControl& control);
+                 std::vector<Diagnostic>& diagnostics, Advice& left, RunControl& control);
 
 }  // namespace remesh

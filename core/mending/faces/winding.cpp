@@ -263,6 +263,7 @@ bool turn_inside_out(Surface& surface, const Adjacency& edges, const FaceLabels&
       (mend == MendMode::kYes ? "; they were turned over" : "") +
       "; `elements` lists the first face of each shell by number";
   for (const FaceId f : found.first) inside_out.add(surface.face_source[f].value);
+  if (mend == MendMode::kNo) inside_out.remedies.push_back({"repair=+inside_out", "would turn these shells over"});
   diagnostics.push_back(std::move(inside_out));
   if (mend == MendMode::kNo) return false;
   turn_over(surface, found.is_inside_out, control);

@@ -11,6 +11,7 @@
 
 #include "core/base/number_text.h"
 #include "core/output/report/surface_words.h"
+#include "core/refinement/attempts/refinement_choices.h"
 
 namespace remesh {
 namespace {
@@ -51,7 +52,7 @@ std::string about(double faces) {
 std::string whole_text(double faces) { return grouped_digits(static_cast<std::uint64_t>(std::min(faces, 0x1p62))); }
 
 /// A value of an option, and the number of faces that are predicted with it.
-struct Remedy {
+struct TriedValue {
   std::string option;  ///< with its value
   double faces;
 };
@@ -67,7 +68,8 @@ class Explanation {
       faces_of_patch_.push_back(result.faces.of_patch(PatchId(p)));
       faces_ += faces_of_patch_.back();
     }
-    allowed_ = std::max(kFewFacesAlways, kTimesOfInput * static_cast<double>(result.input_triangles));
+    allowed_ = has_target() ? (1 + kOffTarget) * static_cast<double>(*result.options.target_faces)
+                            : std::max(kFewFacesAlways, kTimesOfInput * static_cast<double>(result.input_triangles));
     max_worth_telling_ = kWorthTelling * faces_;
   }
 
@@ -89,13 +91,18 @@ class Explanation {
                       cause_text(cause) + "; half of them are in " +
                       (patches == 1 ? "1 patch" : grouped_digits(patches) + " patches");
     if (is_floor_found()) warning.message += floor_text();
-    const std::vector<Remedy> remedies = are_many() ? find_remedies(cause) : find_remedies_without_floor();
+    if (has_target()) warning.message += target_text();
+    std::vector<TriedValue> remedies = are_many() ? find_remedies(cause) : find_remedies_without_floor();
     for (std::size_t i = 0; i < remedies.size(); ++i)
       warning.message += (i == 0                     ? "; "
                           : i + 1 == remedies.size() ? " and "
                                                      : ", ") +
                          remedies[i].option + (i == 0 ? " would give " : " ") + about(remedies[i].faces) +
                          (i == 0 ? are_many() ? " faces" : " faces without a floor" : "");
+    std::stable_sort(remedies.begin(), remedies.end(),
+                     [](const TriedValue& a, const TriedValue& b) { return a.faces < b.faces; });
+    for (TriedValue& tried : remedies)
+      warning.remedies.push_back({std::move(tried.option), "would give " + about(tried.faces) + " faces"});
     return warning;
   }
 
@@ -187,6 +194,18 @@ class Explanation {
     return "the bound on angles divides needles and what is beside small angles or short edges of the input";
   }
 
+  bool has_target() const { return result_.options.target_faces.has_value(); }
+
+  /// Tells how many faces there are without any largest edge.
+  std::string target_text() {
+    Goals goals = result_.goals;
+    goals.max_edge_length = kInfinity;
+    const bool is_least = std::isinf(result_.goals.max_edge_length);
+    return "; target_faces=" + std::to_string(*result_.options.target_faces) +
+           " is not met: the other options alone need " + (is_least ? whole_text(faces_) : about(faces_with(goals))) +
+           " faces";
+  }
+
   /// Tells of the floor that was found.
   std::string floor_text() {
     Goals goals = result_.goals;
@@ -216,7 +235,7 @@ class Explanation {
   /// Input: `next` sets the next value in the goals, and returns how it is asked for; empty: there are no more.
   template <class Next>
   void try_values(const Next& next) {
-    std::optional<Remedy> best;
+    std::optional<TriedValue> best;
     Goals goals = first_goals_;
     for (int step = 0; step < kMaxSteps && places_ < kMaxPlaces; ++step) {
       const std::string option = next(goals, step);
@@ -229,7 +248,7 @@ class Explanation {
     if (best && best->faces <= max_worth_telling_) remedies_.push_back(*std::move(best));
   }
 
-  std::vector<Remedy> find_remedies(Cause cause) {
+  std::vector<TriedValue> find_remedies(Cause cause) {
     if (cause == Cause::kSizes) try_sizes();
     if (cause == Cause::kGaps) try_gaps();
     try_circles();
@@ -243,7 +262,7 @@ class Explanation {
   }
 
   /// Finds the values of options with which a floor would not even be looked for.
-  std::vector<Remedy> find_remedies_without_floor() {
+  std::vector<TriedValue> find_remedies_without_floor() {
     first_goals_.min_edge_length = lowest_floor_;
     scale_ = 1;
     allowed_ = max_worth_telling_ = static_cast<double>(result_.goals.faces_without_min_edge);
@@ -253,7 +272,7 @@ class Explanation {
   }
 
   void try_sizes() {
-    if (std::isfinite(result_.goals.max_edge_length))
+    if (std::isfinite(result_.goals.max_edge_length) && !is_target_given(result_.options))
       try_values([&](Goals& goals, int) -> std::string {
         const double of_one = result_.options.max_edge_fraction ? result_.diagonal : 1;
         const double value = with_three_digits(2 * goals.max_edge_length / of_one);
@@ -301,7 +320,7 @@ class Explanation {
   }
 
   void try_circles() {
-    std::optional<Remedy> best;
+    std::optional<TriedValue> best;
     const std::map<int, std::uint64_t> by_number = result_.predict_by_circles();
     for (auto of = by_number.rbegin(); of != by_number.rend(); ++of) {
       if (result_.options.elements_per_circle && of->first >= *result_.options.elements_per_circle) continue;
@@ -320,7 +339,7 @@ class Explanation {
   double scale_ = 1;  ///< the faces there are over those that are predicted
   double max_worth_telling_ = 0;
   std::uint64_t places_ = 0;  ///< the number of places at which predictions have looked at sizes
-  std::vector<Remedy> remedies_;
+  std::vector<TriedValue> remedies_;
 };
 
 }  // namespace

@@ -35,8 +35,8 @@ struct FacesToExplain {
   std::function<std::map<int, std::uint64_t>()> predict_by_circles;
 };
 
-/// A result is explained if it has more faces than kTimesOfInput times the input's triangles, and more than
-/// kFewFacesAlways.
+/// A result with target_faces is explained if it has more faces than that by a tenth. Another one is explained if it
+/// has more faces than kTimesOfInput times the input's triangles, and more than kFewFacesAlways.
 inline constexpr double kTimesOfInput = 10, kFewFacesAlways = 1000;
 
 /// Explains a result that has many faces, or for which a value of min_edge_length was found that keeps it in proportion

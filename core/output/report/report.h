@@ -31,6 +31,9 @@ struct Report {
   double first_plane_tolerance = 0;
   /// The length below which refinement made no edge, in model units; 0: there was no such floor.
   double min_edge_length = 0;
+  /// The largest edge that was chosen for a target, in model units. 0: there is no target. Infinity: the other options
+  /// need as many faces.
+  double largest_edge_for_target = 0;
   /// The step to which coordinates are proven to be rounded; without proof, the last place of the largest coordinate.
   double rounding_step = 0;
   /// Bound on the change of volume. It is the verdict's, or for an analysis that of PatchSummaries.

@@ -85,6 +85,8 @@ void warn_of_curved_surfaces(const Surface& surface, const PatchSet& patches, co
   warning.message = "found " + list_counts(counts) + ", made of " + grouped_digits(facets) +
                     " facets; each stays flat as a patch of its own, and refinement " + faces_text(faces, refined.are) +
                     " faces of them" + advice(is_any_curved, free > 0);
+  if (is_any_curved && curved == nullptr)
+    warning.remedies.push_back({"elements_per_circle=16", "would remesh curved surfaces as a whole"});
   diagnostics.push_back(std::move(warning));
 }
 

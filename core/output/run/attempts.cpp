@@ -1,6 +1,7 @@
 #include "core/output/run/attempts.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 
 #include "core/base/largest_coordinate.h"
@@ -51,6 +52,29 @@ bool was_any_joined(const Options& options, const std::vector<Diagnostic>& diagn
            (d.code == DiagnosticCode::kSeam && options.repair.seams) || d.code == DiagnosticCode::kClosedHole ||
            (d.code == DiagnosticCode::kDuplicateFace && options.repair.duplicates);
   });
+}
+
+/// Returns the median length of the sides of all faces.
+double median_side(const Candidate& candidate) {
+  std::vector<double> lengths;
+  lengths.reserve(3 * candidate.assembled.faces.size());
+  for (const auto& face : candidate.assembled.faces)
+    for (std::size_t k = 0; k < 3; ++k)
+      lengths.push_back(norm(candidate.positions[face[(k + 1) % 3]] - candidate.positions[face[k]]));
+  if (lengths.empty()) return 0;
+  const auto middle = lengths.begin() + static_cast<std::ptrdiff_t>(lengths.size() / 2);
+  std::nth_element(lengths.begin(), middle, lengths.end());
+  return *middle;
+}
+
+/// Returns what is reached of a target: see RefinementFacts.
+std::optional<double> over_target(const Candidate& candidate, const Goals& goals) {
+  if (!goals.has_target()) return std::nullopt;
+  const double over = goals.target_faces > 0 ? static_cast<double>(candidate.assembled.faces.size()) /
+                                                   static_cast<double>(goals.target_faces)
+                                             : median_side(candidate) / goals.target_edge_length;
+  // Without a largest edge, nothing is left that would make fewer faces.
+  return over > 0 && (over < 1 || std::isfinite(goals.max_edge_length)) ? std::optional(over) : std::nullopt;
 }
 
 }  // namespace
@@ -312,7 +336,6 @@ Outcome::End Attempts::make_result(const Decisions& decisions, const Effort& eff
   RunProducts& made = *products_;
   const RefinementChoices& choices = decisions.refinement;
   if (!made.input_intersections) made.find_input_intersections(Triangulated(surface(), control()));
-  made.watch.enter(Stage::kAssembly);
   refined_ = {};
   outcome.facts = made.refinement->facts();
   if (const auto failed = find_failed_patches(made.candidate.triangulated.meshes); !failed.empty()) {
@@ -340,6 +363,7 @@ Outcome::End Attempts::make_result(const Decisions& decisions, const Effort& eff
   const bool has_found_floor =
       goals.min_edge_length > choices.min_edge.asked() && outcome.facts.may_change_min_edge(choices);
   outcome.faces = made.candidate.assembled.faces.size();
+  outcome.facts.over_target = over_target(made.candidate, goals);
   outcome.are_angles_worse = has_found_floor && has_worse_angles(made.candidate, surface(), made.with_cuts(),
                                                                  made.joined.curved(), goals, control());
   if (after_faces(choices, *outcome.faces, outcome.are_angles_worse, outcome.facts).is_repeated)
@@ -379,6 +403,7 @@ std::optional<Outcome::End> Attempts::refine(const RefinementChoices& choices, c
   lift();
   made.report.refinement_rounds = made.candidate.refinement.rounds;
   made.report.min_edge_length = choices.min_edge.min_edge_length();
+  made.report.largest_edge_for_target = made.goals().has_target() ? made.goals().max_edge_length : 0;
   if (made.refinement->smallest_gap()) made.report.smallest_gap = made.refinement->smallest_gap();
   return std::nullopt;
 }

@@ -10,6 +10,7 @@ namespace {
 
 /// Forgets what was decided about patches, because others are made. What took much work to find out stays.
 void forget_patches(RefinementChoices& refinement, const Effort& effort) {
+  refinement.target = {};
   if (effort.triangles < kWorkBeforeFrozenStay) refinement.frozen.clear();
   refinement.last_faces = 0;
 }

@@ -68,6 +68,7 @@ class RunReporter {
     const Prediction predicted =
         run_.refinement->predict_before(run_.patched(crossing_), run_.choices, run_.candidate.triangulated);
     run_.report.min_edge_length = run_.choices.min_edge.min_edge_length();
+    run_.report.largest_edge_for_target = run_.goals().has_target() ? run_.goals().max_edge_length : 0;
     report_curves({[&](PatchId p) {
                      return run_.has_goals()
                                 ? predicted.of_patch[p.value]

@@ -65,6 +65,7 @@ void compare_refinement(const RefinementChoices& now, const RefinementChoices& n
   if (next.min_edge.min_edge_length() != now.min_edge.min_edge_length())
     found.add((next.min_edge.min_edge_length() > now.min_edge.min_edge_length() ? "raise" : "lower") +
               std::string(" min_edge_length to ") + number_text(next.min_edge.min_edge_length()));
+  if (next.target != now.target) found.add("choose the largest edge anew for the target");
   if (next.coarsest != now.coarsest) found.add("no edges below " + number_text(next.coarsest) + " because of gaps");
   if (next.budget && next.budget != now.budget)
     found.add(*next.budget == Goals::kNoLimit
@@ -99,6 +100,7 @@ std::string about_faces(const Decisions& now, const Outcome& outcome) {
     default: break;
   }
   const std::string faces = std::to_string(outcome.faces.value_or(0)) + " faces";
+  if (is_off_target(facts)) return faces + ", " + number_text(*facts.over_target, 3) + " times the target";
   if (*outcome.faces > facts.expected_limit()) return faces + ", at most " + allowed;
   if (outcome.are_angles_worse) return faces + ", with smaller angles than before refinement";
   if (!now.refinement.budget && facts.is_min_edge_automatic)

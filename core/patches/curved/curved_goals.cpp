@@ -27,7 +27,7 @@ CurvedGoals curved_goals_of(const Options& options, double diagonal) {
   goals.keeps_volume =
       options.circle_fit == CircleFit::kVolume && options.split_boundaries && !options.keep_boundary_vertices;
   const bool are_sizes_given = options.max_edge_length || options.max_edge_fraction || options.max_area ||
-                               options.proximity > 0 || options.gradation;
+                               is_target_given(options) || options.proximity > 0 || options.gradation;
   goals.may_coarser_facets_stay = !are_sizes_given && !goals.keeps_volume;
   goals.is_refined = options.refine;
   goals.may_cut_boundaries = options.split_boundaries;

@@ -1,6 +1,7 @@
 #include "core/refinement/attempts/refinement_choices.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/geometry/intersections/self_intersections.h"
 
@@ -26,6 +27,10 @@ std::uint64_t first_budget(std::uint64_t max_faces) {
   return max_faces == Goals::kNoLimit ? max_faces : max_faces - max_faces / kReserve;
 }
 
+bool is_off_target(const RefinementFacts& facts) {
+  return facts.over_target && !(std::abs(*facts.over_target - 1) <= kOffTarget);
+}
+
 bool is_budget_too_small(const RefinementChoices& choices) { return choices.retries > kMaxRetries; }
 
 RefinementChoices after_too_many_made(const RefinementChoices& now, const RefinementFacts& facts) {
@@ -45,6 +50,12 @@ AfterFaces after_faces(const RefinementChoices& now, std::uint64_t faces, bool a
   AfterFaces after{now};
   RefinementChoices& next = after.choices;
   if (!facts.has_goals(now)) return after;
+  if (is_off_target(facts) && !now.target.is_corrected && now.budget.value_or(Goals::kNoLimit) == Goals::kNoLimit) {
+    next.target = {facts.aimed_over_target / *facts.over_target, true};
+    after.is_repeated = true;
+    after.counts = false;
+    return after;
+  }
   const bool is_min_edge_chosen = facts.is_any_refined && facts.is_min_edge_automatic && !now.budget;
   const bool is_min_edge_too_short = faces > facts.faces_without_min_edge || are_angles_worse;
   if (is_min_edge_chosen && is_min_edge_too_short && now.min_edge.may_go_on()) {

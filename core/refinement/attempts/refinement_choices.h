@@ -21,9 +21,17 @@ enum class RefinedPart : std::uint8_t {
   kGivenUp      ///< none, since what had never failed has failed as well
 };
 
+/// How the largest edge is chosen for a target. The first attempt shows by how much predictions are wrong.
+struct TargetChoice {
+  double scale = 1;  ///< the target is multiplied by this before the largest edge is chosen
+  bool is_corrected = false;
+  bool operator==(const TargetChoice&) const = default;
+};
+
 /// The choices for the refinement of one surface. An attempt follows them and changes nothing in them.
 struct RefinementChoices {
   MinEdgeSearch min_edge;  ///< the floor under the lengths of edges
+  TargetChoice target;
   /// Gaps do not make sizes smaller than this, in model units.
   double coarsest = 0;
   /// Refinement ends when it has made so many faces. Without a budget, many faces may be removed when patches are
@@ -49,7 +57,11 @@ struct RefinementFacts {
   bool is_min_edge_automatic = false;  ///< the floor is what limits the number of faces
   std::uint64_t max_faces = Goals::kNoLimit;
   std::uint64_t faces_without_min_edge = Goals::kNoLimit;  ///< see Goals
-  double predicted = HUGE_VAL;  ///< roughly, in faces and without any limit but the floor; known once sizes are
+  /// The part of a target that the attempt has reached, 1 for all of it. It is empty without a target, and if no
+  /// largest edge would bring the result nearer to it.
+  std::optional<double> over_target;
+  double aimed_over_target = 1;  ///< the part of the target that was expected with the largest edge
+  double predicted = HUGE_VAL;   ///< roughly, in faces and without any limit but the floor; known once sizes are
   bool operator==(const RefinementFacts&) const = default;
 
   bool has_goals(const RefinementChoices& choices) const {
@@ -69,6 +81,12 @@ std::uint64_t first_budget(std::uint64_t max_faces);
 /// Returns whether retries with smaller budgets have not helped, or not soon enough. Then nothing is refined.
 bool is_budget_too_small(const RefinementChoices& choices);
 
+/// A target is met if what is reached differs from it by no more than this share.
+inline constexpr double kOffTarget = 0.1;
+
+/// Returns whether a result misses its target, although another largest edge would bring it nearer.
+bool is_off_target(const RefinementFacts& facts);
+
 /// The choices after a result with a number of faces.
 struct AfterFaces {
   RefinementChoices choices;
@@ -76,7 +94,8 @@ struct AfterFaces {
   bool counts = true;        ///< the work of the attempt counts, since its number of faces was not its only fault
 };
 
-/// Decides whether a result with so many faces needs another attempt. Either the floor is changed, if the faces are out
+/// Decides whether a result with so many faces needs another attempt. If it misses a target, the largest edge is chosen
+/// anew, once. Otherwise, either the floor is changed, if the faces are out
 /// of proportion (Goals::faces_without_min_edge), if the floor leaves worse angles than there were before, or if a
 /// lower floor may serve as well. Or the budget is: the next attempt may exceed its budget by cuts that patches have to
 /// make because their neighbours made them, by points in chords, or by cuts for sizes alone. Then the attempt after it

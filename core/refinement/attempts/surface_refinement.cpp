@@ -4,8 +4,10 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <utility>
 
 #include "core/base/stoppable.h"
+#include "core/geometry/planes/projection.h"
 #include "core/refinement/rounds/oversized_triangles.h"
 #include "core/refinement/segments/segment_table.h"
 
@@ -25,6 +27,20 @@ double area_of(const Surface& surface, const PatchMeshes& meshes, RunControl& co
       const auto corner = [&](std::uint32_t k) { return surface.local[patch.vertices[patch.mesh.from(h + k)]]; };
       area += 0.5 * norm(cross(corner(1) - corner(0), corner(2) - corner(0)));
     }
+  return area * surface.unit * surface.unit;
+}
+
+/// Returns the area of the surface itself, in model units squared.
+double area_of(const Surface& surface, RunControl& control) {
+  StopCheck check(control);
+  double area = 0;
+  std::vector<Vec3> loop;
+  for (FaceId f(0); f.value < surface.face_count(); ++f.value) {
+    check();
+    loop.clear();
+    for (const VertexId v : surface.face(f)) loop.push_back(surface.local[v]);
+    area += 0.5 * norm(newell_normal(loop));
+  }
   return area * surface.unit * surface.unit;
 }
 
@@ -56,17 +72,20 @@ void override_reasons(const RefinementAttempt& attempt, std::vector<UnrefinedRea
 Goals SurfaceRefinement::goals(const RefinementChoices& choices) const {
   Goals goals = asked_;
   goals.min_edge_length = choices.min_edge.min_edge_length();
+  if (goals.has_target()) goals.max_edge_length = sizes_.largest;
   return goals;
 }
 
 RefinementFacts SurfaceRefinement::facts() const {
   RefinementFacts facts;
   facts.are_goals_set = curved_.are_any || asked_.min_angle_deg > 0 || std::isfinite(asked_.max_edge_length) ||
-                        std::isfinite(asked_.max_area) || asked_.proximity > 0 || asked_.gradation > 0;
+                        std::isfinite(asked_.max_area) || asked_.proximity > 0 || asked_.gradation > 0 ||
+                        asked_.has_target();
   facts.is_min_edge_automatic = is_min_edge_automatic();
   facts.max_faces = asked_.max_faces;
   facts.faces_without_min_edge = asked_.faces_without_min_edge;
   facts.predicted = roughly_predicted_;
+  facts.aimed_over_target = sizes_.aimed_over_target;
   return facts;
 }
 
@@ -90,6 +109,9 @@ Prediction SurfaceRefinement::predict_before(const PatchedSurface& on, Refinemen
     if (is_another_needed) make_size_field(on, choices, 0, triangulated, gaps.get());
   }
   limit_to_proportion(prediction);
+  // A result that misses its target by more than a little is corrected.
+  if (asked_.target_faces > 0 && std::isfinite(sizes_.largest))
+    prediction.expected = static_cast<double>(asked_.target_faces);
   double sum = 0;
   for (const float share : prediction.of_patch) sum += share;
   const double factor = sum > 0 ? prediction.expected / sum : 1;
@@ -109,16 +131,16 @@ RefinementAttempt SurfaceRefinement::refine(const PatchedSurface& on, const Refi
   if (!is_min_edge_automatic())
     attempt.max_in_vain =
         kWorkInVain.steps(std::max<std::uint64_t>(on.surface.face_count(), triangulated.triangle_count()), 0);
-  const Goals goals = this->goals(choices);
   // There are at most as many samples of sizes as faces, apart from a few.
-  if (goals.proximity > 0)
-    control_.memory().set_output(std::min<std::uint64_t>(goals.max_faces, SizeField::kMaxSamples));
+  if (asked_.proximity > 0)
+    control_.memory().set_output(std::min<std::uint64_t>(asked_.max_faces, SizeField::kMaxSamples));
   const auto gaps = gap_search(on, triangulated);
   // Where nothing is refined, it does not matter which sizes are aimed at.
   const bool is_any_refined = std::find(attempt.frozen.begin(), attempt.frozen.end(), 0) != attempt.frozen.end();
-  const SizeField one_size(goals.max_edge_length);
   if (gaps) find_smallest_gap(*gaps);
   if (is_any_refined) attempt.size_steps = make_size_field(on, choices, effort.size_steps, triangulated, gaps.get());
+  const Goals goals = this->goals(choices);
+  const SizeField one_size(goals.max_edge_length);
   const SizeField& sizes = is_any_refined ? *sizes_.field : one_size;
   const std::optional<SizeField> graded = sizes_without_floor(on, goals, triangulated);
   Prediction prediction = predict_now(goals, is_any_refined, triangulated);
@@ -292,20 +314,73 @@ std::uint64_t SurfaceRefinement::make_size_field(const PatchedSurface& on, const
     steps = sizes_.without_floor->search_steps();
   }
   const double floor = choices.min_edge.min_edge_length();
-  if (!sizes_.field || sizes_.field_floor != floor) {
+  if (!sizes_.field || sizes_.field_floor != floor || sizes_.target != choices.target) {
     sizes_.predicted.reset();
-    sizes_.field.emplace(sizes_.without_floor->with_floor(goals(choices), control_));
+    sizes_.target = choices.target;
+    if (asked_.has_target()) choose_largest_edge(on, choices, triangulated);
+    sizes_.field.emplace(sizes_.without_floor->within(goals(choices), control_));
     sizes_.field_floor = floor;
   }
   return steps;
 }
 
+/// Chooses the largest edge with which about as many faces are expected as the target asks for. It is infinity if the
+/// other goals need as many.
+void SurfaceRefinement::choose_largest_edge(const PatchedSurface& on, const RefinementChoices& choices,
+                                            const TriangulatedPatches& triangulated) {
+  sizes_.aimed_over_target = choices.target.scale;
+  if (asked_.target_edge_length > 0) {
+    sizes_.largest = kLargestOfMedian * asked_.target_edge_length * choices.target.scale;
+    return;
+  }
+  sizes_.largest = HUGE_VAL;
+  Goals goals = this->goals(choices);
+  const auto predict = [&](double largest) {
+    goals.max_edge_length = largest;
+    return predict_roughly(triangulated, goals, sizes_.without_floor->within(goals, control_), control_).expected;
+  };
+  // The faces that the largest edge adds to those of the other goals are in proportion to the area. Triangles of curved
+  // patches have less of it than the surface, as long as they are large.
+  const double others = predict(HUGE_VAL), area = area_of(on.surface, triangulated.meshes, control_);
+  const double per_face = kMadeOfPredicted * area_of(on.surface, control_) / area;
+  const auto expect = [&](double largest) { return others + per_face * std::max(0.0, predict(largest) - others); };
+  const double target = static_cast<double>(asked_.target_faces), wanted = target * choices.target.scale;
+  if (!(others < wanted) || !(area > 0)) {
+    sizes_.aimed_over_target = others / target;
+    return;
+  }
+  // Two edges are found between which the wanted one lies. Then one between them is found by the logarithms, since the
+  // number of faces grows with the inverse square of the edge.
+  constexpr double kNear = 0.01, kMargin = 0.05;
+  constexpr int kMaxDoublings = 64, kMaxSteps = 6;
+  double low = equilateral_edge(kFacesPerIdeal * area / wanted), high = low;
+  double at_low = expect(low), at_high = at_low;
+  for (int i = 0; i < kMaxDoublings && at_low < wanted; ++i) {
+    high = std::exchange(low, low / 2);
+    at_high = std::exchange(at_low, expect(low));
+  }
+  for (int i = 0; i < kMaxDoublings && at_high > wanted; ++i) {
+    low = std::exchange(high, 2 * high);
+    at_low = std::exchange(at_high, expect(high));
+  }
+  sizes_.largest = low;
+  for (int step = 0; step < kMaxSteps && at_low > at_high; ++step) {
+    const double share = std::log(at_low / wanted) / std::log(at_low / at_high);
+    const double edge = low * std::pow(high / low, std::clamp(share, kMargin, 1 - kMargin));
+    const double found = expect(edge);
+    sizes_.largest = edge;
+    if (std::abs(found - wanted) <= kNear * wanted) break;
+    (found > wanted ? low : high) = edge;
+    (found > wanted ? at_low : at_high) = found;
+  }
+}
+
 double SurfaceRefinement::predict_with(const Goals& goals, const PatchedSurface& on, std::uint64_t earlier_steps,
                                        const TriangulatedPatches& triangulated) const {
-  const bool have_same_sizes = goals.max_edge_length == asked_.max_edge_length && goals.proximity == asked_.proximity &&
+  const bool have_same_sizes = goals.max_edge_length <= asked_.max_edge_length && goals.proximity == asked_.proximity &&
                                goals.gradation == asked_.gradation;
   const auto predict = [&](const SizeField& sizes) {
-    return predict_roughly(triangulated, goals, sizes.with_floor(goals, control_), control_).expected;
+    return predict_roughly(triangulated, goals, sizes.within(goals, control_), control_).expected;
   };
   if (sizes_.without_floor && have_same_sizes) return predict(*sizes_.without_floor);
   const bool is_search_long =

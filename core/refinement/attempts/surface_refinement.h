@@ -75,7 +75,7 @@ class SurfaceRefinement {
   SurfaceRefinement(const Goals& goals, const CurvedFacts& curved, RunControl& control)
       : asked_(goals), curved_(curved), control_(control) {}
 
-  /// Returns the goals with the floor that was chosen.
+  /// Returns the goals with the floor that was chosen, and with the largest edge that was chosen for the last attempt.
   Goals goals(const RefinementChoices& choices) const;
   /// Returns what is known of the goals and, after an attempt, of what was predicted for it.
   RefinementFacts facts() const;
@@ -132,7 +132,15 @@ class SurfaceRefinement {
   /// Gaps are not looked for again to predict faces with other goals if that would take about as long as an attempt.
   static constexpr std::size_t kManySamples = std::size_t{1} << 13;
 
+  /// A largest edge is by this factor longer than the median edge of a surface that is refined with it.
+  static constexpr double kLargestOfMedian = 1.5;
+  /// Of the faces that are roughly predicted because of the largest edge, this share is made. See experiments.md,
+  /// Targets.
+  static constexpr double kMadeOfPredicted = 0.77;
+
   bool is_min_edge_automatic() const;
+  void choose_largest_edge(const PatchedSurface& on, const RefinementChoices& choices,
+                           const TriangulatedPatches& triangulated);
   std::unique_ptr<const GapSearch> gap_search(const PatchedSurface& on, const TriangulatedPatches& triangulated) const;
   std::optional<SizeField> sizes_without_floor(const PatchedSurface& on, const Goals& goals,
                                                const TriangulatedPatches& triangulated) const;
@@ -150,8 +158,11 @@ class SurfaceRefinement {
   struct Sizes {
     std::optional<SizeField> without_floor;  ///< with the floor that was asked for; empty until needed
     double coarsest = 0;                     ///< the choice for `without_floor`
-    std::optional<SizeField> field;          ///< with the floor `field_floor`; empty until needed
+    std::optional<SizeField> field;          ///< with the floor and the target of these choices; empty until needed
     double field_floor = 0;                  ///< in model units
+    TargetChoice target;
+    double aimed_over_target = 1;  ///< see RefinementFacts
+    double largest = HUGE_VAL;     ///< the largest edge that was chosen for the target, in model units
     std::optional<double> smallest_gap;
     bool is_smallest_gap_known = false;
     std::optional<Prediction> predicted;  ///< the faces predicted from `field`; empty until needed

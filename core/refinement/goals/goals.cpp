@@ -22,6 +22,8 @@ Goals goals_of(const Options& options, double diagonal) {
   goals.max_edge_length = options.max_edge_length.value_or(
       options.max_edge_fraction ? *options.max_edge_fraction * diagonal : goals.max_edge_length);
   goals.max_area = options.max_area.value_or(goals.max_area);
+  goals.target_faces = options.target_faces.value_or(0);
+  goals.target_edge_length = options.target_edge_length.value_or(0);
   goals.min_edge_length = options.min_edge_length.value_or(0);
   goals.proximity = options.proximity;
   goals.feature_angle_deg = options.feature_angle_deg;
@@ -40,7 +42,7 @@ void keep_in_proportion(Goals& goals, const Options& options, double diagonal, s
   constexpr double kLowestMinEdge = 0x1p-20;
   if (options.min_edge_length || !options.refine) return;
   goals.min_edge_length = min_edge_of_details(options, goals);
-  if (std::isfinite(goals.max_edge_length) || std::isfinite(goals.max_area)) return;
+  if (std::isfinite(goals.max_edge_length) || std::isfinite(goals.max_area) || goals.has_target()) return;
   const bool are_details_removed = options.defeature_size.value_or(0) > 0;
   const std::uint64_t per_triangle =
       (goals.proximity > 0 ? kPerTriangleWithGaps : kPerTriangle) / (are_details_removed ? kDetails : 1);

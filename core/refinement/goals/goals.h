@@ -14,15 +14,17 @@ namespace remesh {
 struct Goals {
   static constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
 
-  double min_angle_deg = 0;       ///< lower bound for every triangle, measured in space
-  double max_edge_length;         ///< infinity: none
-  double max_area;                ///< infinity: none
-  double min_edge_length = 0;     ///< refinement makes no shorter edge
-  double proximity = 0;           ///< edges are at most as long as the gap divided by this; 0: no such limit
-  double min_gap = 0;             ///< gaps that are narrower than this do not count for proximity
-  double feature_angle_deg = 30;  ///< patches that turn by less are on the same side of a wedge, which is no gap
-  double gradation = 0;           ///< largest ratio of the lengths of neighbouring edges, > 1; 0: no limit
-  std::uint64_t max_faces;        ///< limit on the faces of the whole result
+  double min_angle_deg = 0;        ///< lower bound for every triangle, measured in space
+  double max_edge_length;          ///< infinity: none
+  double max_area;                 ///< infinity: none
+  std::uint64_t target_faces = 0;  ///< max_edge_length is chosen so that there are about so many faces; 0: it is not
+  double target_edge_length = 0;   ///< max_edge_length is chosen so that this is about the median edge; 0: it is not
+  double min_edge_length = 0;      ///< refinement makes no shorter edge
+  double proximity = 0;            ///< edges are at most as long as the gap divided by this; 0: no such limit
+  double min_gap = 0;              ///< gaps that are narrower than this do not count for proximity
+  double feature_angle_deg = 30;   ///< patches that turn by less are on the same side of a wedge, which is no gap
+  double gradation = 0;            ///< largest ratio of the lengths of neighbouring edges, > 1; 0: no limit
+  std::uint64_t max_faces;         ///< limit on the faces of the whole result
   /// If there would be more faces than this, refinement looks for a value of min_edge_length with which there are no
   /// more. kNoLimit: it does not look for one.
   std::uint64_t faces_without_min_edge = kNoLimit;
@@ -33,6 +35,7 @@ struct Goals {
   /// The sizes for gaps and short edges are known at some places and interpolated between them. An edge that is longer
   /// than the size by no more than this factor meets it. A longer one is listed in the report.
   static constexpr double kSizeSlack = 1.1;
+  bool has_target() const { return target_faces > 0 || target_edge_length > 0; }
   /// Returns the rate at which the size grows with the distance from the place that asks for it. Without a gradation it
   /// is 1, because a gap grows by at most the distance between two places. The max is kSteepest: with it, the size
   /// reaches its max as soon as two places differ, and sums stay finite.

@@ -379,9 +379,10 @@ SizeField SizeField::rescaled(double proximity, const Goals& goals, RunControl& 
   return field;
 }
 
-SizeField SizeField::with_floor(const Goals& goals, RunControl& control) const {
-  if (is_uniform() || !(goals.min_edge_length > floor_)) return *this;
+SizeField SizeField::within(const Goals& goals, RunControl& control) const {
   SizeField field = *this;
+  field.largest_ = std::min(largest_, goals.max_edge_length);
+  if (is_uniform() || !(goals.min_edge_length > floor_)) return field;
   field.floor_ = goals.min_edge_length;
   field.is_min_edge_user_limit_ = true;
   const float floor = FloatBox::rounded_down(goals.min_edge_length / unit_);
@@ -393,7 +394,7 @@ SizeField SizeField::with_floor(const Goals& goals, RunControl& control) const {
     Sample sample{samples_[slot], is_of_segments_ ? Cell() : cells_[slot],
                   is_of_segments_ ? segments_[slot] : Segment()};
     sample.entry.tag.value = std::max(sample.entry.tag.value, floor);
-    if (!(sample.entry.tag.value * unit_ < largest_)) continue;
+    if (!(sample.entry.tag.value * unit_ < field.largest_)) continue;
     samples.push_back(sample);
   }
   field.set_samples(samples, control);

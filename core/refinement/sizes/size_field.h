@@ -64,9 +64,10 @@ class SizeField {
   /// Input: a field of gaps, its goals.proximity, and goals with proximity.
   SizeField rescaled(double proximity, const Goals& goals, RunControl& control) const;
 
-  /// Returns this field with a higher floor: sizes below goals.min_edge_length are raised to it.
-  /// Holds: if this field's floor is higher, the result is the same field.
-  SizeField with_floor(const Goals& goals, RunControl& control) const;
+  /// Returns this field with a higher floor and a lower max size: sizes below goals.min_edge_length are raised to it,
+  /// and none is above goals.max_edge_length.
+  /// Holds: this field's own floor stays if it is higher, and so does its max size if it is lower.
+  SizeField within(const Goals& goals, RunControl& control) const;
 
   /// Cells are not cut further if there would be more samples than allowed faces, and more than four for each patch.
   /// This number of samples never exceeds kMaxSamples, and kFewSamples are always allowed.

@@ -131,36 +131,6 @@ TEST(formats, other_formats_are_known_by_words_or_marks_of_their_own) {
   EXPECT_EQ(sniff_format("v 0 0 0 # <VTKFile $MeshFormat\n"), Format::kObj);
 }
 
-TEST(formats, files_of_other_kinds_are_known_by_how_they_begin) {
-  const std::vector<std::pair<std::string, std::string>> others{
-      {"ISO-10303-21;\nHEADER;\n", "STEP"},
-      {"Kaydara FBX Binary  ", "FBX"},
-      {"\xfd"
-       "7zXZ",
-       "xz"},
-      {"\x28\xb5\x2f\xfd", "zstd"},
-      {"BZh91AY", "bzip2"},
-      {"7z\xbc\xaf\x27\x1c", "7z"},
-      {"%PDF-1.7\n", "PDF"},
-      {"<!DOCTYPE html>\n<html>", "HTML"},
-      {"<html>", "HTML"},
-      {"\xef\xbb\xbf<?xml version=\"1.0\"?>\n<COLLADA>", "XML"}};
-  for (const auto& [content, name] : others) {
-    const auto found = foreign_format(content);
-    ASSERT_TRUE(found) << name;
-    EXPECT_NE(found->find(name), std::string_view::npos) << *found;
-  }
-}
-
-TEST(formats, what_is_one_of_ours_or_unknown_is_of_no_other_kind) {
-  for (const std::string& content :
-       {std::string(), std::string("v 0 0 0\n"), std::string("# VTK\nv 0 0 0\n"), std::string("g pk\n"),
-        std::string("<"), std::string("<?xml version=\"1.0\"?>\n<VTKFile>"), binary_stl("PK\x03\x04", 1),
-        binary_stl("<html", 0)}) {
-    EXPECT_EQ(foreign_format(content), std::nullopt) << content;
-  }
-}
-
 TEST(formats, everything_else_is_taken_for_obj) {
   for (const char* text : {"", "# a comment only", "v 0 0 0\n", "o OFF\n", "mtllib ply\n", "\xff\xfe", "  \n"}) {
     EXPECT_EQ(sniff_format(text), Format::kObj) << text;

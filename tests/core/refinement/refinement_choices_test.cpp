@@ -123,5 +123,30 @@ TEST(refinement_choices, when_no_floor_is_left_there_is_a_budget) {
   EXPECT_TRUE(choices.is_thinning_quick);
 }
 
+TEST(target_choice, a_result_that_misses_its_target_is_corrected_once_by_what_it_has_shown) {
+  RefinementFacts facts = facts_with(1'000'000);
+  facts.over_target = 1.5;
+  facts.aimed_over_target = 1.2;
+  const AfterFaces after = after_faces(first_choices(), 15'000, false, facts);
+  EXPECT_TRUE(after.is_repeated);
+  EXPECT_FALSE(after.counts);
+  EXPECT_DOUBLE_EQ(after.choices.target.scale, 0.8);
+  EXPECT_FALSE(after_faces(after.choices, 15'000, false, facts).is_repeated);
+}
+
+TEST(target_choice, a_result_near_its_target_and_one_that_nothing_brings_nearer_are_the_answer) {
+  RefinementFacts facts = facts_with(1'000'000);
+  for (const double over : {0.91, 1.0, 1.09}) {
+    facts.over_target = over;
+    EXPECT_FALSE(after_faces(first_choices(), 10'000, false, facts).is_repeated) << over;
+  }
+  for (const double over : {0.89, 1.11}) {
+    facts.over_target = over;
+    EXPECT_TRUE(after_faces(first_choices(), 10'000, false, facts).is_repeated) << over;
+  }
+  facts.over_target.reset();
+  EXPECT_FALSE(after_faces(first_choices(), 10'000, false, facts).is_repeated);
+}
+
 }  // namespace
 }  // namespace remesh

@@ -4,12 +4,14 @@ import type { Point } from "../mesh/drawable.ts";
 export interface OptionSpec {
   name: string;
   type: "boolean" | "number" | "integer" | "string";
+  group: string;
   default: boolean | number | string | null;
   unset?: string;
   minimum?: number;
   exclusive_minimum?: number;
   maximum?: number;
   values?: string[];
+  is_list?: boolean;
   excludes?: string;
   description: string;
 }

@@ -4,7 +4,15 @@ import { type Child, h } from "./dom.ts";
 import { label, real, sentence } from "./words.ts";
 
 /** Those that most runs need; the others fold away. */
-const kFirst = ["preset", "refine", "min_angle_deg", "max_edge_length", "proximity"];
+const kFirst = [
+  "preset",
+  "elements_per_circle",
+  "refine",
+  "min_angle_deg",
+  "target_faces",
+  "max_edge_length",
+  "proximity",
+];
 /** The page asks for what it needs, see the downloads. */
 const kNotAsked = ["format"];
 /** Numbers to pick from, beside any other. */
@@ -35,13 +43,19 @@ export class OptionsForm {
   ) {
     this.fields = specs.filter((spec) => !kNotAsked.includes(spec.name)).map((spec) => this.field(spec));
     const isFirst = (field: Field): boolean => kFirst.includes(field.spec.name);
+    const others = this.fields.filter((field) => !isFirst(field));
+    const groups = [...new Set(others.map((field) => field.spec.group))];
     const more = h(
       "details",
       { class: "more" },
       h("summary", {}, "More options"),
-      ...this.fields.filter((field) => !isFirst(field)).map((field) => field.row),
+      ...groups.flatMap((group) => [
+        h("h3", {}, sentence(group)),
+        ...others.filter((field) => field.spec.group === group).map((field) => field.row),
+      ]),
     );
-    container.replaceChildren(...this.fields.filter(isFirst).map((field) => field.row), more);
+    const first = kFirst.flatMap((name) => this.fields.filter((field) => field.spec.name === name));
+    container.replaceChildren(...first.map((field) => field.row), more);
     this.changed();
   }
 
@@ -87,10 +101,11 @@ export class OptionsForm {
     const id = `option-${spec.name}`;
     const note = h("p", { class: "note", id: `${id}-note` });
     if (spec.type === "boolean") return this.toggle(spec, id, note);
-    // A list may be empty, so it has no word for "no value"; one word of several has.
-    if (spec.type === "string" && spec.values && spec.unset)
-      return this.choice(spec, id, note, [spec.unset, ...spec.values]);
-    if (spec.type === "string" && spec.values) return this.words(spec, id, note, spec.values);
+    if (spec.type === "string" && spec.values && spec.is_list) return this.words(spec, id, note, spec.values);
+    if (spec.type === "string" && spec.values) {
+      const standard = spec.unset ?? String(spec.default);
+      return this.choice(spec, id, note, [standard, ...spec.values.filter((word) => word !== standard)]);
+    }
     return this.text(spec, id, note);
   }
 
