@@ -339,15 +339,17 @@ const std::array<OptionSpec, 34> kTable = in_groups<34>({{
      .type = OptionType::kChoice,
      .field = &Writing::label,
      .group = OptionGroup::kResult,
-     .help = "the labels that name the boundaries in formats with one label for each face (stl_ascii, msh); auto: "
-             "groups, otherwise objects, otherwise materials; a mesh without these labels has its patches as "
-             "boundaries, and in stl_ascii one solid",
+     .help =
+         "the labels that name the boundaries in formats with one label for each face (stl_ascii, msh, mesh, smesh, "
+         "glb); auto: groups, otherwise objects, otherwise materials; a mesh without these labels has its patches "
+         "as boundaries, and in stl_ascii one solid",
      .example = "material"},
     {.name = "names",
      .type = OptionType::kChoice,
      .field = &Writing::names,
      .group = OptionGroup::kResult,
-     .help = "the names of boundaries in stl_ascii and msh; portable: names that all mesh programs read, with only "
+     .help = "the names of boundaries in stl_ascii, msh, mesh and smesh; portable: names that all mesh programs read, "
+             "with only "
              "ASCII letters, digits, _, - and ., at most 120 bytes, no two equal; the report lists the changed ones; "
              "exact: as they came. All other formats have names as they came",
      .example = "exact"},

@@ -547,6 +547,16 @@ TEST(written_formats, the_report_tells_the_names_that_the_format_has_changed_and
             written(mesh, {{"label", "patch"}}, Format::kStlAscii).body);
 }
 
+TEST(written_formats, both_versions_of_gmshs_format_have_the_same_faces_under_the_same_numbers) {
+  const std::string mesh = "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 0 1 0\ng b\nf 1 2 5 6\ng a\nf 2 3 4 5\n";
+  const Fields options{{"max_edge_length", "0.4"}, {"barriers", "none"}};
+  const ReadMesh old_version = read(Format::kMsh, written(mesh, options, Format::kMsh).body);
+  const ReadMesh new_version =
+      read(Format::kMsh, written(mesh, with(options, "msh_version", "4.1"), Format::kMsh).body);
+  EXPECT_GT(old_version.triangles.size(), 20u);
+  EXPECT_EQ(old_version.triangles, new_version.triangles);
+}
+
 TEST(written_formats, text_stl_without_labels_is_one_solid_without_a_name) {
   const std::string mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
   const RemeshAnswer answer = written(mesh, {{"refine", "false"}}, Format::kStlAscii);

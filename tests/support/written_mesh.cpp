@@ -306,8 +306,40 @@ WrittenMesh read_smesh(std::string_view text) {
   return mesh;
 }
 
-/// Reads version 2.2 of Gmsh's format as text.
+/// Reads version 4.1 of Gmsh's format as text, with nodes numbered from 1 in one block. The faces come in the order of
+/// their numbers.
+WrittenMesh read_new_msh(std::string_view text) {
+  WrittenMesh mesh;
+  Words words(text.substr(text.find("\n$Nodes\n")));
+  words.expect("$Nodes");
+  words.expect("1");
+  const std::uint32_t vertices = words.index();
+  for (int i = 0; i < 6; ++i) words.index();
+  for (std::uint32_t v = 0; v < vertices; ++v)
+    if (words.index() != v + 1) fail("nodes are not numbered from 1");
+  for (std::uint32_t v = 0; v < vertices; ++v) mesh.positions.push_back(words.point());
+  words.expect("$EndNodes");
+  words.expect("$Elements");
+  const std::uint32_t blocks = words.index();
+  mesh.faces.resize(words.index());
+  words.index(), words.index();
+  for (std::uint32_t b = 0; b < blocks; ++b) {
+    words.expect("2");
+    words.index();
+    words.expect("2");
+    for (std::uint32_t left = words.index(); left > 0; --left) {
+      const std::uint32_t number = words.index();
+      if (number < 1 || number > mesh.faces.size()) fail("elements are not numbered from 1");
+      for (std::uint32_t& v : mesh.faces[number - 1]) v = words.index() - 1;
+    }
+  }
+  words.expect("$EndElements");
+  return mesh;
+}
+
+/// Reads Gmsh's format as text.
 WrittenMesh read_msh(std::string_view text) {
+  if (text.starts_with("$MeshFormat\n4.1 0 8\n")) return read_new_msh(text);
   WrittenMesh mesh;
   const std::size_t nodes = text.find("\n$Nodes\n");
   if (nodes == std::string_view::npos || !text.starts_with("$MeshFormat\n2.2 0 8\n")) fail("an MSH file not read here");
