@@ -19,6 +19,9 @@ double end_of(Stage stage) { return kBegin[static_cast<std::size_t>(stage) + 1];
 
 double OverallProgress::look(Stage stage, double fraction) {
   const std::lock_guard lock(mutex_);
+  has_result_ = has_result_ || stage == Stage::kRefinement || stage == Stage::kAssembly;
+  // Before there is a result, it is the input that is searched for intersections.
+  if (stage == Stage::kVerify && !has_result_) stage = Stage::kTriangulation;
   if (stage < stage_) {
     shared_out_ = most_;
     from_ = begin_of(stage);

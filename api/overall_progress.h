@@ -22,6 +22,7 @@ class OverallProgress {
  private:
   std::mutex mutex_;
   Stage stage_ = Stage::kQueued;  ///< the last one that was seen
+  bool has_result_ = false;       ///< refinement or assembly was seen
   double shared_out_ = 0;         ///< the progress at the last return to an earlier stage
   double from_ = 0;               ///< the beginning of that stage in a usual run
   double most_ = 0;               ///< the largest progress that was told

@@ -33,8 +33,17 @@ TEST(overall_progress, it_never_goes_back_whatever_a_run_does) {
       }
 }
 
+TEST(overall_progress, a_search_in_the_input_is_not_the_check_of_a_result) {
+  OverallProgress progress, usual;
+  progress.look(Stage::kTriangulation, 1);
+  EXPECT_LT(progress.look(Stage::kVerify, 0.9), 0.2);
+  EXPECT_EQ(progress.look(Stage::kRefinement, 0.5), usual.look(Stage::kRefinement, 0.5));
+  EXPECT_GT(progress.look(Stage::kVerify, 0.9), 0.8);
+}
+
 TEST(overall_progress, another_attempt_has_what_is_left) {
   OverallProgress progress, usual;
+  progress.look(Stage::kAssembly, 0);
   const double before = progress.look(Stage::kVerify, 1);
   EXPECT_EQ(progress.look(Stage::kRefinement, 0), before);
   // The end of refinement is as far in what is left as in a run that begins with refinement.
