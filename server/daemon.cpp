@@ -86,10 +86,11 @@ Daemon::Daemon(const Config& config, Operations operations)
       memory_(config.memory_budget, MemoryBudget::kPatience,
               std::max<std::size_t>(1, config.connections.max_connections / 4)),
       memory_watch_(memory_, registry_),
-      jobs_(make_jobs()),
-      job_routes_({jobs_.get(), keys_, work_, memory_, draining_}),
-      pool_(config.max_running, config.limits.queue, config.limits.workers),
       spool_(spool_folder(), config.max_spooled, config.memory_budget / 4),
+      kept_(spool_),
+      jobs_(make_jobs()),
+      job_routes_({jobs_.get(), keys_, work_, memory_, draining_, kept_}),
+      pool_(config.max_running, config.limits.queue, config.limits.workers),
       http_(routes(), http_settings()) {
   if (!config.ops_bind) return;
   // This port has neither keys nor metrics of requests. Every client that can reach the port may read, and reading is
@@ -236,9 +237,10 @@ Response Daemon::follow_request(const Call& call) {
   Response response;
   response.content_type = "text/event-stream";
   response.headers = event_stream_headers();
-  response.next_piece = [running = find_own(registry_, call), &connection = call.connection, next = Clock::now(),
-                         is_over = false]() mutable -> std::string {
-    if (is_over || connection.wait(nullptr, next) == Connection::Wake::kClientGone) return {};
+  response.next_piece = [this, running = find_own(registry_, call), owner = call.request.owner,
+                         &connection = call.connection, next = Clock::now(), is_over = false]() mutable -> std::string {
+    if (is_over || !keys_.has_owner(owner) || connection.wait(nullptr, next) == Connection::Wake::kClientGone)
+      return {};
     next = Clock::now() + kProgressPeriod;
     is_over = running->has_ended;
     return sse(is_over ? "end" : "progress", progress_json(*running));

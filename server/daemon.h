@@ -90,10 +90,11 @@ class Daemon {
   RequestRegistry registry_;
   MemoryBudget memory_;
   MemoryWatch memory_watch_;
+  Spool spool_;
+  jobs::KeptAnswers kept_;
   std::unique_ptr<jobs::JobService> jobs_;  ///< null without a store; outlives the pool that runs its work
   jobs::JobRoutes job_routes_;
   WorkerPool pool_;
-  Spool spool_;
   HttpServer http_;
   std::unique_ptr<HttpServer> ops_;
 };

@@ -309,8 +309,10 @@ class HttpServer::Listener : public httplib::Server {
     std::string_view prefix = request.header("x-forwarded-prefix");
     if (prefix.ends_with('/')) prefix.remove_suffix(1);
     if (is_path_prefix(prefix)) request.prefix = prefix;
+    // All clients that a proxy hides count as one, so that hiding is no way around the limit.
+    const bool is_hidden = is_client_hidden(request, exchange.client, settings_.proxies);
     exchange.client = client_address(request, exchange.client, settings_.proxies);
-    if (settings_.proxies.contains(exchange.client)) return;
+    if (settings_.proxies.contains(exchange.client) && !is_hidden) return;
     std::optional<AddressCounts::Place> place = addresses_.enter(exchange.client);
     if (!place) throw too_many();
     exchange.place.emplace(std::move(*place));
@@ -512,7 +514,9 @@ class HttpServer::Listener : public httplib::Server {
       return;
     }
     if (!content_type.empty()) out.set_header("Content-Type", content_type);
-    if (settings_.spool != nullptr && answer.body.size() > kLargeAnswer) {
+    if (answer.size_for_head) {
+      out.set_header("Content-Length", std::to_string(*answer.size_for_head));
+    } else if (settings_.spool != nullptr && answer.body.size() > kLargeAnswer) {
       // For HEAD, the library writes the head alone.
       out.set_header("Content-Length", std::to_string(answer.body.size()));
       exchange.large_body = std::move(answer.body);

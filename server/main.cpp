@@ -3,6 +3,8 @@
 #include <sys/stat.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <cstdlib>
 #include <exception>
@@ -45,7 +47,7 @@ void reload_keys(Daemon& daemon) {
     daemon.reload_keys();
     log::write(log::Level::kInfo, "keys read again");
   } catch (const std::exception& error) {
-    log::write(log::Level::kError, "API keys cannot be read again, so the old ones stay in use",
+    log::write(log::Level::kError, "API keys cannot be read again, so all keys of the file are refused until they can",
                {{"error", std::string(error.what())}});
   }
 }
@@ -62,6 +64,13 @@ int wait_for_signal(const sigset_t& signals, std::optional<std::chrono::millisec
   const timespec span{time->count() / 1000, (time->count() % 1000) * 1'000'000};
   const int number = sigtimedwait(&signals, nullptr, &span);
   return number > 0 ? number : 0;
+}
+
+/// Returns how much of the time for draining is for running work. The rest is for stopping what is left then: cancelled
+/// work may take two seconds to stop, and its answers one to be sent.
+std::chrono::milliseconds time_for_work(std::chrono::milliseconds drain_time) {
+  constexpr std::chrono::milliseconds kForStopping{3000};
+  return std::max(drain_time - kForStopping, drain_time / 4);
 }
 
 /// Adds the settings in force that help to understand a failure.
@@ -104,7 +113,7 @@ int serve(const Config& config) {
   while (wait_for_signal(signals, std::nullopt) == SIGHUP) reload_keys(daemon);
   log::write(log::Level::kInfo, "draining", {{"at_most", format_duration(config.drain_time)}});
   daemon.begin_drain();
-  const Clock::time_point deadline = Clock::now() + config.drain_time;
+  const Clock::time_point deadline = Clock::now() + time_for_work(config.drain_time);
   while (!daemon.is_idle() && Clock::now() < deadline) {
     const int again = wait_for_signal(stop_signals(), std::chrono::milliseconds(20));
     if (again != 0) break;  // a second signal ends the wait at once

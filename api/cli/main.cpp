@@ -6,12 +6,15 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cstdlib>
 #include <exception>
 #include <filesystem>
+#include <functional>
 #include <iostream>
 #include <limits>
 #include <map>
+#include <memory>
 #include <string>
 #include <string_view>
 
@@ -212,6 +215,15 @@ std::string accept_of(const Arguments& arguments) {
   return format && format != format_from_file_name(arguments.input) ? std::string(media_type(*format)) : "";
 }
 
+/// Returns what makes the lines of a progress bar for a run that begins now.
+std::function<std::string()> follow(const RunControl& control) {
+  const auto progress = std::make_shared<api::OverallProgress>();
+  return [progress, &control, start = std::chrono::steady_clock::now()] {
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
+    return progress_line(*progress, control, elapsed.count());
+  };
+}
+
 void remesh_one(const Arguments& arguments, api::Job job, RunControl& control) {
   job.input_format = format_from_file_name(arguments.input);
   job.accept = accept_of(arguments);
@@ -224,7 +236,7 @@ void remesh_one(const Arguments& arguments, api::Job job, RunControl& control) {
   api::RemeshAnswer answer;
   std::string report;
   {
-    const ProgressBar progress([&] { return progress_line(control); }, !arguments.is_quiet);
+    const ProgressBar progress(follow(control), !arguments.is_quiet);
     answer = api::run_remesh_job(std::move(job), limits_for(arguments.workers), control);
     if (is_gzip_file_name(arguments.output)) answer.body = gzip(answer.body, control);
     if (!arguments.report.empty()) report = api::report_document(answer, control);
@@ -248,7 +260,7 @@ void analyze_one(const Arguments& arguments, api::Job job, RunControl& control) 
   api::AnalysisAnswer answer;
   std::string report;
   {
-    const ProgressBar progress([&] { return progress_line(control); }, !arguments.is_quiet);
+    const ProgressBar progress(follow(control), !arguments.is_quiet);
     answer = api::run_analyze_job(std::move(job), limits_for(arguments.workers), control);
     if (!arguments.report.empty()) report = api::report_document(answer, control);
     control.check();

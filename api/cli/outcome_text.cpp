@@ -18,12 +18,9 @@ std::string counted(std::uint64_t count, const std::string& one, const std::stri
   return grouped_digits(count) + " " + (count == 1 ? one : many);
 }
 
-std::string first_line(const Report& report) {
-  const DistanceBound bound = report.distance_bound.value_or(DistanceBound{});
-  return counted(report.input.faces, "face", "faces") + " in, " + grouped_digits(report.output.faces) + " out; " +
-         "the least angle is " + number_text(report.output.quality.min_angle_deg, 3) +
-         " degrees; input and result are at most " +
-         number_text(std::max(bound.output_to_input, bound.input_to_output), 3) + " apart (proven)";
+std::string first_line(std::uint64_t input, std::uint64_t output, double min_angle_deg) {
+  return counted(input, "face", "faces") + " in, " + grouped_digits(output) + " out; the least angle is " +
+         number_text(min_angle_deg, 3) + " degrees";
 }
 
 /// Lists names with their counts: `10 input_angle, 2 size_floor`.
@@ -96,30 +93,35 @@ std::string advice(const Report& report, const api::Fields& given) {
   return "";
 }
 
-/// Finds a value in a text of the form `a=1, b=2`.
-std::string value_in(std::string_view summary, std::string_view name) {
+/// Finds a number in a text of the form `a=1, b=2`.
+/// Output: 0 if it is not there.
+double number_in(std::string_view summary, std::string_view name) {
   while (!summary.empty()) {
     const auto [pair, rest] = api::cut(summary, ',');
     const auto [found, value] = api::cut(pair, '=');
-    if (trim(found) == name) return std::string(value);
+    if (trim(found) == name) return parse_real(value).value;
     summary = rest;
   }
-  return "?";
+  return 0;
 }
 
 }  // namespace
 
 std::vector<std::string> outcome_lines(const Report& report, const api::Fields& given) {
-  std::vector<std::string> lines{first_line(report)};
+  const DistanceBound bound = report.distance_bound.value_or(DistanceBound{});
+  std::vector<std::string> lines{
+      first_line(report.input.faces, report.output.faces, report.output.quality.min_angle_deg) +
+      "; input and result are at most " + number_text(std::max(bound.output_to_input, bound.input_to_output), 3) +
+      " apart (proven)"};
   for (std::string line : {missed(report), advice(report, given)})
     if (!line.empty()) lines.push_back(std::move(line));
   return lines;
 }
 
 std::string outcome_of_summary(std::string_view summary) {
-  return value_in(summary, "input_faces") + " faces in, " + value_in(summary, "output_faces") +
-         " out; the least angle is " + value_in(summary, "min_angle_deg") +
-         " degrees; warnings: " + value_in(summary, "warnings");
+  const auto whole = [&](std::string_view name) { return static_cast<std::uint64_t>(number_in(summary, name)); };
+  return first_line(whole("input_faces"), whole("output_faces"), number_in(summary, "min_angle_deg")) + "; " +
+         counted(whole("warnings"), "warning", "warnings");
 }
 
 }  // namespace remesh::cli

@@ -3,7 +3,9 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cmath>
 #include <iostream>
+#include <optional>
 #include <utility>
 
 namespace remesh::cli {
@@ -16,8 +18,11 @@ std::string progress_bar(double fraction) {
          std::string(3 - percent.size(), ' ') + percent + " % ";
 }
 
-std::string progress_line(const RunControl& control) {
-  return progress_bar(control.fraction()) + std::string(stage_name(control.stage()));
+std::string progress_line(api::OverallProgress& progress, const RunControl& control, double elapsed_s) {
+  const double overall = progress.look(control);
+  const std::optional<double> left = api::seconds_left(overall, elapsed_s);
+  return progress_bar(overall) + std::string(stage_name(control.stage())) +
+         (left ? ", about " + std::to_string(std::llround(*left)) + " s left" : "");
 }
 
 ProgressBar::ProgressBar(std::function<std::string()> line, bool is_wanted) : line_(std::move(line)) {

@@ -7,6 +7,7 @@
 #include <string>
 #include <thread>
 
+#include "api/overall_progress.h"
 #include "core/base/run_control.h"
 
 namespace remesh::cli {
@@ -14,8 +15,8 @@ namespace remesh::cli {
 /// Draws a bar: `[############            ]  50 % `
 std::string progress_bar(double fraction);
 
-/// Draws a bar for a run, followed by its current stage.
-std::string progress_line(const RunControl& control);
+/// Draws a bar for the whole of a run, followed by its current stage and, once it can be told, the time that is left.
+std::string progress_line(api::OverallProgress& progress, const RunControl& control, double elapsed_s);
 
 /// Shows a line repeatedly during its lifetime, if standard error is a terminal. Otherwise it does nothing.
 class ProgressBar {

@@ -73,13 +73,27 @@ ApiKeys::ApiKeys(std::string file, const std::string& key)
 }
 
 void ApiKeys::reload() {
-  auto digests = std::make_shared<Digests>(fixed_);
-  if (!file_.empty()) {
-    const Digests read = read_keys(file_);
-    digests->insert(digests->end(), read.begin(), read.end());
+  Digests digests = fixed_;
+  try {
+    if (!file_.empty())
+      for (const Sha256& digest : read_keys(file_)) digests.push_back(digest);
+  } catch (...) {
+    set(fixed_);  // a key that was taken out must not stay in force because something else is wrong
+    throw;
   }
+  set(std::move(digests));
+}
+
+void ApiKeys::set(Digests digests) {
+  auto shared = std::make_shared<const Digests>(std::move(digests));
   const std::lock_guard lock(mutex_);
-  digests_ = std::move(digests);
+  digests_ = std::move(shared);
+}
+
+bool ApiKeys::has_owner(std::string_view owner) const {
+  if (is_open()) return true;
+  const std::shared_ptr<const Digests> digests = current();
+  return std::any_of(digests->begin(), digests->end(), [&](const Sha256& digest) { return owner_of(digest) == owner; });
 }
 
 std::shared_ptr<const ApiKeys::Digests> ApiKeys::current() const {

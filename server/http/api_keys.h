@@ -26,7 +26,8 @@ class ApiKeys {
   ApiKeys(std::string file, const std::string& key);
 
   /// Reads the file again.
-  /// Errors: as above; the keys then stay as they were.
+  /// Errors: as above. All keys of the file are then refused until it can be read, because a key that was taken out
+  ///         must not stay in force.
   void reload();
 
   /// True if no key is required.
@@ -35,6 +36,8 @@ class ApiKeys {
   /// True if a request sends one of the keys, as `Authorization: Bearer KEY` or `X-API-Key: KEY`. The time that the
   /// test takes depends on the length of the sent key only.
   bool admits(const RequestHead& head) const;
+  /// True if the owner still has a key. Streams ask for it again and again, since they may outlive a key.
+  bool has_owner(std::string_view owner) const;
   /// An identifier of the key that a request sends. It does not reveal the key.
   /// Output: empty if no key is required.
   std::string owner(const RequestHead& head) const;
@@ -54,6 +57,7 @@ class ApiKeys {
   using Digests = std::vector<Sha256>;
 
   std::shared_ptr<const Digests> current() const;
+  void set(Digests digests);
 
   const std::string file_;
   Digests fixed_;  ///< digest of the key that comes from the environment

@@ -122,4 +122,12 @@ std::string client_address(const RequestHead& head, const std::string& peer, con
   return client;
 }
 
+bool is_client_hidden(const RequestHead& head, const std::string& peer, const TrustedProxies& proxies) {
+  if (!proxies.contains(peer)) return false;
+  const std::vector<std::string> addresses = named_addresses(head);
+  const auto first = std::find_if(addresses.rbegin(), addresses.rend(),
+                                  [&](const std::string& address) { return !proxies.contains(address); });
+  return first != addresses.rend() && first->empty();
+}
+
 }  // namespace remesh::server

@@ -41,4 +41,7 @@ class TrustedProxies {
 /// Output: a numeric address without a port; the peer if it is not trusted or names no client.
 std::string client_address(const RequestHead& head, const std::string& peer, const TrustedProxies& proxies);
 
+/// True if a trusted proxy says that a request comes from a client whose address it does not tell, such as `unknown`.
+bool is_client_hidden(const RequestHead& head, const std::string& peer, const TrustedProxies& proxies);
+
 }  // namespace remesh::server

@@ -1,5 +1,7 @@
 #include "server/http/host_name.h"
 
+#include <arpa/inet.h>
+
 #include <algorithm>
 
 #include "api/quoting.h"
@@ -15,6 +17,24 @@ bool ends_in_number(std::string_view name) {
   if (!last.empty() && std::all_of(last.begin(), last.end(), is_digit)) return true;
   return last.starts_with("0x") &&
          std::all_of(last.begin() + 2, last.end(), [](char c) { return is_digit(c) || (c >= 'a' && c <= 'f'); });
+}
+
+bool is_v6_in_brackets(const std::string& name) {
+  in6_addr address{};
+  return name.size() > 2 && name.front() == '[' && name.back() == ']' &&
+         ::inet_pton(AF_INET6, name.substr(1, name.size() - 2).c_str(), &address) == 1;
+}
+
+/// True for a number of 16 bits, and for no text at all.
+bool is_port(std::string_view text) {
+  constexpr std::size_t kLongest = 5;
+  constexpr int kLargest = 65535;
+  int port = 0;
+  for (const char c : text.substr(0, kLongest)) {
+    if (!is_digit(c)) return false;
+    port = 10 * port + (c - '0');
+  }
+  return text.size() <= kLongest && port <= kLargest;
 }
 
 std::string_view standard_port(std::string_view scheme) {
@@ -34,8 +54,11 @@ Host parse_host(std::string_view text) {
 
 HostKind kind_of(const Host& host) {
   const std::string& name = host.name;
+  if (!is_port(host.port)) return HostKind::kMalformed;
+  if (name.find_first_of("[]") != std::string::npos)
+    return is_v6_in_brackets(name) ? HostKind::kAddress : HostKind::kMalformed;
   if (name.empty()) return HostKind::kNone;
-  if (name.starts_with('[') || ends_in_number(name)) return HostKind::kAddress;
+  if (ends_in_number(name)) return HostKind::kAddress;
   if (name == kLocalhost || name.ends_with("." + std::string(kLocalhost))) return HostKind::kLocalhost;
   return name.find('.') == std::string::npos ? HostKind::kDotless : HostKind::kDomain;
 }

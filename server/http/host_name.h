@@ -20,6 +20,7 @@ enum class HostKind {
   kAddress,    ///< a number that no name server can redirect
   kLocalhost,  ///< `localhost`, or a name below it, which browsers never ask a name server for
   kDotless,    ///< the name of a machine or a service of this network
+  kMalformed,  ///< no host: brackets around no IPv6 address or with a text beside them, or a port that is no number
   kDomain,     ///< a name with a dot, whose owner decides which address it leads to
 };
 HostKind kind_of(const Host& host);

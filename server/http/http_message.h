@@ -61,6 +61,8 @@ struct Request : RequestHead {
 /// returns an empty piece at the end. Such a body has no length, so the client sees its end when the connection closes.
 struct Response : api::Response {
   std::function<std::string()> next_piece;
+  /// For HEAD: the size that the body would have. The body is then left out.
+  std::optional<std::uint64_t> size_for_head = std::nullopt;
   std::string problem_code;  ///< empty unless the answer is an error
   std::string job;           ///< the id of the job that this request has submitted
   bool is_told = false;      ///< the error is the outcome of a job that the client asked about; this request succeeded

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <optional>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "api/quoting.h"
 #include "server/http/header_lists.h"
@@ -51,6 +53,12 @@ std::optional<Range> parse_range(std::string_view field, std::uint64_t size) {
   return Range{*begin, *end < size ? *end + 1 : size};
 }
 
+/// True if an `If-Match` list names the tag, by strong comparison.
+bool is_tag_in(std::string_view list, std::string_view tag) {
+  const std::vector<std::string_view> elements = list_elements(list);
+  return std::any_of(elements.begin(), elements.end(), [&](std::string_view e) { return e == "*" || e == tag; });
+}
+
 std::string_view value_of(const Fields& fields, std::string_view name) {
   const auto field = std::find_if(fields.begin(), fields.end(), [&](const auto& f) { return f.first == name; });
   return field == fields.end() ? std::string_view() : std::string_view(field->second);
@@ -67,27 +75,42 @@ bool names_tag(std::string_view list, std::string_view tag) {
 }
 
 Response with_ranges(Response answer, const RequestHead& request) {
+  std::string body = std::exchange(answer.body, {});
+  return with_ranges(std::move(answer), request, body.size(), [&](std::uint64_t begin, std::uint64_t end) {
+    return begin == 0 && end == body.size() ? std::move(body) : body.substr(begin, end - begin);
+  });
+}
+
+Response with_ranges(Response answer, const RequestHead& request, std::uint64_t size,
+                     const std::function<std::string(std::uint64_t, std::uint64_t)>& read) {
+  const auto complete = [&] {
+    if (request.method == "HEAD")
+      answer.size_for_head = size;
+    else
+      answer.body = read(0, size);
+    return std::move(answer);
+  };
   const std::string digest(value_of(answer.headers, "Repr-Digest"));
-  if (answer.status != 200 || digest.empty()) return answer;
+  if (answer.status != 200 || digest.empty()) return complete();
   // The digest covers the bytes as they are sent, so that another format or coding has another tag.
   const std::string tag = "\"" + digest.substr(digest.find(':') + 1, 22) + "\"";
+  if (request.has("if-match") && !is_tag_in(request.list("if-match"), tag))
+    throw HttpError(412, "precondition_failed", "the result has the tag " + tag + ", which If-Match does not name");
   answer.headers.emplace_back("ETag", tag);
   answer.headers.emplace_back("Accept-Ranges", "bytes");
   if (names_tag(request.list("if-none-match"), tag)) {
     answer.status = 304;
-    answer.body.clear();
     answer.content_type.clear();
     return answer;
   }
   const std::string_view condition = request.header("if-range");
-  if (!request.has("range") || request.method != "GET" || (!condition.empty() && condition != tag)) return answer;
-  const std::uint64_t size = answer.body.size();
+  if (!request.has("range") || request.method != "GET" || (!condition.empty() && condition != tag)) return complete();
   const std::optional<Range> range = parse_range(request.list("range"), size);
-  if (!range) return answer;
+  if (!range) return complete();
   answer.status = 206;
   answer.headers.emplace_back("Content-Range", "bytes " + std::to_string(range->begin) + "-" +
                                                    std::to_string(range->end - 1) + "/" + std::to_string(size));
-  answer.body = answer.body.substr(range->begin, range->end - range->begin);
+  answer.body = read(range->begin, range->end);
   return answer;
 }
 

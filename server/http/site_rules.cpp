@@ -43,6 +43,7 @@ bool SiteRules::answers_to(const Host& host) const {
     case HostKind::kDotless:
       if (!is_loopback_) return true;
       break;
+    case HostKind::kMalformed: return false;
     case HostKind::kDomain: break;
   }
   return names_.allows(host.name) || (url_.origin() && url_.origin()->host.name == host.name);
@@ -55,6 +56,8 @@ bool SiteRules::is_own(const Origin& origin, const Host& host) const {
 
 void SiteRules::check(const RequestHead& head, Access access) const {
   const Host host = parse_host(head.authority());
+  if (access != Access::kProbe && kind_of(host) == HostKind::kMalformed)
+    throw HttpError(400, "malformed_request", "the Host field names no host, with or without a port");
   if (access != Access::kProbe && !answers_to(host)) throw misdirected(host);
 
   // A field that is sent twice, which no browser does, becomes a list and matches nothing below.

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
+#include <stdexcept>
 #include <thread>
 #include <utility>
 
@@ -77,6 +78,39 @@ bool Spool::Reader::place(std::string_view rest) {
     if (!spool_.cut_slowest(*this)) throw ConnectionLost("there is no room for an answer that is read so slowly");
     std::this_thread::sleep_for(kLookAgain);
   }
+}
+
+Spool::File::~File() {
+  if (fd_ >= 0) spool_->release_file(fd_, size_);
+}
+
+std::string Spool::File::read(std::uint64_t begin, std::uint64_t end) const {
+  std::string bytes(end - begin, '\0');
+  for (std::size_t got = 0; got < bytes.size();) {
+    const ssize_t more = ::pread(fd_, bytes.data() + got, bytes.size() - got, static_cast<off_t>(begin + got));
+    if (more < 0 && errno == EINTR) continue;
+    if (more <= 0) throw std::runtime_error("a file of the spool cannot be read");
+    got += static_cast<std::size_t>(more);
+  }
+  return bytes;
+}
+
+std::optional<Spool::File> Spool::keep(std::string_view bytes) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (in_files_ + bytes.size() > max_bytes_ / 2) return std::nullopt;
+    in_files_ += bytes.size();
+  }
+  const int fd = write_file(bytes);
+  if (fd >= 0) return File(*this, fd, bytes.size());
+  release_file(fd, bytes.size());
+  return std::nullopt;
+}
+
+void Spool::release_file(int fd, std::uint64_t bytes) {
+  if (fd >= 0) ::close(fd);
+  const std::lock_guard lock(mutex_);
+  in_files_ -= bytes;
 }
 
 int Spool::write_file(std::string_view bytes) const {

@@ -5,9 +5,11 @@
 #include <atomic>
 #include <cstdint>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include "server/http/connection.h"
 
@@ -19,6 +21,32 @@ class Spool {
   ///        `max_bytes` - of all files together.
   ///        `max_held` - the memory for answers that find no place in a file, all together.
   Spool(std::string folder, std::uint64_t max_bytes, std::uint64_t max_held);
+
+  /// A file with the bytes of an answer. It exists as long as this object, which the spool must outlive.
+  class File {
+   public:
+    File(File&& other) noexcept
+        : spool_(other.spool_), fd_(std::exchange(other.fd_, -1)), size_(std::exchange(other.size_, 0)) {}
+    ~File();
+    File(const File&) = delete;
+    File& operator=(const File&) = delete;
+
+    std::uint64_t size() const { return size_; }
+    /// Reads the bytes from `begin` to `end`.
+    /// Errors: std::runtime_error - the system cannot read them.
+    std::string read(std::uint64_t begin, std::uint64_t end) const;
+
+   private:
+    friend class Spool;
+    File(Spool& spool, int fd, std::uint64_t size) : spool_(&spool), fd_(fd), size_(size) {}
+
+    Spool* spool_;
+    int fd_;
+    std::uint64_t size_;
+  };
+  /// Writes bytes to a file, to be read several times.
+  /// Output: nothing if there is no room. Files of this kind have half of the spool at most.
+  std::optional<File> keep(std::string_view bytes);
 
   /// A client that reads a large answer slowly.
   class Reader {
@@ -62,6 +90,7 @@ class Spool {
   int write_file(std::string_view bytes) const;
   /// Reserves room for a file.
   bool reserve_file(std::uint64_t bytes);
+  void release_file(int fd, std::uint64_t bytes);
   bool reserve_memory(std::uint64_t bytes);
   /// Ends the connection of the slowest reader.
   /// Output: false if that is this reader.

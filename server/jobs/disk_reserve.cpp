@@ -15,6 +15,13 @@ namespace {
 
 constexpr std::uint64_t kMaxReserve = 8 << 20;
 constexpr std::uint64_t kShare = 20;  ///< the reserve is at most this part of the volume
+constexpr std::uint64_t kParts = 4;   ///< so many times some of it can be released
+constexpr std::uint64_t kLeast = 64 << 10;
+
+std::uint64_t size_of(const std::string& path) {
+  struct stat status {};
+  return ::stat(path.c_str(), &status) == 0 ? static_cast<std::uint64_t>(status.st_size) : 0;
+}
 
 }  // namespace
 
@@ -28,23 +35,28 @@ DiskReserve::Room DiskReserve::room() const {
 
 void DiskReserve::keep() const noexcept {
   const Room now = room();
-  struct stat status {};
-  if (::stat(path_.c_str(), &status) == 0 && static_cast<std::uint64_t>(status.st_size) >= now.reserve) return;
-  if (now.free < 3 * now.reserve) return;
+  const std::uint64_t size = size_of(path_);
+  if (size >= now.reserve) return;
+  const std::uint64_t more = std::min(now.reserve - size, now.free);
+  if (more < std::min(kLeast, now.reserve - size)) return;
   const int file = ::open(path_.c_str(), O_WRONLY | O_CREAT | O_CLOEXEC, S_IRUSR | S_IWUSR);
   if (file < 0) return;
-  const bool is_kept = ::posix_fallocate(file, 0, static_cast<off_t>(now.reserve)) == 0;
+  if (::posix_fallocate(file, static_cast<off_t>(size), static_cast<off_t>(more)) != 0 &&
+      ::ftruncate(file, static_cast<off_t>(size)) != 0)
+    ::unlink(path_.c_str());
   ::close(file);
-  if (!is_kept) ::unlink(path_.c_str());
 }
 
-bool DiskReserve::release() const noexcept { return ::unlink(path_.c_str()) == 0; }
+bool DiskReserve::release() const noexcept {
+  const std::uint64_t size = size_of(path_), part = std::max(kLeast, room().reserve / kParts);
+  if (size > part) return ::truncate(path_.c_str(), static_cast<off_t>(size - part)) == 0;
+  return ::unlink(path_.c_str()) == 0 && size > 0;
+}
 
 void DiskReserve::check_room(std::uint64_t bytes, RoomFor purpose) const {
   const Room now = room();
   // Storing a result ends a job and removes its input, so it may use all room except the reserve.
-  const bool is_kept = ::access(path_.c_str(), F_OK) == 0;
-  const std::uint64_t for_deletions = is_kept ? 0 : now.reserve;
+  const std::uint64_t for_deletions = now.reserve - std::min(now.reserve, size_of(path_));
   const std::uint64_t stays = purpose == RoomFor::kNewJob ? 2 * now.reserve : for_deletions;
   if (now.free >= stays && now.free - stays >= bytes) return;
   throw RoomRefused("the volume of " + folder_ + " has " + format_bytes(now.free) + " left");

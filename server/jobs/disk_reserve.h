@@ -14,10 +14,11 @@ class DiskReserve {
   /// Input: `folder` - a folder on the volume. The size of the reserve is 8 MiB, or a twentieth of a smaller volume.
   explicit DiskReserve(const std::string& folder) : folder_(folder), path_(folder + "/reserve") {}
 
-  /// Makes the file if it does not exist and the volume has plenty of room.
+  /// Makes the file, or makes it longer, as far as there is room. All room that becomes free goes into it first,
+  /// because other programs may fill the volume at any time, and then nothing else is left for deletions.
   void keep() const noexcept;
-  /// Removes the file, so that its room can be used.
-  /// Output: true if there was one.
+  /// Makes the file shorter by a part of its size, so that this room can be used.
+  /// Output: true if there was some.
   bool release() const noexcept;
 
   /// Checks that the volume has this much room besides the room that stays free: for deletions, and if a new job asks,

@@ -109,6 +109,19 @@ bool may_get_vtu(const Request& request) {
   return named == request.query.end() || named->second == "vtu";
 }
 
+/// True if a request asks for less than a whole body, so that others like it will follow.
+bool asks_for_parts(const Request& request) {
+  return request.method == "HEAD" || request.has("range") || request.has("if-none-match") || request.has("if-match");
+}
+
+/// Names the bytes of a result.
+std::string key_of_result(const std::string& id, const Request& request) {
+  std::string key = id;
+  for (const std::string& part : {request.list("accept"), request.list("accept-encoding")}) key += '\n' + part;
+  for (const auto& [name, value] : request.query) key += '\n' + name + '=' + value;
+  return key;
+}
+
 /// The record of a job that has just been stored.
 std::optional<JobRecord> new_record(const NewJob& job, const Submission& submission) {
   JobRecord record;
@@ -127,11 +140,13 @@ std::string event_of(const JobRecord& job, const JobLinks& links) {
 
 /// The stream of events of one job. Each new version of the job's record is sent as a whole, so a client that
 /// reconnects with the last version it saw misses nothing important. The stream ends when the daemon is about to stop,
-/// and the client continues it with another daemon.
+/// and the client continues it with another daemon. It also ends when the key of the job's owner is no longer valid.
 class EventStream {
  public:
-  EventStream(JobStore& store, JobRecord first, std::int64_t seen, const Call& call, const std::atomic<bool>& draining)
+  EventStream(JobStore& store, const ApiKeys& keys, JobRecord first, std::int64_t seen, const Call& call,
+              const std::atomic<bool>& draining)
       : store_(store),
+        keys_(keys),
         job_(std::move(first)),
         seen_(seen),
         connection_(call.connection),
@@ -148,7 +163,7 @@ class EventStream {
         silent_until_ = Clock::now() + kSilence;
         return event_of(job_, links_);
       }
-      if (draining_) return {};
+      if (draining_ || !keys_.has_owner(job_.owner)) return {};
       if (Clock::now() >= silent_until_) {
         silent_until_ = Clock::now() + kSilence;
         return ": still here\n\n";
@@ -166,6 +181,7 @@ class EventStream {
 
  private:
   JobStore& store_;
+  const ApiKeys& keys_;
   JobRecord job_;
   std::int64_t seen_;
   Connection& connection_;
@@ -288,9 +304,10 @@ Response JobRoutes::list(const Call& call) const {
   JobStore& store = jobs().store();
   const std::string& owner = call.request.owner;
   if (owner.empty()) {
-    throw HttpError(403, "forbidden",
-                    "jobs are listed only for the owner of an API key, and this server uses no "
-                    "API keys");
+    throw HttpError(
+        403, "forbidden",
+        "jobs are listed only for the owner of an API key, and this server uses no API keys: here the id of a "
+        "job is the only secret that protects it");
   }
   return compressed(
       json_response(jobs_json(ask([&] { return store.list(owner, kMaxListed); }), links_for(call.request))),
@@ -307,6 +324,7 @@ Response JobRoutes::show(const Call& call) const {
 Response JobRoutes::remove(const Call& call) const {
   const JobRecord job = find_own(call);
   ask([&] { jobs().remove(job.id); });
+  context_.kept.forget(job.id);
   Response response;
   response.status = 204;
   return response;
@@ -335,6 +353,18 @@ Response JobRoutes::answer_from(const Operation& write, std::uint64_t memory, co
   return run_in_pool(context_.work, write, call);
 }
 
+Response JobRoutes::answer_from(const KeptAnswer& kept, const Call& call) const {
+  const auto read = [&](std::uint64_t begin, std::uint64_t end) {
+    call.request.memory = context_.memory.open_share(/*per_byte=*/1);
+    const std::uint64_t bytes = std::min(end - begin, context_.memory.limit());
+    wait_for_memory(
+        *call.request.memory, [&] { return call.request.memory->try_hold(bytes); }, call.request, call.connection,
+        end_of_waiting(call.request, context_.work.limits.api.request_timeout));
+    return kept.body.read(begin, end);
+  };
+  return with_ranges(kept.head, call.request, kept.body.size(), read);
+}
+
 Response JobRoutes::result(const Call& call) const {
   const JobRecord job = find_own(call);
   if (std::optional<Response> problem = answer_without_result(job)) return std::move(*problem);
@@ -345,7 +375,14 @@ Response JobRoutes::result(const Call& call) const {
     return api::write_kept(
         read(id, BlobKind::kMesh), [&] { return read(id, BlobKind::kReport); }, wanted, control);
   };
-  return with_ranges(answer_from(write, memory, call), call.request);
+  // To write a result takes as long for one of its bytes as for all.
+  const std::string key = key_of_result(job.id, call.request);
+  std::optional<Response> made;
+  const auto make = [&] { return answer_from(write, memory, call); };
+  if (const auto kept =
+          asks_for_parts(call.request) ? context_.kept.get(key, call, make, made) : context_.kept.find(key))
+    return answer_from(*kept, call);
+  return with_ranges(made ? *std::move(made) : make(), call.request);
 }
 
 Response JobRoutes::report(const Call& call) const {
@@ -370,8 +407,8 @@ Response JobRoutes::follow(const Call& call) const {
   }
   response.content_type = "text/event-stream";
   response.headers = event_stream_headers();
-  response.next_piece = [stream = std::make_shared<EventStream>(jobs().store(), std::move(job), seen, call,
-                                                                context_.draining)] { return stream->next(); };
+  response.next_piece = [stream = std::make_shared<EventStream>(jobs().store(), context_.keys, std::move(job), seen,
+                                                                call, context_.draining)] { return stream->next(); };
   return response;
 }
 

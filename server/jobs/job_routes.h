@@ -8,6 +8,7 @@
 #include "server/http/route.h"
 #include "server/jobs/job_json.h"
 #include "server/jobs/job_service.h"
+#include "server/jobs/kept_answers.h"
 #include "server/work/work.h"
 
 namespace remesh::server::jobs {
@@ -19,6 +20,7 @@ struct JobContext {
   const Workplace work;
   MemoryBudget& memory;
   const std::atomic<bool>& draining;
+  KeptAnswers& kept;  ///< results that were asked for in parts
 };
 
 /// The error to throw while the store cannot be used.
@@ -53,6 +55,8 @@ class JobRoutes {
   /// Makes an answer from blobs in the worker pool.
   /// Input: `memory` - the bytes that the work takes; they stay reserved meanwhile.
   Response answer_from(const Operation& write, std::uint64_t memory, const Call& call) const;
+  /// Reserves memory for the bytes that are read from a kept answer.
+  Response answer_from(const KeptAnswer& kept, const Call& call) const;
   Response result(const Call& call) const;
   Response report(const Call& call) const;
   Response follow(const Call& call) const;

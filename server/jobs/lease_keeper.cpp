@@ -54,13 +54,16 @@ void LeaseKeeper::return_late() {
 void LeaseKeeper::renew(ActiveJob& job) {
   if (job.is_lost || job.is_committing) return;
   const RunControl& control = job.running->control;
-  const Progress now{std::string(stage_name(control.stage())), control.fraction()};
+  // The progress of the whole run may stand still while a stage goes on, so it does not show alone that there is work.
+  const Progress now{std::string(stage_name(control.stage())), job.running->overall.look(control)};
+  const double of_stage = control.fraction();
   const bool is_due = Clock::now() - job.renewed >= settings_.rules.lease / 4;
-  const bool has_moved = now.stage != job.told.stage || now.fraction != job.told.fraction;
+  const bool has_moved = now.stage != job.told.stage || of_stage != job.of_stage;
   const Clock::time_point asked = Clock::now();
   if (is_due || has_moved ? store_.renew(job.claim, now) : store_.holds(job.claim)) {
     if (is_due || has_moved) job.renewed = asked;
     job.told = now;
+    job.of_stage = of_stage;
     return;
   }
   if (job.is_committing) return;  // this claim itself has ended the job

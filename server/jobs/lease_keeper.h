@@ -43,6 +43,7 @@ struct ActiveJob {
   // These members are used by the lease keeper's thread alone.
   Clock::time_point renewed = Clock::now();
   Progress told;
+  double of_stage = 0;  ///< the progress within the stage at that time
 };
 
 /// Keeps the list of the jobs, renews their leases, and returns jobs to the queue.

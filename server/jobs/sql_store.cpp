@@ -105,18 +105,19 @@ StoreDeadline SqlStore::deadline() const {
 
 /// Opening a store needs a little room, too.
 std::unique_ptr<Database> SqlStore::take_connection(const StoreDeadline& until) {
-  try {
-    return connections_.take(until);
-  } catch (const StoreFull&) {
-    if (!driver_->release_reserve()) throw;
+  for (;;) {
+    try {
+      return connections_.take(until);
+    } catch (const StoreFull&) {
+      if (!driver_->release_reserve()) throw;
+    }
   }
-  return connections_.take(until);
 }
 
 template <typename Operation>
 auto SqlStore::attempt(Operation& operation, Reserve reserve) {
   const StoreDeadline until = deadline();
-  bool may_reconnect = true, may_cut = true, may_release = reserve == Reserve::kMayBeUsed;
+  bool may_reconnect = true, may_cut = true;
   for (;;) {
     Borrowed borrowed(connections_, take_connection(until));
     try {
@@ -132,7 +133,7 @@ auto SqlStore::attempt(Operation& operation, Reserve reserve) {
       throw;
     } catch (const StoreFull&) {
       const bool has_room = (std::exchange(may_cut, false) && driver_->cut_log(borrowed.get())) ||
-                            (std::exchange(may_release, false) && driver_->release_reserve());
+                            (reserve == Reserve::kMayBeUsed && driver_->release_reserve());
       if (!has_room) throw;
     }
   }

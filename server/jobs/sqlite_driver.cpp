@@ -33,6 +33,8 @@ constexpr std::uint64_t kShortLog = 256 << 10;
 /// The max number of pages that are moved at once, and how many times in a row if room is scarce.
 constexpr std::int64_t kMoved = 4096;
 constexpr int kRounds = 16;
+/// The room that is taken from the reserve to move pages.
+constexpr std::uint64_t kRoomToMove = 256 << 10;
 /// Room for the rows that are written besides a blob.
 constexpr std::uint64_t kSmallWrite = 256 << 10;
 /// Interval between checks whether another process has written.
@@ -269,6 +271,7 @@ class SqliteDriver : public DatabaseDriver {
   }
   void lock_schema(Database&) const override {}  // BEGIN IMMEDIATE has locked it already
   void prepare(Database& database) override {
+    reserve_.keep();  // before anything else fills the volume
     Transaction transaction(database);
     const std::string boot = boot_id();
     const Rows known = database.run("SELECT boot, base_ms FROM remeshd_clock");
@@ -334,7 +337,9 @@ class SqliteDriver : public DatabaseDriver {
   void after(Database& database) const override {
     // The log takes room besides the file. Writing back its pages to the file needs room as well, so the log must not
     // grow until there is no room.
-    if (log_size() > kShortLog && reserve_.is_scarce()) cut_log(database);
+    if (!reserve_.is_scarce()) return;
+    if (log_size() > kShortLog) cut_log(database);
+    reserve_.keep();  // what a deletion has taken out of it, or has made free
   }
 
   void tidy(Database& database) override {
@@ -348,7 +353,9 @@ class SqliteDriver : public DatabaseDriver {
     try {
       for (int round = 0; round < kRounds; ++round) {
         const std::int64_t free_pages = integer(database.run("PRAGMA freelist_count").at(0)[0]);
-        // Moving a page changes some other pages, and all of these are written to the log.
+        // Moving a page changes some other pages, and all of these are written to the log. On a full volume, the room
+        // for that comes out of the reserve, which gets more back.
+        if (is_scarce && free_pages > 0 && reserve_.free() < kRoomToMove) reserve_.release();
         const auto room = static_cast<std::int64_t>(reserve_.free() / kPage / 8);
         const std::int64_t pages = std::min(is_scarce ? free_pages : free_pages - kKeptPages, std::min(room, kMoved));
         if (pages <= 0) break;

@@ -10,13 +10,16 @@
 
 namespace remesh::server {
 
-std::string progress_json(const RunningRequest& request) {
+std::string progress_json(RunningRequest& request) {
   // Ids and stage names need no escaping, because is_request_id permits no such characters.
+  const double fraction = request.overall.look(request.control), elapsed = request.elapsed_s();
   std::array<char, 96> numbers;
-  std::snprintf(numbers.data(), numbers.size(), "\"fraction\":%.4f,\"elapsed_s\":%.3f}", request.control.fraction(),
-                request.elapsed_s());
-  return "{\"id\":\"" + request.id + "\",\"stage\":\"" + std::string(stage_name(request.control.stage())) + "\"," +
-         numbers.data();
+  std::snprintf(numbers.data(), numbers.size(), "\"fraction\":%.4f,\"elapsed_s\":%.3f", fraction, elapsed);
+  std::string text = "{\"id\":\"" + request.id + "\",\"stage\":\"" + std::string(stage_name(request.control.stage())) +
+                     "\"," + numbers.data();
+  const std::optional<double> left = api::seconds_left(fraction, elapsed);
+  std::snprintf(numbers.data(), numbers.size(), "%.1f", left.value_or(0));
+  return text + ",\"left_s\":" + (left ? numbers.data() : "null") + "}";
 }
 
 RequestRegistry::Entry RequestRegistry::add(const std::string& id, const std::string& owner) {

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "api/overall_progress.h"
 #include "core/base/run_control.h"
 #include "server/http/connection.h"
 
@@ -44,6 +45,7 @@ struct RunningRequest {
   const std::string owner;  ///< identifies the API key; empty if the server has no keys
   const Clock::time_point start = Clock::now();
   RunControl control;
+  api::OverallProgress overall;            ///< of the run, for all who ask
   Event changed;                           ///< set when the work has ended or was cancelled
   std::atomic<bool> was_cancelled{false};  ///< cancelled by a client or the daemon, not because of its memory
   std::atomic<bool> is_computing{false};
@@ -62,8 +64,9 @@ struct RunningRequest {
   }
 };
 
-/// Formats the progress of a request: `{"id": ..., "stage": ..., "fraction": ..., "elapsed_s": ...}`
-std::string progress_json(const RunningRequest& request);
+/// Formats the progress of a request: `{"id": ..., "stage": ..., "fraction": ..., "elapsed_s": ..., "left_s": ...}`.
+/// The fraction is that of the whole run.
+std::string progress_json(RunningRequest& request);
 
 class RequestRegistry {
  public:

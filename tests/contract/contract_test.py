@@ -455,6 +455,8 @@ def check_jobs(contract, program, folder):
             contract.check(operation, ask(port, "GET", path, None, {"If-None-Match": tag}), 304)
             contract.check(operation, ask(port, "GET", path, None, {"Range": "bytes=2-5", "If-Range": tag}), 206)
             contract.check(operation, ask(port, "GET", path, None, {"Range": "bytes=999999999-"}), 416)
+            contract.check(operation, ask(port, "GET", path, None, {"If-Match": "\"another\""}), 412)
+            contract.check(operation, ask(port, "GET", path, None, {"If-Match": tag}), 200)
         contract.check("getJobResult", ask(port, "GET", f"/v1/jobs/{job}/result?refine=false"), 400)
         contract.check("getJobResult", ask(port, "GET", f"/v1/jobs/{job}/result", None, {"Accept": "image/png"}), 406)
         stream = ask(port, "GET", f"/v1/jobs/{job}/events")

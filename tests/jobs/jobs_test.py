@@ -607,11 +607,30 @@ def command_line(daemon, mesh, *options):
             yield process, pathlib.Path(folder)
 
 
+def test_parts_of_a_result_are_those_of_the_whole(store):
+    with daemons(store, 1) as (daemon,):
+        job = accepted(submit(daemon.port, SHORT))
+        wait_for_state(daemon.port, job, "succeeded")
+        path = f"/v1/jobs/{job}/result?format=ply"
+        whole = ask(daemon.port, "GET", path)
+        head = ask(daemon.port, "HEAD", path)
+        expect_equal(int(head.headers["content-length"]), len(whole.body), "the size that HEAD tells")
+        for begin, end in ((0, 0), (1000, 2000), (len(whole.body) - 5, len(whole.body) - 1)):
+            part = ask(daemon.port, "GET", path, fields={"Range": f"bytes={begin}-{end}"})
+            expect_equal((part.status, part.body), (206, whole.body[begin:end + 1]), f"bytes {begin} to {end}")
+            expect_equal(part.headers["etag"], whole.headers["etag"], "the tag")
+        expect_equal(ask(daemon.port, "GET", path).body, whole.body, "the whole, again")
+        ask(daemon.port, "DELETE", f"/v1/jobs/{job}")
+        expect_equal(ask(daemon.port, "GET", path, fields={"Range": "bytes=0-0"}).status, 410, "after its deletion")
+
+
 def test_the_command_line_uses_jobs(store):
     with daemons(store, 1) as (daemon,):
         direct = ask(daemon.port, "POST", f"/v1/remesh?{SHORT}&format=stl", SQUARE)
         with command_line(daemon, SQUARE, "--max-edge-length", "0.01") as (process, folder):
-            expect_equal((process.wait(LONG_S), process.stderr.read()), (0, ""), "exit code and complaints")
+            expect_equal(process.wait(LONG_S), 0, "exit code")
+            told = process.stderr.read()
+            expect(told.startswith("remesh: 2 faces in, ") and told.count("\n") == 1, f"the result is told, not {told}")
             expect(folder.joinpath("out.stl").read_bytes() == direct.body, "the server's bytes")
             expect(json.loads(folder.joinpath("report.json").read_text())["verified"]["surface"], "the report")
         with command_line(daemon, SQUARE + b"f 1 2 9\n") as (process, folder):
@@ -635,7 +654,7 @@ def test_the_command_line_cancels_when_interrupted(store):
 
 def test_the_command_line_waits_for_a_server_that_is_away(store):
     with daemons(store, 1) as (daemon,):
-        with command_line(daemon, SQUARE, "--max-edge-length", "0.005") as (process, folder):
+        with command_line(daemon, SQUARE, "--quiet", "--max-edge-length", "0.005") as (process, folder):
             wait_for(lambda: daemon.logged("job claimed"))
             daemon.kill()
             time.sleep(0.5)

@@ -388,6 +388,26 @@ def case_disk(run, store):
             expect(result_of(daemon.port, jobs[0]).status == 200, "what was kept can be read")
             pathlib.Path(folder, "filler").unlink()
             again(run, daemon)
+            delete(run, daemon, jobs[:1])
+            fill_after_a_kill(run, daemon, pathlib.Path(folder))
+
+
+def fill_after_a_kill(run, daemon, folder):
+    """A job is done and another one runs when the daemon is killed, and others fill the volume, again after each deletion."""
+    done = accepted(submit(daemon.port, "max_edge_length=0.02"))
+    expect_done(daemon, done)
+    running = accepted(submit(daemon.port, ENDLESS))
+    wait_for(lambda: state_of(daemon.port, running)["state"] == "running")
+    daemon.kill()
+    fill(folder / "filler")
+    daemon.start()
+    queued = [accepted(answer) for answer in (run.asked(daemon.port, "POST", "/v1/jobs", SQUARE),) if answer.status == 202]
+    for number, job in enumerate([running, *queued, done]):
+        delete(run, daemon, [job])
+        fill(folder / f"filler{number}")
+    for filler in folder.glob("filler*"):
+        filler.unlink()
+    again(run, daemon)
 
 
 def case_clock(run, store):

@@ -193,6 +193,12 @@ onPage("a run that would be large says how many faces are expected, and asks", a
   await page.waitForSelector("#large-dialog:not([open])");
   assert.equal(await page.$eval("#progress", (element) => element.hidden), true);
   assert.equal(await text("#after-count"), "");
+  // One beyond the service's limit is not offered at all.
+  await type("#option-max_edge_length", "0.01");
+  await page.click("#run");
+  await waitForText("#problem", /this service makes at most 50,000,000/);
+  assert.match(await text("#status"), /at most 50,000,000/);
+  assert.equal(await page.$("#large-dialog[open]"), null);
   // A run that is not large is not asked about.
   await type("#option-max_edge_length", "50");
   await page.click("#run");
@@ -210,7 +216,7 @@ onPage(
     await waitForText("#stages .current", /^Refinement$/);
     const passed = await page.$$eval("#stages .done", (stages) => stages.map((stage) => stage.textContent));
     assert.deepEqual(passed.slice(0, 4), ["Send", "Queued", "Read", "Weld"]);
-    assert.match(await text("#progress-time"), /s$/);
+    assert.match(await text("#progress-time"), /s(, about .* left)?$/);
     await page.click("#cancel");
     await waitForText("#status", /^Cancelled$/);
     assert.equal(await page.$eval("#progress", (element) => element.hidden), true);

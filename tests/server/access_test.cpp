@@ -61,10 +61,11 @@ TEST(api_keys, a_key_is_shown_as_bearer_or_in_a_field_of_its_own) {
   EXPECT_FALSE(keys.admits(RequestHead()));
 }
 
-TEST(api_keys, a_file_is_read_again_and_the_old_keys_stay_where_it_is_wrong) {
+TEST(api_keys, a_file_is_read_again_and_all_its_keys_are_refused_where_it_is_wrong) {
   const KeyFile file("# the first\n\n  " + kKey + "\r\n");
-  ApiKeys keys(file.path(), "");
-  EXPECT_EQ(keys.count(), 1u);
+  const std::string fixed = "the-key-of-the-environment";
+  ApiKeys keys(file.path(), fixed);
+  EXPECT_EQ(keys.count(), 2u);
   EXPECT_TRUE(keys.admits(with_header("x-api-key", kKey)));
   file.write(kOtherKey + "\n");
   keys.reload();
@@ -73,8 +74,14 @@ TEST(api_keys, a_file_is_read_again_and_the_old_keys_stay_where_it_is_wrong) {
   for (const char* bad : {"", "# nothing\n", "short\n", "0123456789 abcdefghij\n"}) {
     file.write(bad);
     EXPECT_THROW(keys.reload(), std::invalid_argument) << bad;
-    EXPECT_TRUE(keys.admits(with_header("x-api-key", kOtherKey)));
+    EXPECT_FALSE(keys.admits(with_header("x-api-key", kOtherKey)));
+    EXPECT_TRUE(keys.admits(with_header("x-api-key", fixed)));
+    EXPECT_FALSE(keys.is_open());
+    EXPECT_FALSE(keys.has_owner(keys.owner(with_header("x-api-key", kOtherKey))));
   }
+  file.write(kOtherKey + "\n");
+  keys.reload();
+  EXPECT_TRUE(keys.has_owner(keys.owner(with_header("x-api-key", kOtherKey))));
 }
 
 TEST(api_keys, requests_are_compared_while_the_file_is_read_again) {
@@ -199,6 +206,22 @@ TEST_F(access, a_running_request_belongs_to_the_key_that_sent_it) {
   EXPECT_EQ(ask_as(kKey, "GET", ""), 200);
   EXPECT_EQ(ask_as(kKey, "DELETE", ""), 204);
   EXPECT_EQ(code_of(client->answer()), "cancelled");
+}
+
+TEST_F(access, a_key_that_is_taken_out_ends_the_streams_that_it_has_opened) {
+  const KeyFile file(kKey + "\n" + kOtherKey + "\n");
+  config_.api_key_file = file.path();
+  start();
+  const auto client = start_blocking(kIdField + "X-API-Key: " + kKey + "\r\n");
+  RawClient follower(port_);
+  follower.send("GET /v1/requests/" + kId + "/events HTTP/1.1\r\nHost: localhost\r\nX-API-Key: " + kKey + "\r\n\r\n");
+  follower.receive("event: progress\ndata: {");
+  file.write(kOtherKey + "\n");
+  daemon_->reload_keys();
+  // The request still runs, so the stream would go on.
+  const std::string rest = follower.receive();
+  EXPECT_EQ(rest.find("event: end"), std::string::npos) << rest;
+  EXPECT_EQ(stub_.stopped, 0);
 }
 
 TEST_F(access, the_operations_port_asks_for_no_key) {

@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include <cstdio>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -178,6 +179,22 @@ TEST(end_to_end, a_stop_lets_the_running_request_finish_and_exits_with_0) {
   EXPECT_EQ(client.answer().status, 200);
   EXPECT_EQ(daemon.wait(), 0);
   EXPECT_NE(daemon.log().find("\"event\":\"stopped\""), std::string::npos);
+}
+
+TEST(end_to_end, a_busy_daemon_ends_within_its_drain_time) {
+  DaemonProcess daemon({"--drain-time", "6s", "--workers", "2"});
+  std::vector<std::unique_ptr<RawClient>> clients;
+  for (int i = 0; i < 3; ++i) {
+    const std::string id = "end-to-end-drain-1" + std::to_string(i);
+    clients.push_back(std::make_unique<RawClient>(daemon.port()));
+    clients.back()->send(post_text("/v1/remesh?max_edge_length=0.002", kFrame, "X-Request-Id: " + id + "\r\n"));
+    ASSERT_TRUE(eventually([&] { return get(daemon.port(), "/v1/requests/" + id).status == 200; }));
+  }
+  const auto start = std::chrono::steady_clock::now();
+  daemon.send_signal(SIGTERM);
+  EXPECT_EQ(daemon.wait(), 0);
+  test::expect_sooner_than(std::chrono::seconds(6), std::chrono::steady_clock::now() - start);
+  for (const auto& client : clients) EXPECT_EQ(problem_code(client->answer()), "draining");
 }
 
 TEST(end_to_end, an_idle_daemon_stops_at_once) {

@@ -125,9 +125,13 @@ export class Inspection {
     this.select(finding.side, triangle, 0.5);
   }
 
+  clearMarks(): void {
+    for (const side of kSides) this.viewer.mark(side, { places: [], faces: [], chosen: -1 });
+  }
+
   /** Marks all that a finding points at. Output: the triangle of the chosen one, or -1. */
   mark({ side, targets }: Finding, chosen: number): number {
-    for (const other of kSides) this.viewer.mark(other, { places: [], faces: [], chosen: -1 });
+    this.clearMarks();
     const drawable = this.viewer.drawable(side);
     if (!drawable) return -1;
     const places = targets.flatMap((target): Point[] => {

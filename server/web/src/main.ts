@@ -24,6 +24,8 @@ import { WorkerClient } from "./worker_client.ts";
 /** Options that may ask for far more faces than the input has. By default, results are in proportion to the input. */
 const kSizes = [
   "preset",
+  "target_faces",
+  "target_edge_length",
   "max_edge_length",
   "max_edge_fraction",
   "max_area",
@@ -63,6 +65,7 @@ class Page {
   private file: File | null = null;
   /** Told beforehand, since a service that refuses a body need not read it to its end. */
   private mostBytes = Infinity;
+  private mostFaces = Infinity;
   private shown: Shown | null = null;
   private running: Running | null = null;
 
@@ -107,6 +110,7 @@ class Page {
       capabilities.formats.input.map(({ name }) => name.toUpperCase()).join(", ") + " (.gz)";
     this.options = new OptionsForm(byId("options"), capabilities.options, () => this.optionsChanged());
     this.mostBytes = capabilities.limits["max_body"] ?? Infinity;
+    this.mostFaces = capabilities.limits["max_output_faces"] ?? Infinity;
     this.downloads.offer(capabilities.formats.output);
     this.optionsChanged();
   }
@@ -201,6 +205,11 @@ class Page {
     if (!query.some(([name]) => kSizes.includes(name))) return true;
     const predicted = await this.predict(this.file, query);
     if (predicted === null) return false;
+    if (predicted > this.mostFaces) {
+      const faces = `about ${whole(predicted)} faces are expected, and this service makes at most ${whole(this.mostFaces)}`;
+      this.complain(new Error(`${faces}: ask for larger edges, or for a number of faces`));
+      return false;
+    }
     return predicted <= kLargeResult || (await askAboutLarge(predicted));
   }
 
@@ -294,6 +303,8 @@ class Page {
 
   private showReport(shown: Shown): void {
     this.shown = this.inspection.told = shown;
+    // What an earlier run has marked says nothing of this one.
+    this.inspection.clearMarks();
     const { report } = shown;
     if (!report.output) {
       this.viewer.show("after", null);
@@ -319,6 +330,7 @@ class Page {
   private clearResults(): void {
     this.shown = this.inspection.told = null;
     this.inspection.clear();
+    this.inspection.clearMarks();
     this.viewer.show("after", null);
     byId("after-count").textContent = "";
     byId("after-empty").hidden = false;
@@ -360,6 +372,7 @@ class Page {
       ),
     );
     byId("problem").hidden = false;
+    this.say(`${problem.title ?? "It failed"} ${sentence(detail)}`);
     if (problem.option) this.options?.blame(problem.option);
   }
 

@@ -28,7 +28,10 @@ TEST(progress_bar, a_run_shows_its_stage_and_how_far_it_is) {
   RunControl control;
   control.enter(Stage::kRefinement);
   control.progress(0.25);
-  EXPECT_EQ(progress_line(control), "[######                  ]  25 % refinement");
+  // Refinement is the part from 0.15 to 0.63 of a usual run, and a quarter of it is done.
+  api::OverallProgress progress;
+  EXPECT_EQ(progress_line(progress, control, 0.5), "[######                  ]  27 % refinement");
+  EXPECT_EQ(progress_line(progress, control, 27), "[######                  ]  27 % refinement, about 73 s left");
 }
 
 /// Redirects standard error as long as it lives.

@@ -57,5 +57,17 @@ TEST(client_address, what_is_no_address_ends_the_search) {
   EXPECT_EQ(client({}), "10.0.0.1");
 }
 
+TEST(client_address, a_client_that_a_proxy_does_not_name_is_hidden) {
+  const TrustedProxies proxies("10.0.0.0/8");
+  const auto is_hidden = [&](const Fields& fields) { return is_client_hidden(with(fields), "10.0.0.1", proxies); };
+  for (const char* list : {"unknown", "9.9.9.9, unknown", "9.9.9.9, _x, 10.0.0.2"})
+    EXPECT_TRUE(is_hidden({{"x-forwarded-for", list}})) << list;
+  EXPECT_TRUE(is_hidden({{"forwarded", "for=unknown"}}));
+  EXPECT_FALSE(is_hidden({{"x-forwarded-for", "unknown, 9.9.9.9"}}));
+  EXPECT_FALSE(is_hidden({{"x-forwarded-for", "10.0.0.3, 10.0.0.2"}}));
+  EXPECT_FALSE(is_hidden({}));
+  EXPECT_FALSE(is_client_hidden(with({{"x-forwarded-for", "unknown"}}), "9.9.9.9", proxies));
+}
+
 }  // namespace
 }  // namespace remesh::server

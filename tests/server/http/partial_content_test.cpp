@@ -46,6 +46,40 @@ TEST(partial_content, a_client_that_has_it_gets_nothing) {
   EXPECT_EQ(answer_with({{"if-none-match", "\"x\""}}).status, 200);
 }
 
+TEST(partial_content, a_client_that_wants_these_bytes_alone_gets_no_others) {
+  for (const std::string& list : {kTag, "\"x\", " + kTag, std::string("*")})
+    EXPECT_EQ(answer_with({{"if-match", list}}).status, 200) << list;
+  for (const std::string& list : {"W/" + kTag, std::string("\"x\""), std::string()}) {
+    try {
+      answer_with({{"if-match", list}, {"range", "bytes=1-2"}});
+      ADD_FAILURE() << list;
+    } catch (const HttpError& error) {
+      EXPECT_EQ(error.problem.status, 412) << list;
+    }
+  }
+}
+
+TEST(partial_content, no_more_is_read_than_is_sent) {
+  Response head = answer();
+  const std::string body = std::exchange(head.body, {});
+  std::string read;
+  const auto ask = [&](const std::string& method, const Fields& fields) {
+    RequestHead request;
+    request.method = method;
+    request.headers = fields;
+    read.clear();
+    return with_ranges(head, request, body.size(),
+                       [&](std::uint64_t begin, std::uint64_t end) { return read = body.substr(begin, end - begin); });
+  };
+  EXPECT_EQ(ask("GET", {{"range", "bytes=3-5"}}).body, "345");
+  EXPECT_EQ(read, "345");
+  EXPECT_EQ(ask("HEAD", {}).size_for_head, 10u);
+  EXPECT_EQ(read, "");
+  EXPECT_EQ(ask("GET", {{"if-none-match", kTag}}).status, 304);
+  EXPECT_EQ(read, "");
+  EXPECT_EQ(ask("GET", {}).body, body);
+}
+
 TEST(partial_content, one_range_is_a_part) {
   const auto part = [](const std::string& range) {
     const Response response = answer_with({{"range", range}});

@@ -58,6 +58,16 @@ TEST(site_rules, a_name_that_may_be_another_sites_is_misdirected) {
   }
 }
 
+TEST(site_rules, what_is_no_host_is_malformed_although_it_begins_as_one_that_is_answered) {
+  const SiteRules any(AllowedHosts("*"), {}, {}, true);
+  for (const char* host :
+       {"localhost:-1", "localhost:http", "localhost:65536", "localhost:000080", "[::1].evil.example",
+        "[::1].evil.example:80", "[::1", "[evil.example]", "evil[::1]", "127.0.0.1:8080x"})
+    for (const SiteRules* rules : {&kLoopback, &kNetwork, &any})
+      EXPECT_EQ(status_of(*rules, head_of(host)), 400) << host;
+  EXPECT_EQ(status_of(any, head_of("evil.example:8080")), 200);
+}
+
 TEST(site_rules, addresses_and_localhost_are_answered) {
   for (const char* host : {"127.0.0.1:8080", "[::1]:8080", "192.168.1.5", "localhost", "LOCALHOST:8080", "localhost.",
                            "a.localhost", "2130706433", "127.1", "0x7f.1", "", ":8080"}) {

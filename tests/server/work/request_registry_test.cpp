@@ -66,7 +66,7 @@ TEST(request_registry, progress_tells_stage_and_fraction) {
   entry->control.enter(Stage::kTriangulation);
   entry->control.progress(0.25);
   EXPECT_EQ(progress_json(*entry.get())
-                .rfind(R"({"id":"abcdefgh-12345678","stage":"triangulation","fraction":0.2500,"elapsed_s":)", 0),
+                .rfind(R"({"id":"abcdefgh-12345678","stage":"triangulation","fraction":0.1275,"elapsed_s":)", 0),
             0u)
       << progress_json(*entry.get());
 }

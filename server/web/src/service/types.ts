@@ -162,7 +162,9 @@ export interface Answer {
 export interface RequestState {
   id: string;
   stage: string;
+  /** Of the whole run. */
   fraction: number;
+  left_s: number | null;
   elapsed_s: number;
 }
 export interface Problem {

@@ -25,7 +25,7 @@ const kStages = [
 /** Shorter runs need no card. */
 const kPatienceMs = 120;
 
-/** How far the run is: a bar of the stage, and all stages. */
+/** How far the run is: a bar of the whole run, and all stages. */
 export class ProgressCard {
   private readonly card = byId("progress");
   private readonly bar = byId<HTMLProgressElement>("progress-bar");
@@ -33,6 +33,7 @@ export class ProgressCard {
   private started = 0;
   private timer = 0;
   private stage = "";
+  private left = "";
 
   constructor(
     onCancel: () => void,
@@ -48,11 +49,11 @@ export class ProgressCard {
     clearInterval(this.timer);
     this.timer = window.setInterval(() => this.tick(), 100);
   }
-  show({ stage, fraction }: RequestState): void {
-    // Stages that do not tell stay at 0.
+  show({ stage, fraction, left_s }: RequestState): void {
     this.enter(stage, fraction === 0 ? null : fraction);
+    this.left = left_s === null ? "" : `, about ${seconds(1000 * left_s)} left`;
   }
-  /** `fraction`: of the stage; null: not known. */
+  /** `fraction`: of the whole run; null: not known. */
   enter(stage: string, fraction: number | null): void {
     if (fraction === null) this.bar.removeAttribute("value");
     else this.bar.value = fraction;
@@ -72,7 +73,7 @@ export class ProgressCard {
   end(): void {
     clearInterval(this.timer);
     this.card.hidden = true;
-    this.stage = "";
+    this.stage = this.left = "";
   }
   get elapsedMs(): number {
     return performance.now() - this.started;
@@ -80,6 +81,6 @@ export class ProgressCard {
 
   private tick(): void {
     if (this.elapsedMs > kPatienceMs) this.card.hidden = false;
-    byId("progress-time").textContent = seconds(this.elapsedMs);
+    byId("progress-time").textContent = seconds(this.elapsedMs) + this.left;
   }
 }
