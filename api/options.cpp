@@ -341,17 +341,15 @@ const std::array<OptionSpec, 34> kTable = in_groups<34>({{
      .group = OptionGroup::kResult,
      .help =
          "the labels that name the boundaries in formats with one label for each face (stl_ascii, msh, mesh, smesh, "
-         "glb); auto: groups, otherwise objects, otherwise materials; a mesh without these labels has its patches "
-         "as boundaries, and in stl_ascii one solid",
+         "glb); auto: groups, otherwise objects, otherwise materials, otherwise patches",
      .example = "material"},
     {.name = "names",
      .type = OptionType::kChoice,
      .field = &Writing::names,
      .group = OptionGroup::kResult,
-     .help = "the names of boundaries in stl_ascii, msh, mesh and smesh; portable: names that all mesh programs read, "
-             "with only "
-             "ASCII letters, digits, _, - and ., at most 120 bytes, no two equal; the report lists the changed ones; "
-             "exact: as they came. All other formats have names as they came",
+     .help =
+         "the names of boundaries in stl_ascii, msh, mesh and smesh; portable: ASCII letters, digits, _, - and ., at "
+         "most 120 bytes, no two equal, which all mesh programs read; exact: as they came",
      .example = "exact"},
     {.name = "stl_solids",
      .type = OptionType::kChoice,

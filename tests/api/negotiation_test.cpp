@@ -52,10 +52,9 @@ TEST(negotiation, a_format_that_is_not_read_is_an_unsupported_media_type) {
 TEST(negotiation, a_file_of_another_kind_is_told_what_it_is_unless_a_format_is_named) {
   const Error error = test::error_of([] { choose_input_format({}, "%PDF-1.5 a drawing"); });
   EXPECT_EQ(error.code, Code::kUnsupportedMediaType);
-  EXPECT_STREQ(
-      error.what(),
-      "the content looks like a ZIP archive, as 3MF is; unpack it, and send the mesh in it; or export STL, OBJ "
-      "or PLY; the formats that can be read are obj, json, stl, ply, off, also compressed by gzip");
+  EXPECT_STREQ(error.what(),
+               "the content looks like PDF; export the part itself as STL; the formats that can be read are obj, json, "
+               "stl, ply, off, vtu, msh, mesh, glb, 3mf, also compressed by gzip");
   EXPECT_EQ(choose_input_format(Format::kObj, "# vtk DataFile of old\nv 0 0 0\n"), Format::kObj);
 }
 

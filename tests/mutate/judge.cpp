@@ -262,7 +262,9 @@ class Judge {
   void check_goals() {
     if (!options_.refine) return;
     constexpr double kRounding = 1e-6;
-    const AskedFor bounds = asked_for(options_, report_.input.bounding_box.diagonal());
+    AskedFor bounds = asked_for(options_, report_.input.bounding_box.diagonal());
+    // A target chooses the largest edge.
+    if (report_.largest_edge_for_target > 0) bounds.max_edge = report_.largest_edge_for_target;
     std::uint64_t listed = 0;
     for (const Unrefined& left : report_.unrefined) listed += left.count;
     const std::uint64_t sure = count_beyond(bounds, kRounding);

@@ -1,6 +1,8 @@
 #include "core/io/common/enclosed_volumes.h"
 
+#include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include "core/base/stoppable.h"
@@ -39,21 +41,38 @@ class AxialLine {
 };
 
 /// The largest face of each shell.
-std::vector<FaceId> largest_faces(const TriangleMesh& mesh, const Shells& shells, RunControl& control) {
+/// Input: positions whose products do not overflow.
+std::vector<FaceId> largest_faces(const TriangleMesh& mesh, std::span<const Vec3> scaled, const Shells& shells,
+                                  RunControl& control) {
   std::vector<FaceId> largest(shells.all.size());
   std::vector<double> area(shells.all.size(), -1);
   StopCheck check(control);
   for (std::size_t f = 0; f < mesh.faces.size(); ++f) {
     check();
     const auto& [a, b, c] = mesh.faces[FaceId(f)];
-    const Vec3& p = mesh.positions[a];
-    const double own = norm(cross(mesh.positions[b] - p, mesh.positions[c] - p));
+    const Vec3& p = scaled[a.value];
+    const double own = norm(cross(scaled[b.value] - p, scaled[c.value] - p));
     const std::uint32_t shell = shells.of_face[f];
     if (!(own > area[shell])) continue;
     area[shell] = own;
     largest[shell] = FaceId(f);
   }
   return largest;
+}
+
+/// By axis, what a coordinate has to be multiplied by to undo the scaling of scaled_for_predicates, a power of two.
+Vec3 unit_of_scaled(std::span<const Vec3> positions, std::span<const Vec3> scaled, RunControl& control) {
+  Vec3 unit{1, 1, 1}, largest;
+  StopCheck check(control);
+  for (std::size_t v = 0; v < scaled.size(); ++v) {
+    check();
+    for (int axis = 0; axis < 3; ++axis)
+      if (std::fabs(scaled[v][axis]) > largest[axis]) {
+        largest[axis] = std::fabs(scaled[v][axis]);
+        unit[axis] = positions[v][axis] / scaled[v][axis];
+      }
+  }
+  return unit;
 }
 
 }  // namespace
@@ -91,8 +110,9 @@ std::vector<Vec3> points_inside(const TriangleMesh& mesh, const EnclosedVolumes&
   std::vector<Vec3> points;
   if (volumes.all.empty()) return points;
   const std::vector<Vec3> scaled = scaled_for_predicates(mesh.positions.items(), control);
+  const Vec3 unit = unit_of_scaled(mesh.positions.items(), scaled, control);
   const TriangleTree tree(scaled, mesh.faces.items(), control);
-  const std::vector<FaceId> largest = largest_faces(mesh, volumes.shells, control);
+  const std::vector<FaceId> largest = largest_faces(mesh, scaled, volumes.shells, control);
   StopCheck check(control);
   for (const EnclosedVolume& volume : volumes.all) {
     const FaceId start = largest[volume.shell];
@@ -113,25 +133,18 @@ std::vector<Vec3> points_inside(const TriangleMesh& mesh, const EnclosedVolumes&
     const Vec3 from = middle(scaled_corner);
     Box3 line{from, from};
     (is_upwards ? line.max : line.min)[axis] = side * HUGE_VAL;
-    const AxialLine scaled_line(from, axis), own_line(middle(corner), axis);
+    const AxialLine scaled_line(from, axis);
     double nearest = HUGE_VAL;
-    FaceId opposite;
     tree.visit_meeting(line, 0, [&](std::size_t slot) {
       check();
       const FaceId f = tree.face(slot);
       const double at = scaled_line.meets(scaled_corner(f, 0), scaled_corner(f, 1), scaled_corner(f, 2));
       const double distance = side * (at - from[axis]);
-      if (f != start && distance > 0 && distance < nearest) {
-        nearest = distance;
-        opposite = f;
-      }
+      if (f != start && distance > 0) nearest = std::min(nearest, distance);
       return true;
     });
     Vec3 point = middle(corner);
-    if (opposite.is_valid()) {
-      const double at = own_line.meets(corner(opposite, 0), corner(opposite, 1), corner(opposite, 2));
-      if (std::isfinite(at)) point[axis] = 0.5 * point[axis] + 0.5 * at;
-    }
+    if (std::isfinite(nearest)) point[axis] += side * unit[axis] * (0.5 * nearest);
     points.push_back(point);
   }
   return points;

@@ -265,5 +265,20 @@ TEST(smesh_writer, there_is_a_point_in_each_solid_and_in_each_cavity) {
   EXPECT_EQ(w, -1);
 }
 
+TEST(smesh_writer, points_are_inside_at_any_scale) {
+  for (const double scale : {1e-150, 1e-30, 1e30, 1e200}) {
+    std::vector<std::uint32_t> cubes_of;
+    TriangleMesh mesh = cubes(cubes_of);
+    for (Vec3& p : mesh.positions) p = scale * p;
+    const IdVector<FaceId, PatchId> patches(mesh.faces.size(), PatchId(0));
+    RunControl control;
+    const std::string file = write_mesh(Format::kSmesh, {mesh, patches, {}}, control);
+    double x = 0, y = 0, z = 0;
+    const char* at = file.c_str() + file.find("# holes\n");
+    ASSERT_EQ(std::sscanf(at, "# holes 1 1 %lf %lf %lf", &x, &y, &z), 3) << at;
+    for (const double c : {x, y, z}) EXPECT_TRUE(c > 0.25 * scale && c < 0.5 * scale) << at;
+  }
+}
+
 }  // namespace
 }  // namespace remesh
