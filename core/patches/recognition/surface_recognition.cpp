@@ -49,9 +49,9 @@ struct VainWork {
   std::uint64_t free, per_facet, per_claimed;
 };
 
-/// The bound on all growths, and on those of one pass over free facets in which growths begin with a fit.
-/// See experiments.md, Growths in vain.
-constexpr VainWork kMaxVain{25'000'000, 100, 0}, kMaxVainOfPass{600'000, 2, 2000};
+/// The bound on all growths, on those of one pass that begin with two facets, and on those of one pass that begin with a
+/// fit to facets around an edge. See experiments.md, Growths in vain.
+constexpr VainWork kMaxVain{25'000'000, 100, 0}, kMaxVainOfRuled{1'000'000, 10, 2000}, kMaxVainOfPass{600'000, 2, 2000};
 
 /// Two areas count as equal unless one is larger by this factor.
 constexpr double kLarger = 1.02;
@@ -77,15 +77,14 @@ class Recogniser {
         control_(control) {}
 
   std::vector<SurfaceClaim> run() {
-    const std::vector<SurfaceSeed> ruled = ruled_seeds();
-    claim_ruled(ruled);
+    claim_ruled();
     replace_bands();
     // Facets of claims that were replaced in part are free again.
-    if (are_any_freed_) claim_ruled(ruled);
-    for_free_seeds([&](const SurfaceSeed& seed) { claim_scattered(seed); });
+    if (are_any_freed_) claim_ruled();
+    claim_scattered();
     drop_unexplained();
-    claim_ruled(ruled);
-    for_free_seeds([&](const SurfaceSeed& seed) { claim_cluster(seed); });
+    claim_ruled();
+    claim_clusters();
     join_bands(graph_, table_, control_);
     drop_bends(graph_, table_, control_);
     drop_false_fits(graph_, table_, control_);
@@ -105,59 +104,81 @@ class Recogniser {
 
   std::array<PatchId, 2> pair_of(const SurfaceSeed& seed) const { return {seed.facet, graph_.beyond(seed.side)}; }
 
-  /// Returns the seeds around which a ring of facets may lie on one surface, in order.
-  std::vector<SurfaceSeed> ruled_seeds() const {
-    const auto is_wanted = [&](SurfaceSeed& seed) {
-      seed.kinds = kinds_that_may_begin(graph_, seed, max_tolerance_);
-      return !seed.kinds.is_empty();
-    };
-    return SeedQueue(find_seeds(graph_, control_, is_wanted), graph_, control_).take_all();
-  }
-
-  /// Calls claim(seed) for seeds of free facets, as long as growths without a result do not take too much work: first
-  /// for a sample of them, so that the large surfaces of a large mesh are found, and then for the others.
-  template <class Claim>
-  void for_free_seeds(const Claim& claim) {
+  /// Calls claim(batch, is_enough) for batches of seeds in order, until growths without a result take too much work:
+  /// first for a sample of the seeds, so that the large surfaces of a large mesh are found, and then for the others.
+  template <class IsWanted, class Claim>
+  void for_seeds(const VainWork& max, const IsWanted& is_wanted, const Claim& claim) {
     constexpr double kSample = 16384;
+    constexpr std::size_t kFirstBatch = 256, kMaxBatch = 8192;
     const double part = kSample / static_cast<double>(graph_.size());
     const std::uint64_t before = wasted_;
-    const auto is_enough = [&] { return is_exhausted() || wasted_ - before > bound_of(kMaxVainOfPass); };
+    const auto is_enough = [&] { return is_exhausted() || wasted_ - before > bound_of(max); };
+    std::vector<SurfaceSeed> batch;
     for (const bool is_sampled : {true, false}) {
       if (is_enough() || (!is_sampled && part >= 1)) return;
-      SeedQueue seeds(find_seeds(graph_, control_,
-                                 [&](const SurfaceSeed& seed) {
-                                   const auto [f, g] = pair_of(seed);
-                                   return is_free(f) && is_free(g) && is_in_sample(seed, part) == is_sampled;
-                                 }),
-                      graph_, control_);
-      while (const SurfaceSeed* const seed = seeds.next()) {
-        check_();
+      SeedQueue seeds(
+          find_seeds(graph_, control_,
+                     [&](SurfaceSeed& seed) { return is_in_sample(seed, part) == is_sampled && is_wanted(seed); }),
+          graph_, control_);
+      const SurfaceSeed* next = seeds.next();
+      for (std::size_t size = kFirstBatch; next != nullptr; size = std::min(2 * size, kMaxBatch)) {
+        for (batch.clear(); next != nullptr && batch.size() < size; next = seeds.next()) batch.push_back(*next);
+        claim(batch, is_enough);
         if (is_enough()) return;
-        claim(*seed);
       }
     }
   }
 
+  /// Calls claim(seed) for seeds of free facets in the same way.
+  template <class Claim>
+  void for_free_seeds(const Claim& claim) {
+    const auto is_wanted = [&](const SurfaceSeed& seed) {
+      const auto [f, g] = pair_of(seed);
+      return is_free(f) && is_free(g);
+    };
+    for_seeds(kMaxVainOfPass, is_wanted, [&](std::span<const SurfaceSeed> batch, const auto& is_enough) {
+      for (const SurfaceSeed& seed : batch) {
+        check_();
+        if (is_enough()) return;
+        claim(seed);
+      }
+    });
+  }
+  void claim_scattered() {
+    for_free_seeds([&](const SurfaceSeed& seed) { claim_scattered(seed); });
+  }
+  void claim_clusters() {
+    for_free_seeds([&](const SurfaceSeed& seed) { claim_cluster(seed); });
+  }
+
   /// Claims surfaces that two facets determine. Before facets are claimed one surface after another, those seeds are
   /// found from which a surface would grow, batch by batch, because a claim may take the facets of later batches.
-  void claim_ruled(std::span<const SurfaceSeed> seeds) {
-    constexpr std::size_t kFirstBatch = 256, kMaxBatch = 8192, kBlock = 64;
-    std::size_t end = 0;
-    for (std::size_t begin = 0, size = kFirstBatch; begin < seeds.size(); begin = end) {
-      if (is_exhausted()) return;
-      end = std::min(seeds.size(), begin + size);
-      size = std::min(2 * size, kMaxBatch);
-      const auto growing =
-          map_blocks<std::vector<SurfaceSeed>>(end - begin, kBlock, control_, [&](std::size_t first, std::size_t last) {
-            std::vector<SurfaceSeed> found;
-            SeedGuesses guesses(graph_);
-            for (const SurfaceSeed& seed : seeds.subspan(begin + first, last - first))
-              if (may_any_grow(seed, guesses)) found.push_back(seed);
-            return found;
-          });
-      for (const std::vector<SurfaceSeed>& of_block : growing)
-        for (const SurfaceSeed& seed : of_block) claim_ruled(seed);
-    }
+  void claim_ruled() {
+    const auto is_wanted = [&](SurfaceSeed& seed) {
+      if (!is_to_be_tried(seed)) return false;
+      seed.kinds = kinds_that_may_begin(graph_, seed, max_tolerance_);
+      return !seed.kinds.is_empty();
+    };
+    for_seeds(kMaxVainOfRuled, is_wanted, [&](std::span<const SurfaceSeed> batch, const auto& is_enough) {
+      for (const std::vector<SurfaceSeed>& of_block : growing_seeds(batch))
+        for (const SurfaceSeed& seed : of_block) {
+          check_();
+          if (is_enough()) return;
+          claim_ruled(seed);
+        }
+    });
+  }
+
+  std::vector<std::vector<SurfaceSeed>> growing_seeds(std::span<const SurfaceSeed> batch) const {
+    constexpr std::size_t kBlock = 64;
+    return map_blocks<std::vector<SurfaceSeed>>(batch.size(), kBlock, control_,
+                                                [&](std::size_t begin, std::size_t end) {
+                                                  std::vector<SurfaceSeed> growing;
+                                                  SeedGuesses guesses(graph_);
+                                                  for (const SurfaceSeed& seed : batch.subspan(begin, end - begin))
+                                                    if (may_any_grow(seed, guesses)) growing.push_back(seed);
+                                                  return growing;
+                                                });
   }
 
   bool may_any_grow(const SurfaceSeed& seed, SeedGuesses& guesses) const {
@@ -177,8 +198,7 @@ class Recogniser {
   }
 
   void claim_ruled(const SurfaceSeed& seed) {
-    check_();
-    if (is_exhausted() || !is_to_be_tried(seed)) return;
+    if (!is_to_be_tried(seed)) return;
     std::optional<SurfaceClaim> best;
     tolerance_ = tolerance_at(seed);
     for (const AnalyticSurface& guess : guesses_.of(seed)) grow(guess, pair_of(seed), Taken::kFree, best);
