@@ -49,8 +49,8 @@ struct VainWork {
   std::uint64_t free, per_facet, per_claimed;
 };
 
-/// The bound on all growths, on those of one pass that begin with two facets, and on those of one pass that begin with a
-/// fit to facets around an edge. See experiments.md, Growths in vain.
+/// The bound on all growths, on those of one pass that begin with two facets, and on those of one pass that begin with
+/// a fit to facets around an edge. See experiments.md, Growths in vain.
 constexpr VainWork kMaxVain{25'000'000, 100, 0}, kMaxVainOfRuled{1'000'000, 10, 2000}, kMaxVainOfPass{600'000, 2, 2000};
 
 /// Two areas count as equal unless one is larger by this factor.
