@@ -18,7 +18,7 @@
 #include "core/patches/recognition/recognised_list.h"
 #include "core/patches/recognition/region_growing.h"
 #include "core/patches/recognition/revolution_bands.h"
-#include "core/patches/recognition/seed_test.h"
+#include "core/patches/recognition/seed_filter.h"
 #include "core/patches/recognition/surface_bends.h"
 #include "core/patches/recognition/surface_seeds.h"
 

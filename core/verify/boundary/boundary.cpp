@@ -390,21 +390,27 @@ PatchId patch_of(std::uint64_t joint) { return PatchId(static_cast<std::uint32_t
 
 using Joints = std::vector<std::uint64_t>;
 
-/// Merges all joints in ascending order without repetitions. Most vertices have a few patches.
+/// Merges all joints in ascending order without repetitions. Where most vertices have some, as on scans, the joints are
+/// put in order vertex by vertex.
 auto in_order(const std::vector<Joints>& blocks, const NumberedClaim& numbered, RunControl& control) {
+  constexpr std::size_t kFew = 4;
   const std::size_t vertex_count = numbered.points.size();
-  const auto all = concatenate<std::uint64_t>(blocks, control);
-  const Grouping by_vertex = group_by(
-      all.size(), vertex_count, [&](std::uint32_t i) { return vertex_of(all[i]).value; }, control);
-  auto ordered = std::vector<std::uint64_t, DefaultInit<std::uint64_t>>(all.size());
-  for_blocks(vertex_count, kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
-    for (; begin < end; ++begin) {
-      const auto first = ordered.begin() + by_vertex.begin[begin];
-      const auto last = std::transform(by_vertex[begin].begin(), by_vertex[begin].end(), first,
-                                       [&](std::uint32_t i) { return all[i]; });
-      sort_stoppable(first, last, control);
-    }
-  });
+  auto ordered = concatenate<std::uint64_t>(blocks, control);
+  if (kFew * ordered.size() < vertex_count) {
+    sort_stoppable(ordered.begin(), ordered.end(), control);
+  } else {
+    const auto all = ordered;
+    const Grouping by_vertex = group_by(
+        all.size(), vertex_count, [&](std::uint32_t i) { return vertex_of(all[i]).value; }, control);
+    for_blocks(vertex_count, kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
+      for (; begin < end; ++begin) {
+        const auto first = ordered.begin() + by_vertex.begin[begin];
+        const auto last = std::transform(by_vertex[begin].begin(), by_vertex[begin].end(), first,
+                                         [&](std::uint32_t i) { return all[i]; });
+        sort_stoppable(first, last, control);
+      }
+    });
+  }
   ordered.erase(std::unique(ordered.begin(), ordered.end()), ordered.end());
   return ordered;
 }

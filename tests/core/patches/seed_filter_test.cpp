@@ -1,6 +1,6 @@
 // Tests which edges recognition begins with: all that may be rulings or edges of a surface, and few others.
 
-#include "core/patches/recognition/seed_test.h"
+#include "core/patches/recognition/seed_filter.h"
 
 #include <gtest/gtest.h>
 
@@ -74,7 +74,7 @@ bool may_begin(const FacetGraph& graph, const SurfaceSeed& seed, double toleranc
   return !kinds_that_may_begin(graph, seed, tolerance).is_empty();
 }
 
-TEST(seed_test, every_edge_of_a_sphere_of_triangles_may_begin_one) {
+TEST(seed_filter, every_edge_of_a_sphere_of_triangles_may_begin_one) {
   Facetted sphere(shapes::sphere(4));
   const std::vector<SurfaceSeed> seeds = sphere.all_seeds();
   // A closed surface of 2048 triangles has 3072 edges.
@@ -83,7 +83,7 @@ TEST(seed_test, every_edge_of_a_sphere_of_triangles_may_begin_one) {
     EXPECT_TRUE(kinds_that_may_begin(sphere.graph(), seed, 1e-10).has(SurfaceKind::kSphere));
 }
 
-TEST(seed_test, every_ruling_of_a_shaft_or_a_cone_may_begin_one) {
+TEST(seed_filter, every_ruling_of_a_shaft_or_a_cone_may_begin_one) {
   for (const primitives::Model& model : primitives::explained()) {
     if (!model.name.starts_with("cylinder") && !model.name.starts_with("cone")) continue;
     SCOPED_TRACE(model.name);
@@ -97,7 +97,7 @@ TEST(seed_test, every_ruling_of_a_shaft_or_a_cone_may_begin_one) {
   }
 }
 
-TEST(seed_test, few_edges_of_a_smooth_surface_of_no_kind_may_begin_one) {
+TEST(seed_filter, few_edges_of_a_smooth_surface_of_no_kind_may_begin_one) {
   Facetted ball(bumpy(shapes::sphere(5)));
   const std::size_t all = ball.all_seeds().size();
   const std::size_t few =

@@ -1,4 +1,4 @@
-#include "core/patches/recognition/seed_test.h"
+#include "core/patches/recognition/seed_filter.h"
 
 #include <algorithm>
 #include <array>
