@@ -268,13 +268,17 @@ class BoundaryCheck {
   /// A new vertex must join the patches along its chain, or be inside one patch.
   void check_new_vertices();
 
-  /// Calls visit(vertex, patch, result) for all corners, with one result for each block of faces.
+  bool is_kept(PatchId p) const { return numbered_.is_kept[p.value] != 0; }
+
+  /// Calls visit(vertex, patch, result) for all corners of patches that are not kept, with one result for each block of
+  /// faces.
   template <class Result, class Visit>
   std::vector<Result> map_corners(const Faces& faces, const Visit& visit) {
     return map_blocks<Result>(faces.count(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
       Result result{};
       for (std::size_t f = begin; f < end; ++f)
-        for (const VertexId v : faces.face(f)) visit(v, faces.patch[f], result);
+        if (!is_kept(faces.patch[f]))
+          for (const VertexId v : faces.face(f)) visit(v, faces.patch[f], result);
       return result;
     });
   }
@@ -421,6 +425,12 @@ void BoundaryCheck::check_joints() {
   std::vector<std::atomic<std::uint32_t>> only_patch(numbered_.points.size());  // the number of the patch plus 1
   const auto number = [](PatchId p) { return p.value + 1; };
   const auto of = [&](VertexId v) { return only_patch[v.value].load(std::memory_order_relaxed); };
+  // A kept patch has the same vertices on both sides. So only the other patches at its vertices are recorded.
+  for_blocks(numbered_.input.count(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f)
+      if (is_kept(numbered_.input.patch[f]))
+        for (const VertexId v : numbered_.input.face(f)) only_patch[v.value].store(kSeveral, std::memory_order_relaxed);
+  });
   // The thread that finds a second patch at a vertex records both patches. Every later thread records its own patch.
   const auto of_input = map_corners<Joints>(numbered_.input, [&](VertexId v, PatchId p, Joints& joints) {
     std::uint32_t only = of(v);

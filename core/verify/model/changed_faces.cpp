@@ -12,7 +12,8 @@ std::vector<std::uint32_t> faces_near_changes(const Claim& claim, const Numbered
                                               const EdgeTable& input_edges, RunControl& control) {
   const std::size_t n = claim.faces.size();
   const std::vector<std::uint32_t> changed = select_ids<std::uint32_t>(n, kItemsPerBlock, control, [&](std::size_t f) {
-    return !is_input_triangle(numbered, input_edges, claim.face_patch[f], numbered.output.face(f));
+    return numbered.is_kept[claim.face_patch[f].value] == 0 &&
+           !is_input_triangle(numbered, input_edges, claim.face_patch[f], numbered.output.face(f));
   });
   if (changed.empty()) return {};
   // A tree would exclude few faces.

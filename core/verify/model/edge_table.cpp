@@ -58,13 +58,15 @@ struct EdgeTable::Part {
   std::vector<Edge> edges;  ///< the bounding edges; their uses follow each other in `uses`
   std::vector<Use> uses;
 
-  void add(const Edge& edge) {
+  void add(const Edge& edge, const Faces& faces) {
     ++counts.edges;
     if (edge.uses.size() != 2)
       counts.is_closed = counts.is_consistent = false;
     else if (edge.uses[0].is_forward() == edge.uses[1].is_forward())
       counts.is_consistent = false;
+    const auto is_of_kept = [&](const Use& use) { return faces.is_kept[use.patch().value] != 0; };
     if (edge.is_interior()) return;
+    if (!faces.is_kept.empty() && std::all_of(edge.uses.begin(), edge.uses.end(), is_of_kept)) return;
     edges.push_back(edge);
     uses.insert(uses.end(), edge.uses.begin(), edge.uses.end());
   }
@@ -116,14 +118,14 @@ std::optional<EdgeTable::Part> EdgeTable::read_part(std::size_t begin, std::size
   std::vector<Use> uses;
   const auto add_edge = [&](std::size_t first, std::size_t last, const Ends& edge) {
     const std::uint32_t g = order_[first], h = order_[first + 1 < last ? first + 1 : first];
-    if (last - first == 2 && from(g) == to(h) && edge.first != edge.second && patch_of(g) == patch_of(h)) {
+    if (last - first == 2 && from(g) == to(h) && edge.first != edge.second && is_no_bound(g, h)) {
       ++part.counts.edges;  // the table never needs the uses of most edges
       return;
     }
     uses.clear();
     for (std::size_t i = first; i < last; ++i) uses.push_back(use(order_[i]));
     sort_stoppable(uses.begin(), uses.end(), control_);
-    part.add({edge.first, edge.second, uses});
+    part.add({edge.first, edge.second, uses}, faces_);
   };
   std::size_t next_bucket = 0, first = end;  // beginning of the edge that is being read, if it is in this range
   Ends last_ends;
@@ -240,7 +242,7 @@ EdgeTable::Part EdgeTable::sort_part(std::size_t first, std::size_t last, std::u
     for (const std::uint32_t h : around) uses.push_back(use(h));
     sort_stoppable(uses.begin(), uses.end(), control_);
     std::transform(uses.begin(), uses.end(), around.begin(), [](const Use& u) { return u.half_edge; });
-    part.add({VertexId(v), high, uses});
+    part.add({VertexId(v), high, uses}, faces_);
   };
   const std::span<std::uint64_t> all(bucketed), sorted(gathered);  // the gathered keys are no longer needed
   std::size_t start = 0;
@@ -254,9 +256,10 @@ EdgeTable::Part EdgeTable::sort_part(std::size_t first, std::size_t last, std::u
         check();
         const auto around = half_edges.subspan(start + 2 * i, 2);
         const std::uint32_t g = half_edge_of(forward[i]), h = half_edge_of(backward[i]);
-        around[0] = std::min(g, h);
-        around[1] = std::max(g, h);
-        if (patch_of(g) == patch_of(h))
+        const auto [first_use, second_use] = std::minmax({std::pair(patch_of(g), g), std::pair(patch_of(h), h)});
+        around[0] = first_use.second;
+        around[1] = second_use.second;
+        if (is_no_bound(g, h))
           ++part.counts.edges;  // the table never needs the uses of most edges
         else
           add_edge(v, high_of(forward[i]), around);

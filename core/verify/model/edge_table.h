@@ -21,7 +21,10 @@ struct Faces {
   std::span<const std::uint32_t> face_begin;
   std::span<const VertexId> corners;
   std::span<const PatchId> patch;
+  /// For each patch, whether it is kept (see NumberedClaim::is_kept). Empty if no patch is.
+  std::span<const std::uint8_t> is_kept = {};
 
+  bool is_of_kept(std::size_t f) const { return !is_kept.empty() && is_kept[patch[f].value] != 0; }
   std::size_t count() const { return patch.size(); }
   std::span<const VertexId> face(std::size_t f) const {
     return corners.subspan(face_begin[f], face_begin[f + 1] - face_begin[f]);
@@ -79,7 +82,7 @@ struct EdgeCounts {
 };
 
 /// The edges that bound patches, sorted by (smaller, larger vertex), together with the uses to which their spans
-/// refer.
+/// refer. Edges of which all uses belong to kept patches are left out.
 struct BoundingEdges {
   BoundingEdges() = default;
   BoundingEdges(BoundingEdges&&) = default;
@@ -157,6 +160,11 @@ class EdgeTable {
     return faces_.corners[half_edge + 1 == faces_.face_begin[f + 1] ? faces_.face_begin[f] : half_edge + 1];
   }
   PatchId patch_of(std::uint32_t half_edge) const { return faces_.patch[face_of(half_edge)]; }
+  /// True if the edge of two opposite half-edges is no bounding edge, or is left out of these.
+  bool is_no_bound(std::uint32_t g, std::uint32_t h) const {
+    const std::size_t of_g = face_of(g), of_h = face_of(h);
+    return faces_.patch[of_g] == faces_.patch[of_h] || (faces_.is_of_kept(of_g) && faces_.is_of_kept(of_h));
+  }
   Use use(std::uint32_t half_edge) const {
     const VertexId a = from(half_edge), b = to(half_edge);
     return {std::max(a, b), patch_of(half_edge), half_edge, a < b};

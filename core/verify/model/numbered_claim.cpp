@@ -129,6 +129,24 @@ Grouping by_patch(const Faces& faces, std::size_t patch_count, RunControl& contr
       faces.count(), patch_count, [&](std::uint32_t f) { return faces.patch[f].value; }, control);
 }
 
+/// Returns which patches are one triangle of the input and the same triangle in the output.
+std::vector<std::uint8_t> find_kept(const NumberedClaim& numbered, RunControl& control) {
+  std::vector<std::uint8_t> is_kept(numbered.patch_count(), 0);
+  for_blocks(is_kept.size(), kItemsPerBlock, control, [&](std::size_t p, std::size_t end) {
+    for (; p < end; ++p) {
+      const auto before = numbered.input_by_patch[p], after = numbered.output_by_patch[p];
+      if (before.size() != 1 || after.size() != 1 || numbered.curved_surface(PatchId(p)) != nullptr) continue;
+      const auto input = numbered.input.face(before[0]), output = numbered.output.face(after[0]);
+      const auto first = std::find(input.begin(), input.end(), output[0]);
+      if (input.size() != 3 || first == input.end()) continue;
+      const std::size_t at = static_cast<std::size_t>(first - input.begin());
+      is_kept[p] = input[(at + 1) % 3] == output[1] && input[(at + 2) % 3] == output[2] &&
+                   std::none_of(input.begin(), input.end(), [&](VertexId v) { return numbered.is_moved(v); });
+    }
+  });
+  return is_kept;
+}
+
 }  // namespace
 
 bool is_well_formed(const RefinementClaim& refinement, std::size_t face_count, std::size_t patch_count) {
@@ -223,6 +241,9 @@ NumberedClaim number_claim(const Claim& claim, FoundFaults& faults, RunControl& 
   numbered.corner_uv = claim.corner_uv;
   numbered.input_by_patch = by_patch(numbered.input, numbered.patch_count(), control);
   numbered.output_by_patch = by_patch(numbered.output, numbered.patch_count(), control);
+  numbered.is_kept = find_kept(numbered, control);
+  // The tests of goals need all bounding edges.
+  if (claim.refinement == nullptr) numbered.input.is_kept = numbered.output.is_kept = numbered.is_kept;
   return numbered;
 }
 

@@ -96,6 +96,10 @@ struct NumberedClaim {
   Faces output;
   Grouping input_by_patch;
   Grouping output_by_patch;
+  /// For each patch, 1 if it is kept: it is one triangle of the input and the same triangle in the output. Nothing can
+  /// be wrong with such a patch, so only its edges with other patches are tested, and its frame and plane coordinates
+  /// are not read.
+  std::vector<std::uint8_t> is_kept;
   Frames frames;
   std::span<const Vec2> corner_uv;  ///< one per output corner
   double scale = 1;                 ///< model units times this give the units used here

@@ -324,6 +324,10 @@ ShapeSums check_shapes(const NumberedClaim& numbered, const EdgeTable& input_edg
   is_positive.assign(numbered.output.count(), 0);
   bounds.assign(numbered.patch_count(), 0);
   const auto check_patch = [&](std::size_t p, Block& block) {
+    if (numbered.is_kept[p] != 0) {
+      is_positive[numbered.output_by_patch[p][0]] = 1;
+      return 0.0;
+    }
     if (numbered.curved_surface(PatchId(p)) == nullptr)
       return PatchCheck(numbered, input_edges, seams, boundary, p, is_positive, block.faults, control).run(block.sums);
     return check_curved_patch(numbered, input_edges, boundary, PatchId(p), block.sums, block.faults, control);
