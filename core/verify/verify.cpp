@@ -71,7 +71,7 @@ class DelaunayCheck {
       found.push_back({patch, Fault::kPlaneCoordinates, left.face});
       return;
     }
-    const double grid = numbered_.frames.grid(patch.value);
+    const double grid = numbered_.frames.claimed(patch.value).grid;
     if (!is_inside_circle(uv[left.from], uv[left.to], uv[left.apex], uv[right.apex], grid)) return;
     // The chord rule: a flip must not make an edge that exists already, in this patch or another.
     const auto& corners = numbered_.output.corners;
@@ -112,12 +112,26 @@ void check_whole(const NumberedClaim& numbered, const EdgeCounts& input, std::in
 /// After this number of pairs that the input does not have, the search ends.
 constexpr std::size_t kMinUnexpected = 1 << 12, kUnexpectedPerPatch = 8;
 
+/// Returns a unit vector for each patch. The frame of a curved patch has not been tested, and a triangle without area
+/// has no normal. Any direction will do for such a patch.
+std::vector<Vec3> unit_normals(const NumberedClaim& numbered, RunControl& control) {
+  std::vector<Vec3> normals(numbered.patch_count());
+  for_blocks(normals.size(), kItemsPerBlock, control, [&](std::size_t p, std::size_t end) {
+    for (; p < end; ++p) {
+      const Vec3 normal = numbered.normal(PatchId(p));
+      normals[p] = std::fabs(norm(normal) - 1) <= 1e-12 ? normal : Vec3{0, 0, 1};
+    }
+  });
+  return normals;
+}
+
 /// Finds the pairs among some output faces that intersect. No pair is expected.
 /// Input: ascending numbers of faces.
-SelfIntersections find_near_changes(const Claim& claim, std::span<const std::uint32_t> faces,
-                                    std::span<const Vec3> normals, std::span<const std::uint8_t> is_simple,
+SelfIntersections find_near_changes(const Claim& claim, const NumberedClaim& numbered,
+                                    std::span<const std::uint32_t> faces, std::span<const std::uint8_t> is_simple,
                                     const SearchLimits& limits, RunControl& control) {
   if (faces.empty()) return {};
+  const std::vector<Vec3> normals = unit_normals(numbered, control);
   if (faces.size() == claim.faces.size())
     return patch_intersections({claim.positions, corners_of(claim.faces), claim.face_patch, normals, is_simple}, limits,
                                control);
@@ -145,13 +159,8 @@ void check_intersections(const Claim& claim, const NumberedClaim& numbered, cons
                          RunControl& control) {
   // A face with a vertex that is not finite intersects nothing, and such a result has failed already.
   if (!std::all_of(claim.positions.begin(), claim.positions.end(), [](const Vec3& p) { return is_finite(p); })) return;
-  std::vector<Vec3> normals;
-  normals.reserve(claim.frames.size());
-  // The frame of a curved patch has not been tested. Any direction will do for such a patch.
-  for (const Frame& frame : claim.frames)
-    normals.push_back(std::fabs(norm(frame.normal) - 1) <= 1e-12 ? frame.normal : Vec3{0, 0, 1});
   // In its plane, a patch of positive triangles covers no point twice unless its boundary does.
-  std::vector<std::uint8_t> is_simple(claim.frames.size(), 1);
+  std::vector<std::uint8_t> is_simple(numbered.patch_count(), 1);
   StopCheck check(control);
   for (std::size_t f = 0; f < claim.faces.size(); ++f) {
     check();
@@ -169,7 +178,7 @@ void check_intersections(const Claim& claim, const NumberedClaim& numbered, cons
       return known.has(claim.face_patch[f.value], claim.face_patch[g.value]);
     };
     // A single one of these pairs makes the result fail. This number of pairs shows nearly all patches that have any.
-    limits.max_unexpected = kMinUnexpected + kUnexpectedPerPatch * claim.frames.size();
+    limits.max_unexpected = kMinUnexpected + kUnexpectedPerPatch * numbered.patch_count();
     const std::uint64_t few = SearchLimits::few_steps_for(claim.faces.size());
     (faults.is_any() ? limits.max_steps : limits.max_steps_with_unexpected) = few;
   }
@@ -180,10 +189,11 @@ void check_intersections(const Claim& claim, const NumberedClaim& numbered, cons
   }
   SelfIntersections found;
   if (known.is_complete && known.patches.empty())
-    found = find_near_changes(claim, faces_near_changes(claim, numbered, input_edges, control), normals, is_simple,
+    found = find_near_changes(claim, numbered, faces_near_changes(claim, numbered, input_edges, control), is_simple,
                               limits, control);
   else
-    found = patch_intersections({claim.positions, corners_of(claim.faces), claim.face_patch, normals, is_simple},
+    found = patch_intersections({claim.positions, corners_of(claim.faces), claim.face_patch,
+                                 unit_normals(numbered, control), is_simple},
                                 limits, control);
   if (known.is_complete)
     for (const auto& [f, g] : found.pairs) {
@@ -205,7 +215,7 @@ void check_intersections(const Claim& claim, const NumberedClaim& numbered, cons
 class Verification::Tests {
  public:
   Tests(const Claim& claim, RunControl& control)
-      : claim_(claim), control_(control), faults_(claim.frames.size(), claim.refinement != nullptr) {
+      : claim_(claim), control_(control), faults_(claim.frames.patch_count(), claim.refinement != nullptr) {
     is_well_formed_ = is_well_formed(claim, control);
     if (is_well_formed_)
       test_surface();
@@ -277,7 +287,7 @@ class Verification::Tests {
 
   void test_goals(bool do_sizes_vary) {
     const RefinementClaim& refinement = *claim_.refinement;
-    if (!is_well_formed(refinement, claim_.faces.size(), claim_.frames.size())) {
+    if (!is_well_formed(refinement, claim_.faces.size(), claim_.frames.patch_count())) {
       faults_.add(PatchId(), Fault::kMalformed);
       return;
     }

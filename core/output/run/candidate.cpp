@@ -138,7 +138,11 @@ void assemble_again(Candidate& candidate, const Surface& surface, const Goals* g
 }
 
 Verdict check(Candidate& candidate, const CheckedAgainst& against, RunControl& control) {
-  const auto frames = candidate.triangulated.charts.planes(control);
+  // A triangle without a new vertex is kept if no vertex is moved.
+  const ListedFrames listed = candidate.triangulated.charts.frames(
+      [&](PatchId p) { return candidate.moved.empty() && candidate.triangulated.meshes[p].vertices.size() == 3; },
+      control);
+  const ClaimedFrames frames(listed.of_patch, listed.frames);
   std::optional<RefinementClaim> refined;
   if (against.goals != nullptr)
     refined = {*against.goals, candidate.unrefined.faces, candidate.unrefined.reasons, against.frozen};

@@ -101,17 +101,25 @@ bool PatchCharts::is_triangle(PatchId p) const {
   return faces.size() == 1 && surface_->face(faces[0]).size() == 3;
 }
 
-IdVector<PatchId, Frame> PatchCharts::planes(RunControl& control) const {
-  IdVector<PatchId, Frame> frames;
-  reserve_pages(frames.items(), size(), control);
-  frames.resize(size());
+ListedFrames PatchCharts::frames(const std::function<bool(PatchId)>& is_kept, RunControl& control) const {
+  ListedFrames listed;
+  listed.of_patch.resize(size(), kNone);
+  std::uint32_t count = 0;
+  StopCheck check(control);
+  for (std::size_t p = 0; p < size(); ++p) {
+    check();
+    if (stored_at_[PatchId(p)] != kNone || !is_kept(PatchId(p))) listed.of_patch[p] = count++;
+  }
+  reserve_pages(listed.frames, count, control);
+  listed.frames.resize(count);
   for_blocks(size(), kItemsPerBlock, control, [&](std::size_t p, std::size_t end) {
     for (; p < end; ++p) {
+      if (listed.of_patch[p] == kNone) continue;
       const std::uint32_t at = stored_at_[PatchId(p)];
-      frames[PatchId(p)] = at != kNone ? stored_[at].plane() : frame_of_triangle(PatchId(p));
+      listed.frames[listed.of_patch[p]] = at != kNone ? stored_[at].plane() : frame_of_triangle(PatchId(p));
     }
   });
-  return frames;
+  return listed;
 }
 
 IdVector<PatchId, Vec3> PatchCharts::normals(RunControl& control) const {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -102,6 +103,12 @@ class PatchChart {
 /// Returns axes for a patch that has no chart: its normal, and its longest border edge.
 Axes axes_along(const Vec3& normal, std::span<const Edge3> border);
 
+/// The frames of some patches.
+struct ListedFrames {
+  std::vector<std::uint32_t> of_patch;  ///< index in `frames`, or kNone
+  std::vector<Frame> frames;
+};
+
 /// The charts of all patches, in flat arrays. A triangle that is a patch of its own has no stored chart: there may be a
 /// million of them, and the chart is computed from the three corners for each call.
 class PatchCharts {
@@ -120,8 +127,9 @@ class PatchCharts {
     return stored_at_[p] != kNone ? stored_[stored_at_[p]] : with_offset(p, frame_of_triangle(p));
   }
 
-  /// Returns the frames of all charts. The verifier gets them as a part of the pipeline's claim.
-  IdVector<PatchId, Frame> planes(RunControl& control) const;
+  /// Returns the frames of all charts but those of triangles for which `is_kept` is true. The verifier gets them as a
+  /// part of the pipeline's claim.
+  ListedFrames frames(const std::function<bool(PatchId)>& is_kept, RunControl& control) const;
   /// Returns the unit normals of all charts; those of curved patches are null.
   IdVector<PatchId, Vec3> normals(RunControl& control) const;
 

@@ -123,7 +123,7 @@ ChainGap measure_gap(const NumberedClaim& numbered, std::span<const Vec3> input,
         gap.sliver += triangle_area(x0, x1, y0) + triangle_area(x1, y1, y0);
         for (PatchGap& of : gap.patches)
           if (numbered.curved_surface(of.patch) == nullptr)
-            of.off_plane = std::max(of.off_plane, std::fabs(dot(between, numbered.frames.normal(of.patch.value))));
+            of.off_plane = std::max(of.off_plane, std::fabs(dot(between, numbered.normal(of.patch))));
       },
       check);
   for (PatchGap& of : gap.patches) {

@@ -61,11 +61,33 @@ struct MovedVertex {
   VertexId output, of_surface;
 };
 
+/// The frames of patches. A patch that is one triangle of the input and of the output needs none.
+class ClaimedFrames {
+ public:
+  /// Input: the frame of each patch.
+  ClaimedFrames(const IdVector<PatchId, Frame>& of_all) : count_(of_all.size()), frames_(of_all.items()) {}
+  /// Input: for each patch, the index of its frame, or kNone.
+  ClaimedFrames(std::span<const std::uint32_t> of_patch, std::span<const Frame> frames)
+      : count_(of_patch.size()), of_patch_(of_patch), frames_(frames) {}
+
+  std::size_t patch_count() const { return count_; }
+  /// Returns the frame of a patch, or null.
+  const Frame* of(std::size_t p) const {
+    const std::size_t at = of_patch_.empty() ? p : of_patch_[p];
+    return at < frames_.size() ? &frames_[at] : nullptr;
+  }
+
+ private:
+  std::size_t count_;
+  std::span<const std::uint32_t> of_patch_;  ///< empty if every patch has a frame
+  std::span<const Frame> frames_;
+};
+
 /// The pipeline's claim about what it has done. This class is larger than the bound because it is a list of arguments.
 struct Claim {
   const Surface& surface;                  ///< the surface that was remeshed
   std::span<const PatchId> surface_patch;  ///< patch of each face of `surface`
-  const IdVector<PatchId, Frame>& frames;
+  ClaimedFrames frames;
   std::span<const Vec3> positions;                    ///< output vertices
   std::span<const Triangle> faces;                    ///< output faces
   std::span<const PatchId> face_patch;                ///< patch of each output face

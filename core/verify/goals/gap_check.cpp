@@ -73,7 +73,7 @@ void GapCheck::find_sides() {
 }
 
 Vec3 GapCheck::normal(PatchId p, const Vec3& place) const {
-  if (!is_curved(p)) return numbered_.frames.normal(p.value);
+  if (!is_curved(p)) return numbered_.normal(p);
   const Vec3 outwards = numbered_.curved_surface(p)->shape.normal(centre_ + (1 / unit_) * place);
   return is_turned_[p.value] != 0 ? -outwards : outwards;
 }

@@ -124,6 +124,14 @@ void take_moved(const Claim& claim, const std::vector<std::uint8_t>& is_single, 
   }
 }
 
+/// Returns the unit normal of a triangle; null if it has no area.
+Vec3 normal_of(const Points& points, std::span<const VertexId> face) {
+  const Vec3 a = points[face[0].value];
+  const Vec3 twice_area = cross(points[face[1].value] - a, points[face[2].value] - a);
+  const double length = norm(twice_area);
+  return length > 0 ? (1 / length) * twice_area : Vec3{};
+}
+
 Grouping by_patch(const Faces& faces, std::size_t patch_count, RunControl& control) {
   return group_by(
       faces.count(), patch_count, [&](std::uint32_t f) { return faces.patch[f].value; }, control);
@@ -149,6 +157,11 @@ std::vector<std::uint8_t> find_kept(const NumberedClaim& numbered, RunControl& c
 
 }  // namespace
 
+Vec3 NumberedClaim::normal(PatchId p) const {
+  return is_kept[p.value] != 0 ? normal_of(points, input.face(input_by_patch[p.value][0]))
+                               : frames.claimed(p.value).normal;
+}
+
 bool is_well_formed(const RefinementClaim& refinement, std::size_t face_count, std::size_t patch_count) {
   const auto& [goals, unrefined, reasons, frozen] = refinement;
   const auto is_bound = [](double bound) { return bound >= 0; };
@@ -162,7 +175,7 @@ bool is_well_formed(const RefinementClaim& refinement, std::size_t face_count, s
 
 bool is_well_formed(const Claim& claim, RunControl& control) {
   const Surface& surface = claim.surface;
-  const std::size_t patch_count = claim.frames.size();
+  const std::size_t patch_count = claim.frames.patch_count();
   const auto is_surface = [&](std::uint32_t s) { return s == kNone || s < claim.curved.size(); };
   if (!claim.curved_of_patch.empty() &&
       (claim.curved_of_patch.size() != patch_count ||
@@ -209,7 +222,7 @@ NumberedClaim number_claim(const Claim& claim, FoundFaults& faults, RunControl& 
   numbered.surface_vertex_count = surface.size();
   numbered.points = Points(surface, scale);
   numbered.tolerance = scale * claim.plane_tolerance;
-  numbered.frames = Frames(claim.frames.items(), scale);
+  numbered.frames = Frames(claim.frames, scale);
   if (!claim.curved.empty()) numbered.curved.of_patch = claim.curved_of_patch;
   for (const CurvedClaim& curved : claim.curved)
     numbered.curved.surfaces.push_back({CurvedShape(curved.shape, scale), scale * curved.tolerance, curved});

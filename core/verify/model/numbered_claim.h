@@ -46,23 +46,27 @@ class Points {
 };
 
 /// The patches' frames in the numbered claim's scale. They are scaled at each access, because there may be a million.
+/// A frame that is missing has grid 0, which no frame may have.
 class Frames {
  public:
   Frames() = default;
-  Frames(std::span<const Frame> claimed, double scale) : claimed_(claimed), scale_(scale) {}
+  Frames(const ClaimedFrames& claimed, double scale) : claimed_(claimed), scale_(scale) {}
 
-  std::size_t size() const { return claimed_.size(); }
+  std::size_t size() const { return claimed_.patch_count(); }
   Frame operator[](std::size_t p) const {
-    Frame frame = claimed_[p];
+    Frame frame = claimed(p);
     frame.origin = scale_ * frame.origin;
     frame.scale *= scale_;
     return frame;
   }
-  const Vec3& normal(std::size_t p) const { return claimed_[p].normal; }
-  double grid(std::size_t p) const { return claimed_[p].grid; }
+  const Frame& claimed(std::size_t p) const {
+    static const Frame kMissing;
+    const Frame* const frame = claimed_.of(p);
+    return frame != nullptr ? *frame : kMissing;
+  }
 
  private:
-  std::span<const Frame> claimed_;
+  ClaimedFrames claimed_{{}, {}};
   double scale_ = 1;
 };
 
@@ -109,6 +113,9 @@ struct NumberedClaim {
   std::size_t patch_count() const { return frames.size(); }
   /// True if refinement made this vertex.
   bool is_new(VertexId v) const { return v.value >= surface_vertex_count && v.value < new_vertex_end; }
+
+  /// The unit normal of a patch's frame. That of a kept patch is the normal of its triangle, or null if it has no area.
+  Vec3 normal(PatchId p) const;
 
   bool has_curved() const { return !curved.of_patch.empty(); }
   /// The surface of a patch; null for a plane.
