@@ -3,34 +3,62 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <set>
 #include <utility>
-#include <vector>
 
 #include "core/base/ids.h"
+#include "core/base/inline_vector.h"
 #include "core/base/vec.h"
 #include "core/patch_types/patch_reason.h"
 #include "core/triangulation/triangulation_2d.h"
 
 namespace remesh {
 
+/// Edges of a triangulation, by their ends. Most sets are empty and hold no memory.
+class EdgeSet {
+ public:
+  EdgeSet() = default;
+  EdgeSet(const EdgeSet& other) : ends_(other.ends_ ? std::make_unique<Ends>(*other.ends_) : nullptr) {}
+  EdgeSet(EdgeSet&&) = default;
+  EdgeSet& operator=(EdgeSet other) {
+    ends_ = std::move(other.ends_);
+    return *this;
+  }
+
+  bool empty() const { return !ends_ || ends_->empty(); }
+  bool has(std::uint32_t a, std::uint32_t b) const { return ends_ && ends_->count(std::minmax(a, b)) != 0; }
+  void insert(std::uint32_t a, std::uint32_t b) {
+    if (!ends_) ends_ = std::make_unique<Ends>();
+    ends_->insert(std::minmax(a, b));
+  }
+  void erase(std::uint32_t a, std::uint32_t b) {
+    if (ends_) ends_->erase(std::minmax(a, b));
+  }
+
+ private:
+  using Ends = std::set<std::pair<std::uint32_t, std::uint32_t>>;
+  std::unique_ptr<Ends> ends_;
+};
+
 /// A triangulated patch, in the plane of its chart (patch_chart.h). If there is no triangulation, `reason`
 /// says why.
 struct PatchMesh {
-  std::vector<VertexId> vertices;  ///< in lexicographic order of their plane coordinates; refinement appends to them
-  std::vector<Vec2> uv;            ///< one per vertex
-  Triangulation2d mesh;            ///< over `vertices`; boundary edges are constrained
+  /// In lexicographic order of their plane coordinates. Refinement appends to them.
+  InlineVector<VertexId, 3> vertices;
+  InlineVector<Vec2, 3> uv;  ///< one per vertex
+  Triangulation2d mesh;      ///< over `vertices`; boundary edges are constrained
   /// Edges inside the patch that are constrained only so that no flip can replace them. A flip would make an edge that
   /// exists elsewhere on the surface already, and the chord rule forbids that (core/README.md, Glossary, chord). They
   /// are in no boundary loop.
-  std::set<std::pair<std::uint32_t, std::uint32_t>> reserved;
+  EdgeSet reserved;
   /// This is true if constrained edges along rulings divide a curved patch into strips. Then no edge of the
   /// triangulation turns too far.
   bool has_rulings = false;
   std::uint32_t loops = 0;
   PatchReason reason = PatchReason::kNone;
 
-  bool is_reserved(std::uint32_t h) const { return reserved.count(std::minmax(mesh.from(h), mesh.to(h))) != 0; }
+  bool is_reserved(std::uint32_t h) const { return reserved.has(mesh.from(h), mesh.to(h)); }
 };
 
 /// The triangulated patches of a surface.

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/inline_vector.h"
+
 namespace remesh {
 
 /// Half-edge h = 3t + k runs from corner k to corner k+1 of triangle t. Corners are counter-clockwise, and are indices
@@ -29,8 +31,8 @@ class Triangulation2d {
   /// Appends a triangle without neighbours, and returns its first half-edge (from a to b).
   std::uint32_t add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     const std::uint32_t h = half_edge_count();
-    corner_.insert(corner_.end(), {a, b, c});
-    twin_.insert(twin_.end(), {kNoHalfEdge, kNoHalfEdge, kNoHalfEdge});
+    corner_.append({a, b, c});
+    twin_.append({kNoHalfEdge, kNoHalfEdge, kNoHalfEdge});
     return h;
   }
   /// Replaces the corners of triangle h/3 so that half-edge h runs from a to b. The caller has to set the twins.
@@ -86,8 +88,8 @@ class Triangulation2d {
  private:
   static constexpr std::uint32_t kConstraint = 0x80000000u;
 
-  std::vector<std::uint32_t> corner_;
-  std::vector<std::uint32_t> twin_;
+  InlineVector<std::uint32_t, 3> corner_;
+  InlineVector<std::uint32_t, 3> twin_;
   std::vector<std::uint32_t> edge_at_;
 };
 

@@ -192,9 +192,9 @@ void check_intersections(const Claim& claim, const NumberedClaim& numbered, cons
     found = find_near_changes(claim, numbered, faces_near_changes(claim, numbered, input_edges, control), is_simple,
                               limits, control);
   else
-    found = patch_intersections({claim.positions, corners_of(claim.faces), claim.face_patch,
-                                 unit_normals(numbered, control), is_simple},
-                                limits, control);
+    found = patch_intersections(
+        {claim.positions, corners_of(claim.faces), claim.face_patch, unit_normals(numbered, control), is_simple},
+        limits, control);
   if (known.is_complete)
     for (const auto& [f, g] : found.pairs) {
       check();

@@ -69,7 +69,7 @@ std::optional<Triangulated> triangulate(const std::vector<Vec2>& points, std::ve
   return result;
 }
 
-std::vector<std::array<Vec2, 3>> triangles_of(const Triangulation2d& mesh, const std::vector<Vec2>& points,
+std::vector<std::array<Vec2, 3>> triangles_of(const Triangulation2d& mesh, std::span<const Vec2> points,
                                               const std::vector<std::uint32_t>& number) {
   std::vector<std::array<Vec2, 3>> triangles;
   triangles.reserve(mesh.triangle_count());
@@ -97,11 +97,12 @@ class Starter {
 
   /// Begins with all cuts made and with lattices of points inside, if rounding allows both.
   PatchStart evenly(const SegmentCuts::OfSegments& cuts, std::uint64_t quota) const {
-    Outline outline{patch_.mesh.uv, {}, original_places(), PatchBoundary(patch_, memory_)};
+    const InlineVector<Vec2, 3>& uv = patch_.mesh.uv;
+    Outline outline{{uv.begin(), uv.end()}, {}, original_places(), PatchBoundary(patch_, memory_)};
     cut(outline, cuts);
     std::vector<Vec2>& points = outline.points;
     std::optional<Triangulated> made;
-    if (points.size() > patch_.mesh.uv.size()) {
+    if (points.size() > uv.size()) {
       made = triangulate(points, outline.pieces, outline.boundary.side_count(), control_);
       if (!made) return as_triangulated();
     }

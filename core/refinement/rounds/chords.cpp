@@ -98,7 +98,7 @@ bool flip_away(PatchMesh& patch, std::uint32_t h, const ChordUses& uses, RunCont
   if (is_used(uses, key_of(patch, c, d))) return false;
   patch.mesh.flip(h);
   patch.mesh.constrain(h);
-  patch.reserved.insert(std::minmax(c, d));
+  patch.reserved.insert(c, d);
   std::vector<std::uint32_t> around{Triangulation2d::next(h), Triangulation2d::previous(h), Triangulation2d::next(g),
                                     Triangulation2d::previous(g)};
   delaunay_flips(patch.uv, patch.mesh, around, control);
@@ -147,7 +147,7 @@ bool release_reserved(PatchMesh& patch, const IsWanted& is_wanted, RunControl& c
     if (twin == Triangulation2d::kNoHalfEdge || !patch.mesh.is_constrained(h) || !patch.is_reserved(h) || is_wanted(h))
       continue;
     patch.mesh.join(h, twin);
-    patch.reserved.erase(std::minmax(patch.mesh.from(h), patch.mesh.to(h)));
+    patch.reserved.erase(patch.mesh.from(h), patch.mesh.to(h));
     released.push_back(h);
   }
   const bool is_any = !released.empty();
