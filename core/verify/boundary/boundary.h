@@ -22,6 +22,9 @@
 /// vertex are followed in the same way, even if they have only planes beside them. Then the largest tolerance of a
 /// curved patch at their ends is allowed.
 ///
+/// A patch that is kept has the same edges on both sides. So edges between such patches are left out of both graphs,
+/// and of its vertices those of the other patches there are tested.
+///
 /// This proves conformity and the preservation of loops together:
 /// it excludes a crack, a T-junction, a filled hole or a bridged slot, and a sheet that is missing or added at an
 /// edge with several.

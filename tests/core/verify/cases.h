@@ -42,6 +42,19 @@ inline Example square_with_middle() {
   return example(fan, fan);
 }
 
+/// Makes a pyramid whose base loses the vertex in its middle. Its four sides are kept as they are.
+inline Example pyramid() {
+  const std::vector<Vec3> corners{{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}, {1, 1, 1}};
+  const PolygonMesh output =
+      shapes::from_lists(corners, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}, {0, 3, 2}, {0, 2, 1}});
+  std::vector<Vec3> with_middle = corners;
+  with_middle.push_back({1, 1, 0});
+  return example(
+      shapes::from_lists(with_middle,
+                         {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}, {1, 0, 5}, {2, 1, 5}, {3, 2, 5}, {0, 3, 5}}),
+      output);
+}
+
 /// Makes a square of 4 x 4 cells whose vertex (1, 1) is lifted. In the output four corners are left.
 inline Example bump(double height, double plane_tolerance) {
   PolygonMesh input = shapes::sheet(4, 4, 4, 4);

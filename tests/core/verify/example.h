@@ -23,6 +23,7 @@ struct Example {
   Surface surface;
   IdVector<FaceId, PatchId> surface_patch;
   IdVector<PatchId, Frame> frames;
+  std::vector<std::uint32_t> frame_of_patch;  ///< index in `frames`, or kNone; empty if every patch has a frame
   std::vector<Vec3> positions;
   std::vector<Triangle> faces;
   std::vector<PatchId> face_patch;
@@ -45,7 +46,9 @@ struct Example {
   Verdict verify(RunControl& control) const {
     const RefinementClaim refinement{goals.value_or(Goals()), unrefined, reasons, frozen};
     const InputIntersections known{intersecting_patches, are_these_all};
-    Claim claim{surface,    surface_patch, frames,          positions,        faces,
+    const ClaimedFrames of_patches =
+        frame_of_patch.empty() ? ClaimedFrames(frames) : ClaimedFrames(frame_of_patch, frames.items());
+    Claim claim{surface,    surface_patch, of_patches,      positions,        faces,
                 face_patch, corner_uv,     plane_tolerance, goals.has_value()};
     claim.refinement = goals ? &refinement : nullptr;
     claim.intersections = &known;

@@ -31,6 +31,7 @@ TEST(verify, correct_claims_are_verified) {
       {"three pages", example(shapes::three_pages(3), shapes::three_pages(1))},
       {"cylinder", example(shapes::cylinder(12, 1, 2), shapes::fan_triangulated(shapes::cylinder(12, 1, 2)))},
       {"sphere", example(shapes::sphere(2), shapes::sphere(2))},
+      {"pyramid", pyramid()},
       {"inside out",
        example(shapes::turned_over(shapes::box({1, 1, 1}, 2)), shapes::turned_over(shapes::box({1, 1, 1})))},
   };
@@ -219,10 +220,30 @@ TEST(verify, a_frame_that_is_none_is_found) {
   }
 }
 
+TEST(verify, only_triangles_that_are_kept_need_no_frame) {
+  const Example correct = pyramid();
+  ASSERT_EQ(correct.frames.size(), 5u);
+  for (std::uint32_t p = 0; p < 5; ++p) {
+    Example e = correct;
+    e.frame_of_patch = {0, 1, 2, 3, 4};
+    e.frame_of_patch[p] = kNone;
+    const bool is_base = correct.frames[PatchId(p)].normal.z < -0.9;
+    const Verdict v = e.verify();
+    EXPECT_EQ(v.all_true(), !is_base) << p;
+    EXPECT_EQ(blames(v, PatchId(p)), is_base) << p;
+    // The side is kept no longer if its output has another vertex.
+    if (is_base) continue;
+    e.positions.push_back({1, 1, 1.25});
+    for (std::size_t f = 0; f < e.faces.size(); ++f)
+      if (e.face_patch[f] == PatchId(p)) e.faces[f][2] = VertexId(5);
+    EXPECT_TRUE(blames(e.verify(), PatchId(p))) << p;
+  }
+}
+
 // Anything else.
 
 TEST(verify, no_single_change_of_a_face_goes_unseen) {
-  for (const Example& correct : {cube(), ring(), flat_l(), slotted(), square_with_middle()}) {
+  for (const Example& correct : {cube(), ring(), flat_l(), slotted(), square_with_middle(), pyramid()}) {
     for (std::size_t f = 0; f < correct.faces.size(); ++f) {
       for (int corner = 0; corner < 3; ++corner)
         for (std::size_t v = 0; v < correct.positions.size(); ++v) {
