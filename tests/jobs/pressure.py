@@ -393,9 +393,12 @@ def case_disk(run, store):
 
 
 def fill_after_a_kill(run, daemon, folder):
-    """A job is done and another one runs when the daemon is killed, and others fill the volume, again after each deletion."""
-    done = accepted(submit(daemon.port, "max_edge_length=0.02"))
+    """A job is done and another one runs when the daemon is killed, and others fill the volume, again after each deletion. The
+    result of the job that is done is larger than the reserve."""
+    done = accepted(submit(daemon.port, "max_edge_length=0.005" if run.is_short else SECOND))
     expect_done(daemon, done)
+    size, reserve = len(result_of(daemon.port, done, "?format=obj").body), (folder / "reserve").stat().st_size
+    expect(size > 1.5 * reserve, f"the result has {size} bytes beside a reserve of {reserve}")
     running = accepted(submit(daemon.port, ENDLESS))
     wait_for(lambda: state_of(daemon.port, running)["state"] == "running")
     daemon.kill()
