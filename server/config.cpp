@@ -99,6 +99,14 @@ Setting byte_limit(std::string flag, std::string help, std::uint64_t& (*member)(
       [member](Config& c, const std::string& text) { member(c) = text == "none" ? 0 : at_least(1, parse_bytes(text)); },
       [member](Config c) { return member(c) == 0 ? "none" : format_bytes(member(c)); }};
 }
+/// A number that can be absent, which is stored as 0.
+Setting count_limit(std::string flag, std::string help, std::uint64_t& (*member)(Config&)) {
+  return {std::move(flag), std::move(help),
+          [member](Config& c, const std::string& text) {
+            member(c) = text == "none" ? 0 : between(1, 1'000'000, parse_count(text));
+          },
+          [member](Config c) { return member(c) == 0 ? "none" : format_count(member(c)); }};
+}
 Setting count(std::string flag, std::string help, std::uint64_t& (*member)(Config&)) {
   // Setting this limit higher would have no effect, because the core numbers elements with 32 bits.
   return {std::move(flag), std::move(help),
@@ -132,10 +140,20 @@ const std::vector<Setting>& settings() {
        [](Config& c, const auto& text) { c.allow_anonymous = parse_bool(text); },
        [](const Config& c) { return c.allow_anonymous ? "true" : "false"; }, true},
       {"--api-key-file",
-       "file with one API key per line; a client must send one of them (none: no key is required); read again on "
-       "SIGHUP",
+       "file with one API key per line, which may have a name before it (NAME KEY); a client must send one of them "
+       "(none: no key is required); read again on SIGHUP",
        [](Config& c, const auto& text) { c.api_key_file = text == "none" ? "" : text; },
        [](const Config& c) { return c.api_key_file.empty() ? "none" : c.api_key_file; }},
+      count_limit(
+          "--max-running-per-key",
+          "largest number of requests with work of one API key at the same time, and of its jobs that run at the same "
+          "time in the whole store (none: no limit); beyond it requests are answered with 429, and jobs wait",
+          [](Config & c) -> auto& { return c.key_rules.max_running; }),
+      count_limit(
+          "--max-rate-per-key",
+          "largest number of requests with work of one API key in a minute, of which all may come at once (none: no "
+          "limit); beyond it 429",
+          [](Config & c) -> auto& { return c.key_rules.max_rate; }),
       {"--cors-origin",
        "origins of web pages that may use this server from a browser, separated by commas; *: all origins (none: "
        "no page of another site)",
@@ -324,6 +342,7 @@ void complete_queue(Config& config) {
 void complete(Config& config, Command command) {
   if (config.max_running == 0) config.max_running = config.limits.workers;
   complete_queue(config);
+  config.jobs.rules.max_running_per_owner = static_cast<std::int64_t>(config.key_rules.max_running);
   if (command == Command::kHealth) return;
   const bool has_keys = !ApiKeys(config.api_key_file, config.api_key).is_open();
   if (!has_keys && !config.bind.is_loopback() && !config.allow_anonymous) {

@@ -13,6 +13,7 @@
 #include "server/http/client_address.h"
 #include "server/http/connection_limits.h"
 #include "server/http/cors.h"
+#include "server/http/key_limits.h"
 #include "server/http/public_url.h"
 #include "server/http/units.h"
 #include "server/jobs/job_settings.h"
@@ -24,7 +25,8 @@ struct Config {
   Address bind{"127.0.0.1", 8080};
   std::optional<Address> ops_bind;  ///< a separate port for liveness, readiness and metrics
   std::string api_key_file;         ///< empty if there is none
-  std::string api_key;           ///< read from the environment only, because a flag would show in the list of processes
+  std::string api_key;  ///< read from the environment only, because a flag would show in the list of processes
+  KeyRules key_rules;
   bool allow_anonymous = false;  ///< permits listening beyond loopback without any API key
   Cors cors;
   AllowedHosts allowed_hosts;

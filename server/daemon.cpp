@@ -132,6 +132,7 @@ HttpSettings Daemon::http_settings() {
   HttpSettings settings;
   settings.connections = config_.connections;
   settings.keys = &keys_;
+  settings.key_rules = config_.key_rules;
   settings.cors = config_.cors;
   settings.proxies = config_.trusted_proxies;
   settings.public_url = config_.public_url;

@@ -174,6 +174,7 @@ class HttpServer::Listener : public httplib::Server {
   Listener(const std::vector<Route>& routes, const HttpSettings& settings)
       : settings_(settings),
         addresses_(settings.connections.max_connections_per_address),
+        key_limits_(settings.key_rules),
         places_(settings.connections.max_connections) {
     set_default_headers({{"X-Content-Type-Options", "nosniff"}});
     set_payload_max_length(0);  // bodies do not pass through the library
@@ -313,9 +314,8 @@ class HttpServer::Listener : public httplib::Server {
     const bool is_hidden = is_client_hidden(request, exchange.client, settings_.proxies);
     exchange.client = client_address(request, exchange.client, settings_.proxies);
     if (settings_.proxies.contains(exchange.client) && !is_hidden) return;
-    std::optional<AddressCounts::Place> place = addresses_.enter(exchange.client);
-    if (!place) throw too_many();
-    exchange.place.emplace(std::move(*place));
+    exchange.place = addresses_.enter(exchange.client);
+    if (!exchange.place) throw too_many();
   }
 
   /// Waits for the next request on a connection that stays open. Some clients send a line end after a body, which
@@ -444,18 +444,28 @@ class HttpServer::Listener : public httplib::Server {
   }
 
   /// Asks a route for admission of a request, and reads the request's body if there is one.
-  void take_in(Exchange& exchange, const Route& route) {
+  /// Output: the place of a request with work among those of its API key, if there is a limit. The place must end
+  ///         before the answer is sent, so that a client which has its answer may send the next request at once.
+  [[nodiscard]] std::optional<AddressCounts::Place> take_in(Exchange& exchange, const Route& route) {
     exchange.route = route.path;
     identify(exchange.request, route);
+    std::optional<AddressCounts::Place> place;
+    if (route.admit && !exchange.request.key.empty()) place = key_limits_.enter(exchange.request.owner, Clock::now());
     const Admission admission = route.admit ? route.admit(exchange.request) : Admission{};
     exchange.request.memory = admission.memory;
     take_body(exchange, admission.max_body);
+    return place;
   }
 
-  /// Determines the owner of this request.
+  /// Determines the owner of this request, and the name of its API key.
   /// Errors: HttpError 401.
   void identify(Request& request, const Route& route) const {
     if (settings_.keys == nullptr) return;
+    find_owner(request, route);
+    request.key = settings_.keys->name_of(request.owner);
+  }
+
+  void find_owner(Request& request, const Route& route) const {
     request.owner = settings_.keys->owner(request);
     if (route.access != Access::kGuarded || settings_.keys->admits(request)) return;
     std::optional<std::string> owner;
@@ -534,7 +544,7 @@ class HttpServer::Listener : public httplib::Server {
       if (route.access != Access::kGuarded) open_paths_.emplace(route.path, route.access);
       on(route.method, regex_of(route.path), [this, route](const httplib::Request& routed, httplib::Response& out) {
         Exchange& exchange = *current_exchange;
-        take_in(exchange, route);
+        const std::optional<AddressCounts::Place> place = take_in(exchange, route);
         const std::string parameter = routed.matches.size() > 1 ? routed.matches[1].str() : "";
         give(exchange, route.handle({exchange.request, exchange.connection, parameter}), out);
       });
@@ -662,6 +672,7 @@ class HttpServer::Listener : public httplib::Server {
   std::set<std::string> paths_;               ///< of all routes, with `{id}` for the variable part
   std::map<std::string, Access> open_paths_;  ///< the paths that everyone may use
   AddressCounts addresses_;
+  KeyLimits key_limits_;
   int port_ = -1;
   int spare_ = -1;  ///< a second descriptor of the listening socket
   std::thread thread_;

@@ -20,6 +20,7 @@
 #include "server/http/client_address.h"
 #include "server/http/connection_limits.h"
 #include "server/http/cors.h"
+#include "server/http/key_limits.h"
 #include "server/http/public_url.h"
 #include "server/http/route.h"
 #include "server/http/site_rules.h"
@@ -33,6 +34,7 @@ namespace remesh::server {
 struct HttpSettings {
   ConnectionLimits connections;
   const ApiKeys* keys = nullptr;  ///< the keys that clients must show; null if none are required
+  KeyRules key_rules;
   Cors cors;
   TrustedProxies proxies;
   PublicUrl public_url;

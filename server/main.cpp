@@ -23,8 +23,8 @@
 namespace remesh::server {
 namespace {
 
-/// The exit code for failure. 0 means success, 2 means misuse.
-constexpr int kFailed = 1;
+/// The exit codes for failure and for misuse. 0 means success.
+constexpr int kFailed = 1, kMisuse = 2;
 
 sigset_t stop_signals() {
   sigset_t signals;
@@ -135,13 +135,23 @@ int ask_health(const Config& config) {
   return kFailed;
 }
 
+/// The settings are valid, since the command line was read. Refuses variables that are none: the daemon would start
+/// without what their author wanted.
+int check_variables() {
+  const std::vector<std::string> unknown = unknown_variables();
+  for (const std::string& name : unknown) std::cerr << "remeshd: no setting has the variable " << name << "\n";
+  if (!unknown.empty()) return kMisuse;
+  std::cout << "the configuration is valid\n";
+  return EXIT_SUCCESS;
+}
+
 int run(int argc, char** argv) {
   const Invocation invocation = read_command_line(argc, argv, std::cout, std::cerr);
   switch (invocation.command) {
     case Command::kExit: return invocation.exit_code;
     case Command::kHealth: return ask_health(invocation.config);
     case Command::kPrintConfig: std::cout << print_config(invocation.config); return EXIT_SUCCESS;
-    case Command::kCheckConfig: std::cout << "the configuration is valid\n"; return EXIT_SUCCESS;
+    case Command::kCheckConfig: return check_variables();
     case Command::kServe: break;
   }
   return serve(invocation.config);

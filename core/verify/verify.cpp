@@ -243,7 +243,7 @@ class Verification::Tests {
     // Output vertices get the surface's vertex numbers by exact coordinates.
     numbered_.emplace(number_claim(claim_, faults_, control_));
     const NumberedClaim& numbered = *numbered_;
-    control_.progress(0.2);
+    control_.progress(0.1);
 
     // Checks the faces that were made of the input's polygons.
     check_polygons(claim_, numbered, faults_, control_);
@@ -262,11 +262,11 @@ class Verification::Tests {
            [&] { look_at(numbered.input, claim_.surface_edge_order, edges_before, seams_before); });
     seams_.emplace(*std::move(seams_before), *std::move(seams_after));
     check_caps(claim_, numbered, *edges_before, faults_, control_);
-    control_.progress(0.6);
+    control_.progress(0.2);
 
     // Checks that loops are preserved and edges conform.
     const Boundary boundary = check_boundary(numbered, *seams_, faults_, control_);
-    control_.progress(0.8);
+    control_.progress(0.25);
 
     // Checks that each patch is the same piece of surface and that its triangles are sound.
     std::vector<std::uint8_t> is_positive;
@@ -277,8 +277,9 @@ class Verification::Tests {
     verdict_.distance_bound = {verdict_.deviation, verdict_.deviation};
     // The minimum keeps the bound finite for a model near the largest double, as its volume is.
     verdict_.volume_bound = std::min(std::ldexp(shapes.volume_bound, -3 * std::ilogb(numbered.scale)), DBL_MAX);
-    control_.progress(0.9);
+    control_.progress(0.3);
 
+    // The search for intersections takes most of the time.
     DelaunayCheck(numbered, *output_edges_, is_positive).run(faults_, control_);
     check_intersections(claim_, numbered, *edges_before, is_positive, faults_, verdict_, control_);
     check_whole(numbered, edges_before->counts(), boundary.input_vertices, output_edges_->counts(), shapes, faults_,

@@ -19,7 +19,11 @@ class AddressCounts {
    public:
     Place(AddressCounts& counts, std::string key) : counts_(&counts), key_(std::move(key)) {}
     Place(Place&& other) noexcept : counts_(std::exchange(other.counts_, nullptr)), key_(std::move(other.key_)) {}
-    Place& operator=(Place&&) = delete;
+    Place& operator=(Place&& other) noexcept {
+      std::swap(counts_, other.counts_);
+      std::swap(key_, other.key_);
+      return *this;
+    }
     ~Place() {
       if (counts_ != nullptr) counts_->leave(key_);
     }

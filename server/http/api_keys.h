@@ -19,10 +19,10 @@ class ApiKeys {
  public:
   static constexpr std::size_t kShortest = 16;
 
-  /// Input:   `file` - a file with one key per line (empty lines and lines with # are skipped), or empty; `key` - one
-  ///          more key, or empty.
-  /// Errors:  std::invalid_argument - the file is missing or has no key, or a key has less than 16 characters or
-  ///          contains a blank.
+  /// Input:   `file` - a file with one key per line, as `KEY` or `NAME KEY` (empty lines and lines with # are skipped),
+  ///          or empty; `key` - one more key, or empty.
+  /// Errors:  std::invalid_argument - the file is missing or has no key, a key has less than 16 characters or contains
+  ///          a blank, or a name is not a letter followed by at most 63 letters, digits and `._-`.
   ApiKeys(std::string file, const std::string& key);
 
   /// Reads the file again.
@@ -42,6 +42,11 @@ class ApiKeys {
   /// Output: empty if no key is required.
   std::string owner(const RequestHead& head) const;
 
+  /// The name of an owner's key, for people and metrics: that of its line in the file, else the line's number, or
+  /// "environment" for the key from there.
+  /// Output: empty if the owner has no key.
+  std::string name_of(std::string_view owner) const;
+
   /// How long a token is valid.
   static constexpr std::chrono::minutes kTokenLife{15};
   /// Makes a token with which a request without a key may read one path on behalf of the owner of a key. Browsers
@@ -54,16 +59,23 @@ class ApiKeys {
                                             std::chrono::system_clock::time_point now) const;
 
  private:
-  using Digests = std::vector<Sha256>;
+  struct Key {
+    Sha256 digest;
+    std::string owner;
+    std::string name;
+  };
+  using Keys = std::vector<Key>;
 
-  std::shared_ptr<const Digests> current() const;
-  void set(Digests digests);
+  static Key make_key(const std::string& key, std::string name);
+  static Keys read_file(const std::string& path);
+  std::shared_ptr<const Keys> current() const;
+  void set(Keys keys);
 
   const std::string file_;
-  Digests fixed_;  ///< digest of the key that comes from the environment
+  Keys fixed_;  ///< the key that comes from the environment
   bool asks_;
   mutable std::mutex mutex_;
-  std::shared_ptr<const Digests> digests_;
+  std::shared_ptr<const Keys> keys_;
 };
 
 }  // namespace remesh::server

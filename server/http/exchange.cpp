@@ -35,6 +35,7 @@ void log_access(const Exchange& exchange, Outcome outcome) {
                                  {"peer", exchange.connection.peer_address()},
                                  {"outcome", std::string(outcome == Outcome::kAnswered ? "answered" : "client_gone")}};
   if (exchange.client != exchange.connection.peer_address()) fields.push_back({"client", exchange.client});
+  if (!request.key.empty()) fields.push_back({"key", request.key});
   if (!exchange.job.empty()) fields.push_back({"job", exchange.job});
   if (!exchange.problem_code.empty()) fields.push_back({"code", exchange.problem_code});
   if (const auto trace = parse_traceparent(request.header("traceparent"))) {
@@ -54,6 +55,8 @@ void count(const Exchange& exchange, Outcome outcome, Metrics& metrics) {
   const bool is_refusal = std::find(kRejections.begin(), kRejections.end(), exchange.status) != kRejections.end();
   if (is_refusal && !exchange.is_told) metrics.count_rejection(exchange.problem_code);
   if (exchange.done) metrics.count_work(*exchange.done);
+  const Request& request = exchange.request;
+  if (!request.key.empty()) metrics.count_key(request.key, status, request.timing.work.value_or(0) / 1000);
 }
 
 }  // namespace

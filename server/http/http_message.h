@@ -51,6 +51,7 @@ struct Request : RequestHead {
   std::string id;      ///< the X-Request-Id of the answer: the client's own if it is usable, else a new one
   std::string prefix;  ///< the path that a proxy puts before the paths of this daemon, such as `/mesh`; often empty
   std::string owner;   ///< identifies the API key (ApiKeys::owner); empty if the server has no keys
+  std::string key;     ///< the name of the API key (ApiKeys::name_of); empty if the request has none
   Body body;           ///< without the chunked coding
   Timing timing;
   Clock::duration waited{0};            ///< the time that the request has waited for memory

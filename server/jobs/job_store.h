@@ -90,6 +90,7 @@ struct StoreRules {
   std::chrono::milliseconds timeout{5'000};
   std::uint64_t max_stored = 0;            ///< bytes of all inputs and results together; 0: no limit
   std::uint64_t max_stored_per_owner = 0;  ///< the same for the jobs of one API key
+  std::int64_t max_running_per_owner = 0;  ///< jobs of one API key that run at the same time; 0: no limit
 };
 
 /// A key that a client sends again when it repeats a request, and the digest of that request.

@@ -296,6 +296,19 @@ Submission SqlStore::submit(const NewJob& job) {
 
 // ---- claims
 
+std::string SqlStore::waiting_jobs(const char* memory) const {
+  std::string sql = std::string(" FROM remeshd_job WHERE state = 'queued' AND memory <= ") + memory + " AND " +
+                    sound_job(driver_->keeps_fractions());
+  if (rules_.max_running_per_owner > 0) {
+    // Jobs without an owner are those of a daemon without keys.
+    sql +=
+        " AND (owner = '' OR owner NOT IN (SELECT owner FROM remeshd_job WHERE state = 'running' GROUP BY owner "
+        "HAVING count(*) >= " +
+        std::to_string(rules_.max_running_per_owner) + "))";
+  }
+  return sql + " ORDER BY turn, created_ms, id LIMIT 1";
+}
+
 std::optional<Claim> SqlStore::claim_next(Database& database, std::string_view worker, std::uint64_t max_memory) {
   if (uncertain_.has_new()) blobs_.remove_files(uncertain_.undo(database, blobs_));
   // No two attempts have the same name, so that it can be determined later whether this attempt has claimed a job.
@@ -303,9 +316,9 @@ std::optional<Claim> SqlStore::claim_next(Database& database, std::string_view w
   const std::string sql =
       "UPDATE remeshd_job SET state = 'running', token = token + 1, attempts = attempts + 1, version = version + 1, "
       "worker = $1, stage = 'read', fraction = 0, started_ms = remeshd_now(), lease_ms = remeshd_now() + $2, "
-      "lease_length_ms = $2 WHERE id = (SELECT id FROM remeshd_job WHERE state = 'queued' AND memory <= $3 AND " +
-      sound_job(driver_->keeps_fractions()) + " ORDER BY turn, created_ms, id LIMIT 1" +
-      std::string(driver_->skip_locked()) + ") RETURNING id, token, attempts, memory, request, version";
+      "lease_length_ms = $2 WHERE id = (SELECT id" +
+      waiting_jobs("$3") + std::string(driver_->skip_locked()) +
+      ") RETURNING id, token, attempts, memory, request, version";
   Rows rows;
   try {
     rows = database.run(sql.c_str(),
@@ -327,8 +340,7 @@ std::optional<Claim> SqlStore::claim(std::string_view worker, std::uint64_t max_
 }
 
 std::optional<WaitingJob> SqlStore::next_in_turn(std::uint64_t max_memory) {
-  const std::string sql = "SELECT id, memory FROM remeshd_job WHERE state = 'queued' AND memory <= $1 AND " +
-                          sound_job(driver_->keeps_fractions()) + " ORDER BY turn, created_ms, id LIMIT 1";
+  const std::string sql = "SELECT id, memory" + waiting_jobs("$1");
   return with_database("look", Access::kRead, [&](Database& database) -> std::optional<WaitingJob> {
     const Rows rows = database.run(sql.c_str(), {signed_bytes(max_memory)});
     if (rows.empty()) return std::nullopt;

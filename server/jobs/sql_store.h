@@ -87,6 +87,10 @@ class SqlStore : public JobStore {
   /// Errors: LimitReached - the job would be more than may be stored.
   void check_limits(Database& database, const NewJob& job) const;
   Submission insert(Database& database, const NewJob& job, bool& is_uncertain);
+  /// The end of a statement that finds the next job to claim, beginning with the table. Two daemons that claim at the
+  /// same moment from PostgreSQL may each claim the last job that one owner may run.
+  /// Input: `memory` - the parameter that has the max memory of the job.
+  std::string waiting_jobs(const char* memory) const;
   std::optional<Claim> claim_next(Database& database, std::string_view worker, std::uint64_t max_memory);
 
   const std::unique_ptr<DatabaseDriver> driver_;

@@ -162,7 +162,9 @@ class SqliteDatabase final : public Database {
     // This setting allows freed pages to be returned to the file system. It affects new files only, and on other files
     // it would wait for the present writer.
     if (run("PRAGMA page_count", {}, Result::kText).at(0).at(0) == "0") set_patiently("PRAGMA auto_vacuum=INCREMENTAL");
-    for (const char* pragma : {"PRAGMA journal_mode=WAL", "PRAGMA synchronous=FULL",
+    // Debian's SQLite overwrites what is deleted with zeros, and writes all of them to the log first. So a deletion
+    // would need as much room as it makes. With FAST, only pages that are written in any case are overwritten.
+    for (const char* pragma : {"PRAGMA journal_mode=WAL", "PRAGMA synchronous=FULL", "PRAGMA secure_delete=FAST",
                                "PRAGMA journal_size_limit=8388608", "PRAGMA temp_store=MEMORY"}) {
       set_patiently(pragma);
     }

@@ -15,6 +15,7 @@
 #include <iterator>
 #include <map>
 #include <mutex>
+#include <set>
 #include <shared_mutex>
 #include <sstream>
 #include <system_error>
@@ -34,6 +35,10 @@ using prometheus::Histogram;
 const Histogram::BucketBoundaries kSeconds{0.001, 0.005, 0.02, 0.1, 0.5, 2, 10, 60, 300};
 const Histogram::BucketBoundaries kStoreSeconds{0.0005, 0.001, 0.002, 0.005, 0.01, 0.05, 0.2, 1, 5, 30};
 const Histogram::BucketBoundaries kFaces{100, 1e3, 1e4, 1e5, 1e6, 1e7};
+
+/// The max number of API keys that are counted by name. Keys beyond it, which only a file that is changed thousands of
+/// times has, are counted together as "other".
+constexpr std::size_t kMaxKeys = 1000;
 
 /// Returns the label of a method. Any method that is not in the list becomes "other", because clients may send any
 /// text.
@@ -127,6 +132,14 @@ struct Metrics::Families {
                                     .Name("remeshd_http_rejected_total")
                                     .Help("Requests that a limit refused, by the code of their problem.")
                                     .Register(registry);
+  Family<Counter>& key_requests = prometheus::BuildCounter()
+                                      .Name("remeshd_key_requests_total")
+                                      .Help("Finished requests by the name of their API key and their status.")
+                                      .Register(registry);
+  Family<Counter>& key_seconds = prometheus::BuildCounter()
+                                     .Name("remeshd_key_work_seconds_total")
+                                     .Help("Computing time of requests, by the name of their API key.")
+                                     .Register(registry);
   Family<Histogram>& stages = prometheus::BuildHistogram()
                                   .Name("remeshd_stage_duration_seconds")
                                   .Help("Time of each stage of the pipeline.")
@@ -160,6 +173,8 @@ struct Metrics::Families {
                                 .Register(registry)
                                 .Add({}, kFaces);
   Known<Counter> known_requests, known_patches;
+  std::mutex key_mutex;
+  std::set<std::string> key_names;
   Known<Histogram> known_durations, known_stages;
   Gauge& build_info = prometheus::BuildGauge()
                           .Name("remeshd_build_info")
@@ -213,6 +228,18 @@ void Metrics::count_work(const api::WorkDone& done) {
   count_patches("kept", done.kept);
   families_->input_faces.Observe(static_cast<double>(done.input_faces));
   if (done.output_faces > 0) families_->output_faces.Observe(static_cast<double>(done.output_faces));
+}
+
+void Metrics::count_key(const std::string& key, int status, double seconds) {
+  std::string name = key;
+  {
+    const std::lock_guard lock(families_->key_mutex);
+    std::set<std::string>& names = families_->key_names;
+    if (names.size() < kMaxKeys) names.insert(key);
+    if (names.count(key) == 0) name = "other";
+  }
+  families_->key_requests.Add({{"key", name}, {"code", std::to_string(status)}}).Increment();
+  families_->key_seconds.Add({{"key", name}}).Increment(seconds);
 }
 
 void Metrics::count_job(std::string_view outcome, std::string_view code, int times) {

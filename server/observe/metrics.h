@@ -43,6 +43,9 @@ class Metrics {
   /// Input: `reason` - the `code` of its problem.
   void count_rejection(const std::string& reason);
   void count_work(const api::WorkDone& done);
+  /// Counts a request of an API key.
+  /// Input: `key` - the key's name; `seconds` - how long the request has computed.
+  void count_key(const std::string& key, int status, double seconds);
   /// Counts jobs that have ended.
   /// Input: `outcome` - their state; `code` - the problem's code for failed jobs; `times` - how many.
   void count_job(std::string_view outcome, std::string_view code = {}, int times = 1);

@@ -123,3 +123,6 @@ grep -q 'api-key' "$work/why" || fail "it does not say what to do: $(cat "$work/
 ! "$remeshd" --check-config --api-key-file "$work/none" 2>/dev/null || fail 'a key file that is not there is taken'
 ! REMESHD_API_KEY=short "$remeshd" --check-config 2>/dev/null || fail 'a short key is taken'
 ! "$remeshd" --check-config --memory-budget lots 2>/dev/null || fail 'a bad size is taken'
+! REMESHD_MAX_BODDY=1MiB "$remeshd" --check-config 2>"$work/why" || fail 'a misspelt variable is taken'
+grep -q 'REMESHD_MAX_BODDY' "$work/why" || fail "it does not say which variable is wrong: $(cat "$work/why")"
+REMESHD_MAX_BODY=1MiB "$remeshd" --check-config >/dev/null || fail 'a variable is not taken'

@@ -282,6 +282,102 @@ def test_what_is_in_force_is_logged_at_the_start(store):
         daemon.kill()
 
 
+def test_an_older_daemon_leaves_a_newer_store_alone_until_it_is_brought_back(store):
+    with daemons(store, 2) as (running, again):
+        kept = accepted(submit(running.port))
+        wait_for_state(running.port, kept, "succeeded")
+        version = store.query("SELECT version FROM remeshd_schema")[0][0]
+        store.query("UPDATE remeshd_schema SET version = 99")
+        try:
+            # It goes on where it runs, and serves all but jobs where it starts.
+            wait_for_state(running.port, accepted(submit(running.port)), "succeeded")
+            again.kill()
+            again.start()
+            wait_for(lambda: [line for line in again.lines if "newer version of remeshd" in str(line)])
+            expect_equal(ask(again.port, "GET", "/readyz").status, 503, "/readyz")
+            expect_equal(ask(again.port, "GET", "/livez").status, 200, "/livez")
+            expect_equal(ask(again.port, "POST", f"/v1/remesh?{QUICK}", SQUARE).status, 200, "a request")
+            expect_equal(submit(again.port).status, 503, "a job")
+        finally:
+            store.query(f"UPDATE remeshd_schema SET version = {version}")
+        wait_for(lambda: ask(again.port, "GET", "/readyz").status == 200)
+        expect_equal(result_of(again.port, kept).status, 200, "what was kept before")
+
+
+def test_what_another_version_has_kept_is_refused_and_harms_nothing_else(store):
+    with daemons(store, 1) as (daemon,):
+        job, sound = accepted(submit(daemon.port)), accepted(submit(daemon.port))
+        for one in (job, sound):
+            wait_for_state(daemon.port, one, "succeeded")
+        other = "overlay(data placing 'REMESHD0'::bytea from 1)" if store.postgres else \
+            "CAST(CAST('REMESHD0' AS BLOB) || substr(data, 9) AS BLOB)"
+        # In SQLite, texts are joined, so what stands behind the mark may be cut off; the mark is looked at first.
+        store.query(f"UPDATE remeshd_blob SET data = {other} WHERE job = '{job}' AND kind = 'mesh' AND part = 0")
+        answer = result_of(daemon.port, job)
+        expect_equal((answer.status, answer.code()), (500, "internal"), "the result")
+        expect_equal(ask(daemon.port, "GET", f"/v1/jobs/{job}/report").status, 200, "the report")
+        expect_equal(state_of(daemon.port, job)["state"], "succeeded", "the state")
+        expect_equal(result_of(daemon.port, sound).status, 200, "another result")
+        expect_equal(ask(daemon.port, "DELETE", f"/v1/jobs/{job}").status, 204, "DELETE")
+        # A job that waits has its options as they were sent.
+        with daemons(store, 1, "--role", "serve") as (front,):
+            daemon.signal(STOP)
+            waiting = accepted(submit(front.port))
+            store.query(f"UPDATE remeshd_job SET request = replace(request, 'max_edge_length', 'option_of_later') "
+                        f"WHERE id = '{waiting}'")
+            daemon.signal(CONTINUE)
+            failed = wait_for_state(front.port, waiting, "failed")
+            expect_equal((failed["problem"]["status"], failed["problem"]["code"]), (400, "unknown_option"), "the problem")
+
+
+def test_keys_have_their_limits_under_load(store):
+    """One key of three sends as much as it can: the others notice nothing, and it runs no more than it may."""
+    keys = {"greedy": "greedy-0123456789ab", "second": "second-0123456789ab", "third": "third-0123456789abc"}
+    with tempfile.NamedTemporaryFile("w") as file:
+        file.write("".join(f"{name} {key}\n" for name, key in keys.items()))
+        file.flush()
+        daemon = Daemon(PROGRAM, [*store.flags, "--workers", "2", "--max-running", "2", "--api-key-file", file.name,
+                                  "--max-running-per-key", "1", "--max-rate-per-key", "600"]).start()
+        statuses = {name: [] for name in keys}
+        waits, is_over = set(), threading.Event()
+
+        def client(name):
+            while not is_over.is_set():
+                answer = ask(daemon.port, "POST", f"/v1/remesh?{SHORT}", SQUARE, {"X-API-Key": keys[name]})
+                statuses[name].append(answer.status)
+                if answer.status == 429:
+                    waits.add((answer.code(), int(answer.headers["retry-after"]) > 0))
+                    time.sleep(0.01)
+
+        threads = []
+        try:
+            jobs = [accepted(submit(daemon.port, FIFTH, X_API_Key=keys["greedy"])) for _ in range(3)]
+            threads = [threading.Thread(target=client, args=(name,)) for name in ["greedy"] * 6 + ["second", "third"]]
+            for thread in threads:
+                thread.start()
+            # The jobs of one key run one after the other, though there are places.
+            running = [0]
+
+            def all_done():
+                running[0] = max([running[0], *(int(count) for count, in store.query(
+                    "SELECT count(*) FROM remeshd_job WHERE state = 'running' GROUP BY owner"))])
+                return all(ask(daemon.port, "GET", f"/v1/jobs/{job}", fields={"X-API-Key": keys["greedy"]}).json()["state"]
+                           == "succeeded" for job in jobs)
+
+            wait_for(all_done)
+            wait_for(lambda: all(200 in given for given in statuses.values()) and 429 in statuses["greedy"])
+        finally:
+            is_over.set()
+            for thread in threads:
+                thread.join()
+            daemon.kill()
+        expect_equal(running[0], 1, "jobs of the key at once")
+        expect_equal(waits, {("rate_limited", True)}, "what the refused are told")
+        expect(set(statuses["greedy"]) <= {200, 429, 503}, f"the greedy key: {set(statuses['greedy'])}")
+        for name in ("second", "third"):
+            expect(429 not in statuses[name], f"{name} is refused for another's requests")
+
+
 def test_results_expire(store):
     with daemons(store, 1, "--result-ttl", "1s") as (daemon,):
         job = accepted(submit(daemon.port))

@@ -393,9 +393,12 @@ def case_disk(run, store):
 
 
 def fill_after_a_kill(run, daemon, folder):
-    """A job is done and another one runs when the daemon is killed, and others fill the volume, again after each deletion."""
-    done = accepted(submit(daemon.port, "max_edge_length=0.02"))
+    """A job is done and another one runs when the daemon is killed, and others fill the volume, again after each deletion. The
+    result of the job that is done is larger than the reserve."""
+    done = accepted(submit(daemon.port, "max_edge_length=0.005" if run.is_short else SECOND))
     expect_done(daemon, done)
+    size, reserve = len(result_of(daemon.port, done, "?format=obj").body), (folder / "reserve").stat().st_size
+    expect(size > 1.5 * reserve, f"the result has {size} bytes beside a reserve of {reserve}")
     running = accepted(submit(daemon.port, ENDLESS))
     wait_for(lambda: state_of(daemon.port, running)["state"] == "running")
     daemon.kill()
@@ -426,6 +429,49 @@ def case_clock(run, store):
                 year = time.gmtime().tm_year
                 wait_for(lambda: state_of(daemon.port, jobs[-1])["created_at"].startswith(str(year)))  # pylint: disable=cell-var-from-loop
     run.tell("10 years ahead, behind, and right")
+
+
+def case_ranges(run, store):
+    """Fifty clients read small parts of one large result, again and again: small requests are answered meanwhile."""
+    readers, rounds = 50, 2 if run.is_short else 20
+    with run.daemon(store) as daemon:
+        job = accepted(submit(daemon.port, SHORT if run.is_short else "max_edge_length=0.0011"))
+        expect_done(daemon, job)
+        # The bytes of the STL follow from its number of faces, so each part can be judged by its place alone.
+        size = int(ask(daemon.port, "HEAD", f"/v1/jobs/{job}/result?format=stl").headers["content-length"])
+        expect((size - 84) % 50 == 0, f"no STL has {size} bytes")
+        expect(run.is_short or size > 50e6, f"the result has {size} bytes only")
+        whole = result_of(daemon.port, job, "?format=stl").body
+        wrong, times, is_over = [], [], threading.Event()
+
+        def read(reader):
+            for number in range(rounds):
+                begin = (7919 * (reader + readers * number)) % (size - 100)
+                answer = ask(daemon.port, "GET", f"/v1/jobs/{job}/result?format=stl", fields={"Range": f"bytes={begin}-{begin + 99}"})
+                if answer.status != 206 or answer.body != whole[begin:begin + 100]:
+                    wrong.append((answer.status, answer.body[:100]))
+
+        def send():
+            while not is_over.is_set():
+                start = time.monotonic()
+                status = ask(daemon.port, "POST", f"/v1/remesh?{QUICK}", SQUARE).status
+                times.append(time.monotonic() - start)
+                if status != 200:
+                    wrong.append((status, "a small request"))
+
+        sender = threading.Thread(target=send)
+        threads = [threading.Thread(target=read, args=(reader,)) for reader in range(readers)]
+        sender.start()
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        wait_for(lambda: times)
+        is_over.set()
+        sender.join()
+        expect(not wrong, f"{len(wrong)} wrong answers, such as {wrong[:2]}")
+        run.tell(f"{readers * rounds} parts of {size / 1e6:.0f} MB, {len(times)} small requests, the slowest in {max(times):.2f} s")
+        expect(run.is_short or max(times) < 1, f"a small request took {max(times):.2f} s")
 
 
 def is_nothing_claimed(daemon, seconds):

@@ -234,6 +234,29 @@ TEST_P(store, the_jobs_of_one_owner_run_in_their_order) {
   for (const std::string& id : ids) EXPECT_EQ(claim(*store).id, id);
 }
 
+TEST_P(store, an_owner_runs_as_many_jobs_as_are_allowed_and_the_next_one_waits_for_one_of_these) {
+  StoreRules rules;
+  rules.max_running_per_owner = 2;
+  const auto store = open(rules);
+  std::set<std::string> of_many;
+  for (int i = 0; i < 4; ++i) of_many.insert(submit(*store, "", "many"));
+  const std::string of_few = submit(*store, "", "few");
+  const Claim first = claim(*store);
+  std::set<std::string> claimed{first.id};
+  for (int i = 0; i < 2; ++i) claimed.insert(claim(*store).id);
+  EXPECT_EQ(claimed.size(), 3u);
+  EXPECT_EQ(claimed.count(of_few), 1u);
+  EXPECT_FALSE(store->claim("worker", kAllMemory));
+  EXPECT_FALSE(store->next_in_turn(kAllMemory)) << "no memory is set aside for it";
+  ASSERT_EQ(of_many.count(first.id), 1u);
+  store->commit(first, {JobState::kSucceeded, "mesh", "{}", 0, ""});
+  EXPECT_EQ(of_many.count(claim(*store).id), 1u);
+  EXPECT_FALSE(store->claim("worker", kAllMemory));
+  // Without keys, jobs have no owner and no such limit.
+  for (int i = 0; i < 3; ++i) submit(*store, "");
+  for (int i = 0; i < 3; ++i) EXPECT_NE(claim(*store).id, "");
+}
+
 TEST_P(store, the_jobs_of_owners_take_turns_however_many_one_has) {
   const auto store = open();
   std::set<std::string> of_many;

@@ -12,6 +12,7 @@
 #include "server/http/address_counts.h"
 #include "server/http/api_keys.h"
 #include "server/http/cors.h"
+#include "server/http/key_limits.h"
 #include "tests/server/stub_daemon.h"
 
 namespace remesh::server {
@@ -82,6 +83,76 @@ TEST(api_keys, a_file_is_read_again_and_all_its_keys_are_refused_where_it_is_wro
   file.write(kOtherKey + "\n");
   keys.reload();
   EXPECT_TRUE(keys.has_owner(keys.owner(with_header("x-api-key", kOtherKey))));
+}
+
+TEST(api_keys, a_line_may_name_its_key_and_else_has_its_number) {
+  const KeyFile file("# keys\nanna-2.b \t " + kKey + "\n\n" + kOtherKey + "\n");
+  const ApiKeys keys(file.path(), "the-key-of-the-environment");
+  const auto name_of = [&](const std::string& key) { return keys.name_of(keys.owner(with_header("x-api-key", key))); };
+  EXPECT_EQ(name_of(kKey), "anna-2.b");
+  EXPECT_EQ(name_of(kOtherKey), "4");
+  EXPECT_EQ(name_of("the-key-of-the-environment"), "environment");
+  EXPECT_EQ(name_of("anna-2.b " + kKey), "");
+  EXPECT_EQ(keys.owner(with_header("x-api-key", kKey)), ApiKeys("", kKey).owner(with_header("x-api-key", kKey)))
+      << "jobs stay those of the key when it gets a name";
+}
+
+TEST(api_keys, a_name_that_could_be_something_else_is_an_error) {
+  for (const std::string& name : {std::string("4"), std::string("a/b"), std::string("-"), std::string("\xc3\xa4"),
+                                  std::string("a\"b"), std::string(65, 'a')}) {
+    const KeyFile file(kOtherKey + "\n" + name + " " + kKey + "\n");
+    try {
+      ApiKeys(file.path(), "");
+      FAIL() << name;
+    } catch (const std::invalid_argument& error) {
+      EXPECT_NE(std::string(error.what()).find("line 2 "), std::string::npos) << error.what();
+      EXPECT_EQ(std::string(error.what()).find(kKey), std::string::npos) << "no key is shown";
+    }
+  }
+}
+
+TEST(key_limits, a_minute_gives_as_many_requests_as_are_allowed_and_others_have_their_own) {
+  KeyLimits limits({.max_running = 0, .max_rate = 6});
+  const auto start = KeyLimits::Clock::now();
+  const auto is_let_in = [&](const std::string& owner, int seconds) {
+    try {
+      limits.enter(owner, start + std::chrono::seconds(seconds));
+      return true;
+    } catch (const HttpError& error) {
+      EXPECT_EQ(error.problem.status, 429);
+      EXPECT_EQ(error.problem.code, "rate_limited");
+      EXPECT_EQ(error.problem.limit, 6u);
+      return false;
+    }
+  };
+  for (int i = 0; i < 6; ++i) EXPECT_TRUE(is_let_in("many", 0));
+  EXPECT_FALSE(is_let_in("many", 9));
+  EXPECT_TRUE(is_let_in("many", 10)) << "one in ten seconds";
+  EXPECT_FALSE(is_let_in("many", 10));
+  EXPECT_TRUE(is_let_in("few", 10));
+  int let_in = 0;
+  for (int i = 0; i < 20; ++i) let_in += is_let_in("many", 1000) ? 1 : 0;
+  EXPECT_EQ(let_in, 6) << "no more is saved than for a minute";
+  // The refusal tells when the next one is let in.
+  try {
+    limits.enter("many", start + std::chrono::seconds(1003));
+    FAIL();
+  } catch (const HttpError& error) {
+    EXPECT_EQ(error.headers, (Fields{{"Retry-After", "7"}}));
+  }
+  EXPECT_TRUE(is_let_in("many", 1010));
+}
+
+TEST(key_limits, as_many_requests_as_are_allowed_run_at_once) {
+  KeyLimits limits({.max_running = 2, .max_rate = 3});
+  const auto now = KeyLimits::Clock::now();
+  {
+    const auto first = limits.enter("many", now), second = limits.enter("many", now);
+    EXPECT_THROW(limits.enter("many", now), HttpError);
+    EXPECT_NO_THROW(limits.enter("few", now));
+  }
+  EXPECT_NO_THROW(limits.enter("many", now)) << "what found no place did not count for the rate";
+  EXPECT_THROW(limits.enter("many", now), HttpError);
 }
 
 TEST(api_keys, requests_are_compared_while_the_file_is_read_again) {
@@ -222,6 +293,25 @@ TEST_F(access, a_key_that_is_taken_out_ends_the_streams_that_it_has_opened) {
   const std::string rest = follower.receive();
   EXPECT_EQ(rest.find("event: end"), std::string::npos) << rest;
   EXPECT_EQ(stub_.stopped, 0);
+}
+
+TEST_F(access, a_key_has_its_limits_and_what_needs_no_work_has_none) {
+  const KeyFile file("many " + kKey + "\nfew " + kOtherKey + "\n");
+  config_.api_key_file = file.path();
+  config_.key_rules.max_running = 1;
+  start();
+  const std::string many = "X-API-Key: " + kKey + "\r\n";
+  const auto client = start_blocking(kIdField + many);
+  const Answer refused = post(port_, "/v1/remesh", "good", many);
+  EXPECT_EQ(refused.status, 429);
+  EXPECT_EQ(code_of(refused), "rate_limited");
+  EXPECT_GT(std::stoi(refused.header("Retry-After")), 0);
+  for (int i = 0; i < 3; ++i)
+    EXPECT_EQ(ask(port_, "GET /v1/capabilities HTTP/1.1\r\nHost: localhost\r\n" + many + "\r\n").status, 200);
+  EXPECT_NE(post(port_, "/v1/remesh", "good", "X-API-Key: " + kOtherKey + "\r\n").status, 429);
+  stub_.released = true;
+  EXPECT_EQ(client->answer().status, 200);
+  EXPECT_TRUE(eventually([&] { return post(port_, "/v1/remesh", "good", many).status == 200; }));
 }
 
 TEST_F(access, the_operations_port_asks_for_no_key) {

@@ -105,6 +105,18 @@ TEST_F(observation, metrics_count_what_was_asked_and_answered) {
   EXPECT_GT(value_of(text, "process_open_fds"), 3);
 }
 
+TEST(metrics, keys_are_counted_by_name_up_to_a_thousand_names) {
+  Metrics metrics;
+  for (int i = 0; i < 3; ++i) metrics.count_key("anna", 200, 0.5);
+  metrics.count_key("anna", 429, 0);
+  for (int i = 0; i < 2000; ++i) metrics.count_key("name" + std::to_string(i), 200, 1);
+  const std::string text = metrics.text({});
+  EXPECT_EQ(value_of(text, "remeshd_key_requests_total{code=\"200\",key=\"anna\"}"), 3);
+  EXPECT_EQ(value_of(text, "remeshd_key_requests_total{code=\"429\",key=\"anna\"}"), 1);
+  EXPECT_EQ(value_of(text, "remeshd_key_work_seconds_total{key=\"anna\"}"), 1.5);
+  EXPECT_EQ(value_of(text, "remeshd_key_requests_total{code=\"200\",key=\"other\"}"), 2000 - 999);
+}
+
 TEST_F(observation, a_client_that_leaves_is_counted_as_such) {
   start();
   start_blocking()->close();

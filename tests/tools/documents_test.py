@@ -28,7 +28,7 @@ MACHINE = {"--workers", "--max-running", "--queue-size", "--memory-budget"}
 # These flags of the daemon are no settings, since they end it.
 ENDING = {"--help", "--version", "--print-config", "--check-config"}
 # These are flags of other programs: curl, tsc, docker.
-FOREIGN = {"--data-binary", "--fail-with-body", "--noEmit", "--rm", "--scale"}
+FOREIGN = {"--data-binary", "--fail-with-body", "--noEmit", "--now", "--rm", "--scale"}
 # These variables are read by `docker/` or by tests, or are options of CMake.
 OTHER_VARIABLES = {"REMESHD_API_KEY", "REMESHD_CORPUS", "REMESHD_DOMAIN", "REMESHD_REQUIRE_CORPUS", "REMESHD_TESTS",
                    "REMESHD_UNITY", "REMESHD_UPSTREAM", "REMESHD_WEB", "REMESHD_WERROR"}
@@ -40,6 +40,39 @@ FACES = (
     ("README.md", r"triangles, and ([\d,]+) with 16 edges per full turn", (BRACKET, "--elements-per-circle=16")),
     ("core/README.md", r"one bracket, ([\d,]+) triangles", (BRACKET,)),
 )
+# The documents that a newcomer reads, whose commands and numbers are all run.
+FOR_NEWCOMERS = ("README.md", "api/README.md", "server/README.md", "docker/README.md", "server/web/README.md")
+# How their commands begin. Those that `e2e.readme` runs have no reason; for others, it is said why nothing runs them, or what
+# does.
+COMMANDS = {
+    "curl ": None,
+    "job=$(curl ": None,
+    "remesh ": None,
+    "build/release/remesh ": None,
+    "build/release/remeshd --bind 0.0.0.0:8080 ": "e2e.requests has a daemon with keys; this one would be open to the network",
+    "openssl rand ": "e2e.readme writes a key itself",
+    "./dev serve": "it installs packages and does not end; tools.dev has its help, and all tests build what it builds",
+    "gmsh ": "e2e.step",
+    "docker build ": "it needs an engine and a registry; the test deployment reads the files",
+    "docker compose ": "the same",
+    "docker run ": "the same",
+    "docker push ": "the same",
+    "REMESHD_API_KEY=$(openssl rand -hex 24) REMESHD_DOMAIN=mesh.example.org docker compose ": "the same",
+    "POSTGRES_PASSWORD=$(openssl rand -hex 24) docker compose ": "the same",
+    "cp docker/kubernetes/secret.example.yaml ": "the test deployment compares the secret with what refers to it",
+    "kubectl ": "it needs a cluster; the test deployment holds the files against Kubernetes' schemas",
+    "promtool ": "deployment.monitoring",
+}
+# Numbers of faces there that no run has: what they are instead.
+OTHER_NUMBERS = {
+    ("README.md", "32 facets"): "the bound of elements_per_circle=auto",
+    ("api/README.md", "32 facets"): "the same",
+    ("api/README.md", "32.5 facets"): "the same, as a turn",
+    ("api/README.md", "20 faces"): "a bound of min_edge_length=auto",
+    ("api/README.md", "40 faces"): "the same with proximity",
+    ("api/README.md", "5 faces"): "an example of arithmetic",
+    ("api/README.md", "50 million faces"): "the default of --max-output-faces, which the table of settings has",
+}
 failures = []
 
 
@@ -347,6 +380,40 @@ def check_results(twin):
         failures.append(f"api/README.md: remesh --analyze {BRACKET} prints\n{found}")
 
 
+def check_commands():
+    """Each command of a document for newcomers is run by a test, or it is told here why not."""
+    begun = set()
+    for document in FOR_NEWCOMERS:
+        text = (ROOT / document).read_text(encoding="utf-8")
+        for block in re.findall(r"^```sh\n(.*?)^```$", text, re.MULTILINE | re.DOTALL):
+            for line in re.sub(r"\s*\\\n\s*", " ", block).splitlines():
+                for command in line.split(" && "):
+                    known = [begin for begin in COMMANDS if command.startswith(begin)]
+                    begun.update(known)
+                    if not known:
+                        failures.append(f"{document}: nothing runs {command}")
+    for begin in sorted(set(COMMANDS) - begun):
+        failures.append(f"tests/tools/documents_test.py: no document has a command {begin}")
+
+
+def check_numbers():
+    """Each number of faces in a document for newcomers is that of a run, or it is told here what it is."""
+    found = set()
+    for document in FOR_NEWCOMERS:
+        text = (ROOT / document).read_text(encoding="utf-8")
+        # What a program prints is compared as a whole, see check_results.
+        prose = re.sub(r"^```.*?^```$", "", text, flags=re.MULTILINE | re.DOTALL)
+        run = {match for name, pattern, _ in FACES if name == document
+               for match in re.findall(pattern.replace(" ", r"\s+"), prose)}
+        for amount, kind in re.findall(r"\b(\d[\d,.]*)\s+((?:\w+\s+)?(?:faces|triangles|facets))\b", prose):
+            phrase = f"{amount} {' '.join(kind.split())}"
+            found.add((document, phrase))
+            if amount not in run and (document, phrase) not in OTHER_NUMBERS:
+                failures.append(f"{document}: no run has {phrase}")
+    for document, phrase in sorted(set(OTHER_NUMBERS) - found):
+        failures.append(f"tests/tools/documents_test.py: {document} has no {phrase}")
+
+
 def main():
     program, twin = sys.argv[1:]
     with Daemon(program) as daemon:
@@ -361,6 +428,8 @@ def main():
     check_mentions(settings, {**described, **flags_of_help(output_of(twin, "--help"))})
     check_codes(contract)
     check_errors(contract)
+    check_commands()
+    check_numbers()
     for failure in failures:
         print("FAILED:", failure)
     return 1 if failures else 0
