@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import http.client
+import importlib
 import json
 import os
 import secrets
@@ -78,8 +79,7 @@ class Result:
 
     def to_meshio(self) -> Any:
         """A mesh of meshio, with the patch of each face as cell data, and a cell set for each label."""
-        import meshio  # type: ignore[import-not-found,import-untyped,unused-ignore]
-
+        meshio: Any = importlib.import_module("meshio")
         sets: Dict[str, List[List[int]]] = {}
         for kind, labels in self.labels.items():
             faces_of: List[List[int]] = [[] for _ in labels.names]
@@ -228,7 +228,7 @@ class Client:
             except (BrokenPipeError, ConnectionResetError):
                 pass  # the service may have answered before it had all of the body
             answer = connection.getresponse()
-            content = answer.read()
+            content: bytes = answer.read()
         finally:
             connection.close()
         if answer.status < 400:
@@ -328,10 +328,9 @@ def _text(value: Any) -> str:
 
 def _numpy() -> Any:
     try:
-        import numpy  # type: ignore[import-not-found,unused-ignore]
+        return importlib.import_module("numpy")
     except ImportError:
         return None
-    return numpy
 
 
 def _as_array(values: Any, kind: str) -> Any:

@@ -6,7 +6,7 @@ import argparse
 import json
 import os
 import sys
-from typing import Dict, List, Optional
+from typing import Any, Dict, List, Optional
 
 from . import Cancelled, Client, Problem
 
@@ -19,7 +19,7 @@ def main(arguments: Optional[List[str]] = None) -> int:
     parser.add_argument("--url", default="http://localhost:8080", help="the address of the service (%(default)s)")
     parser.add_argument("--quiet", action="store_true", help="show no progress")
     given = parser.parse_args(arguments)
-    options: Dict[str, str] = {}
+    options: Dict[str, Any] = {}
     for text in given.option:
         name, equals, value = text.partition("=")
         if not equals:
