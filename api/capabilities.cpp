@@ -60,7 +60,8 @@ std::string_view labels_name(LabelsHeld labels) {
   return "none";
 }
 
-void write_formats(JsonWriter& json, std::string_view name, bool (*is_known)(Format)) {
+void write_formats(JsonWriter& json, std::string_view name, bool (*is_known)(Format),
+                   std::string_view FormatSpec::*about) {
   json.key(name);
   json.begin_array();
   for (const Format format : kFormats) {
@@ -69,13 +70,17 @@ void write_formats(JsonWriter& json, std::string_view name, bool (*is_known)(For
     json.member("name", format_name(format));
     json.member("media_type", media_type(format));
     json.member("ending", file_ending(format));
+    json.key("endings");
+    json.begin_array();
+    for (const std::string_view ending : format_spec(format).endings) json.string(ending);
+    json.end_array();
     if (text_form(format) != format) json.member("text_form", format_name(text_form(format)));
     const FormatSpec& spec = format_spec(format);
-    json.member("about", spec.about);
+    json.member("about", spec.*about);
     json.member("numbers", spec.storage == Storage::kFloat ? "float" : "double");
     json.member("labels", labels_name(spec.labels));
-    json.member("programs", spec.programs);
-    if (!spec.next.empty()) json.member("next", spec.next);
+    json.key("programs");
+    write_programs(json, format, {});
     json.end_object();
   }
   json.end_array();
@@ -120,8 +125,8 @@ Response capabilities(const Limits& limits) {
   json.end_object();
   json.key("formats");
   json.begin_object();
-  write_formats(json, "input", can_read);
-  write_formats(json, "output", is_written);
+  write_formats(json, "input", can_read, &FormatSpec::reads);
+  write_formats(json, "output", is_written, &FormatSpec::about);
   json.end_object();
   json.key("options");
   json.begin_array();

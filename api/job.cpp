@@ -158,11 +158,14 @@ WriterInput writer_input(const Result& result, const std::vector<std::string>& c
           writing,     result.report.input_up_axis == "y"};
 }
 
-bool record_renamed_labels(Format format, const Writing& writing, Result& result, RunControl& control) {
-  result.report.renamed_labels = renamed_labels(format, writer_input(result, {}, writing), control);
-  const bool are_any = !result.report.renamed_labels.empty();
-  if (are_any) result.report.diagnostics.push_back(renamed_diagnostic(result.report.renamed_labels));
-  return are_any;
+bool record_file(Format format, const Writing& writing, Result& result, RunControl& control) {
+  Report& report = result.report;
+  const std::vector<std::string> comments;
+  const WriterInput input = writer_input(result, comments, writing);
+  report.renamed_labels = renamed_labels(format, input, control);
+  report.filling_lines = filling_lines(format, input, control);
+  if (!report.renamed_labels.empty()) report.diagnostics.push_back(renamed_diagnostic(report.renamed_labels));
+  return !report.renamed_labels.empty() || !report.filling_lines.empty();
 }
 
 void check_job(const Job& job, const Limits& limits) {
@@ -188,7 +191,7 @@ Remeshed remesh_for_job(Job job, const Limits& limits, Purpose purpose, RunContr
   tell_axes(input.read, remeshed.result.report);
   remeshed.options.format = remeshed.result.is_not_held ? text_form(format) : format;
   if (purpose == Purpose::kAnswer)
-    record_renamed_labels(*remeshed.options.format, remeshed.options.writing, remeshed.result, control);
+    record_file(*remeshed.options.format, remeshed.options.writing, remeshed.result, control);
   remeshed.times = stage_times(input, remeshed.result.report);
   return remeshed;
 }

@@ -62,9 +62,10 @@ enum class Purpose {
 /// The input of the writer of a mesh format. It refers to all arguments.
 WriterInput writer_input(const Result& result, const std::vector<std::string>& comments, const Writing& writing);
 
-/// Records in the report which names of labels the format has in another form.
-/// Output: whether there are any.
-bool record_renamed_labels(Format format, const Writing& writing, Result& result, RunControl& control);
+/// Records in the report what is to be known of a written file: the names of labels that it has in another form, and
+/// the lines that fill it.
+/// Output: whether the report has changed.
+bool record_file(Format format, const Writing& writing, Result& result, RunControl& control);
 
 /// Checks everything that can be refused before the mesh is read.
 /// Errors: those of options and of formats.

@@ -303,13 +303,13 @@ StoredRemesh run_remesh_to_keep(const Request& request, const Limits& limits, Ru
   answer.report = report_text(remeshed.result.report);
   if (storage_of(format) != Storage::kDouble) kept.exact_report = answer.report;
   kept.result = std::move(remeshed.result);
-  // Other formats that are written later may have the names as they came.
-  const auto record_renamed = [&] {
-    if (!record_renamed_labels(kept.format, kept.writing, kept.result, control)) return;
+  // Other formats that are written later may have the names as they came, and are filled by other lines.
+  const auto record_own_file = [&] {
+    if (!record_file(kept.format, kept.writing, kept.result, control)) return;
     kept.exact_report = answer.report;
     answer.report = report_text(kept.result.report);
   };
-  record_renamed();
+  record_own_file();
   answer.mesh = pack_result(kept);
   // The report describes the result in the job's own format. If this format cannot hold the result, the report stays
   // about doubles, and the job gives the result in all other formats.
@@ -325,7 +325,7 @@ StoredRemesh run_remesh_to_keep(const Request& request, const Limits& limits, Ru
       remeshed.options.format = kept.format;
       kept.summary = summary_of(kept.result.report);
       answer.report = report_text(kept.result.report);
-      record_renamed();
+      record_own_file();
     }
     answer.mesh = pack_result(kept);
   }
@@ -399,7 +399,8 @@ Response write_kept(std::string mesh, const std::function<std::string()>& report
     if (round_for_format(storage_of(format), options.core.local_origin, OutputRounding::kRequired, kept.result,
                          control) == Rounded::kMoved)
       update_summary(kept.result, kept.summary, control);
-    if (record_renamed_labels(format, options.writing, kept.result, control))
+    record_file(format, options.writing, kept.result, control);
+    if (!kept.result.report.renamed_labels.empty())
       kept.summary.warnings.push_back(warning_text(renamed_diagnostic(kept.result.report.renamed_labels)));
     const std::vector<std::string> comments = summary_comments(kept.summary);
     response.body = write_mesh(format, writer_input(kept.result, comments, options.writing), control);

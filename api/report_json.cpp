@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "core/base/error.h"
+#include "core/io/format_spec.h"
 
 namespace remesh::api {
 namespace {
@@ -463,6 +464,31 @@ double StageTimes::total() const {
   return sum;
 }
 
+void write_programs(JsonWriter& json, Format format, std::span<const std::string> filling) {
+  json.begin_array();
+  for (const ReadingProgram& program : format_spec(format).programs) {
+    json.begin_object();
+    json.member("program", program.program);
+    json.member("takes", program.takes);
+    json.key("lines");
+    json.begin_array();
+    for (std::string_view rest = program.next; !rest.empty();) {
+      const auto [line, others] = cut(rest, '\n');
+      json.string(line);
+      rest = others;
+    }
+    json.end_array();
+    if (program.program == "Gmsh" && !filling.empty()) {
+      json.key("geo");
+      json.begin_array();
+      for (const std::string& line : filling) json.string(line);
+      json.end_array();
+    }
+    json.end_object();
+  }
+  json.end_array();
+}
+
 void write_report(JsonWriter& json, const Report& report, const RequestOptions& options, ReportKind kind,
                   const StageTimes& times, RunControl& control) {
   RequestOptions used = with_defaults({report.options, options.preset, options.format, options.writing});
@@ -496,6 +522,8 @@ void write_report(JsonWriter& json, const Report& report, const RequestOptions& 
   if (is_remesh) {
     json.key("renamed_labels");
     write_renamed_labels(json, report.renamed_labels);
+    json.key("recipe");
+    write_programs(json, options.format.value_or(Format::kJson), report.filling_lines);
   }
   json.key("volume_ready");
   write_volume_ready(json, report.volume_obstacles);

@@ -2,6 +2,8 @@
 #pragma once
 
 #include <array>
+#include <span>
+#include <string>
 
 #include "api/json_writer.h"
 #include "api/options.h"
@@ -38,6 +40,10 @@ enum class ReportKind {
 
 /// Writes an option's value, or null if none is set.
 void write_option_value(JsonWriter& json, const OptionValue& value);
+
+/// Writes the programs that read a written format, what they take of it, and the lines with which they go on.
+/// Input: `filling` - the lines with which Gmsh fills the file that was written; none if there is none.
+void write_programs(JsonWriter& json, Format format, std::span<const std::string> filling);
 
 /// Writes the report object. The report's own options replace `options.core`.
 void write_report(JsonWriter& json, const Report& report, const RequestOptions& options, ReportKind kind,

@@ -29,6 +29,7 @@
 #include "api/job.h"
 #include "api/machine_limits.h"
 #include "api/options.h"
+#include "core/io/format_spec.h"
 #include "core/io/formats.h"
 #include "core/io/gzip.h"
 #include "core/remesh.h"
@@ -78,17 +79,33 @@ std::string name_of_output(const std::string& path) { return path == "-" ? "stan
 /// Lists the endings of files that can be written, each once.
 std::string known_endings() {
   std::string text;
-  std::string_view last;
   for (const Format format : kFormats) {
-    if (file_ending(format) == last) continue;
-    last = file_ending(format);
-    text.append(text.empty() ? "." : ", .").append(last);
+    const std::string name = "." + std::string(file_ending(format));
+    if (written_format_from_file_name(name) == format) text.append(text.empty() ? "" : ", ").append(name);
   }
   return text;
 }
 
 bool has_unknown_ending(const std::string& path) {
-  return std::filesystem::path(path).has_extension() && !format_from_file_name(path);
+  return std::filesystem::path(path).has_extension() && !written_format_from_file_name(path);
+}
+
+/// Lists the formats with the endings of their files, whether they are read and written, and what is in them.
+std::string list_of_formats() {
+  std::string text =
+      "Formats, r: read, w: written, both also with .gz; --report has the lines that go on with a file:\n";
+  for (const Format format : kFormats) {
+    const FormatSpec& spec = format_spec(format);
+    std::string endings;
+    for (const std::string_view ending : spec.endings) endings.append(endings.empty() ? "." : " .").append(ending);
+    std::string line = "  " + std::string(spec.name);
+    line.resize(13, ' ');
+    line += endings;
+    line.resize(29, ' ');
+    line.append(spec.reads.empty() ? "-" : "r").append(spec.about.empty() ? "-  " : "w  ");
+    text += line.append(spec.about.empty() ? spec.reads : spec.about) + "\n";
+  }
+  return text;
 }
 
 /// Errors: UsageError - a required path is missing, or two outputs have the same path.
@@ -150,6 +167,7 @@ void parse(CLI::App& app, int argc, char** argv, Arguments& arguments) {
                            ->type_name("VALUE")
                            ->group(group_heading(spec.group));
   }
+  app.footer(list_of_formats());
   app.allow_extras();
   app.parse(argc, argv);
   if (const auto extras = app.remaining(); !extras.empty()) throw UsageError(unknown_argument(extras.front()));
@@ -211,7 +229,7 @@ void tell_origin(const Arguments& arguments, const std::string& origin) {
 /// Returns the media type that the ending of the output asks for. If the input has the same ending, the result is
 /// empty: the format is then the input's in any case, as text if need be.
 std::string accept_of(const Arguments& arguments) {
-  const auto format = format_from_file_name(arguments.output);
+  const auto format = written_format_from_file_name(arguments.output);
   return format && format != format_from_file_name(arguments.input) ? std::string(media_type(*format)) : "";
 }
 

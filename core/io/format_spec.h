@@ -1,6 +1,7 @@
 /// All that the program knows about a mesh format, as one row of a table.
 #pragma once
 
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -38,17 +39,25 @@ enum class LabelsHeld {
   kAll,  ///< object, group and material of each face
 };
 
+/// A program that was seen to read the files of a format.
+struct ReadingProgram {
+  std::string_view program;
+  std::string_view takes;      ///< what it takes of the file, in a few words
+  std::string_view next = {};  ///< one to three lines of a shell that go on with a file `part`; empty if there are none
+};
+
 /// One format. One row is all that the code has to know of a format, so there are also things that only the API, the
 /// daemon and the page use: the media type, and what people want to know of the file.
 struct FormatSpec {
-  std::string_view name;    ///< the stable name: `obj`
-  std::string_view ending;  ///< of a file's name, without the point
+  std::string_view name;  ///< the stable name: `obj`
+  /// The endings of files' names, without the point. What is written gets the first one; the others are only read.
+  std::span<const std::string_view> endings;
   std::string_view media_type;
   Storage storage;                        ///< the numbers in which it is written
   LabelsHeld labels = LabelsHeld::kNone;  ///< those that it has when it is written
-  std::string_view about = {};            ///< what is in the file, in a few words
-  std::string_view programs = {};         ///< programs that were seen to read it
-  std::string_view next = {};  ///< one to three lines that go on with a file `part`; empty if it is only read
+  std::string_view reads = {};            ///< what is read of such a file, in words; empty if it is only written
+  std::string_view about = {};            ///< what is in a file that is written, in words; empty if it is only read
+  std::span<const ReadingProgram> programs = {};  ///< empty if it is only read
   /// Looks at a content; null if the format is never recognised by its content.
   Mark (*mark)(const Sniffed& content) = nullptr;
   /// Null if the format is not read, or only above this library, as JSON is.
@@ -57,6 +66,8 @@ struct FormatSpec {
   std::string (*write)(const WriterInput& input, RunControl& control) = nullptr;
   /// The names of labels that are changed when the mesh is written. Null if they are written as they came.
   std::vector<RenamedLabel> (*renamed)(const WriterInput& input, RunControl& control) = nullptr;
+  /// The lines of Gmsh's language that fill a file of a closed surface. Null if Gmsh needs none or cannot fill it.
+  std::vector<std::string> (*filling)(const WriterInput& input, RunControl& control) = nullptr;
 };
 
 const FormatSpec& format_spec(Format format);

@@ -13,16 +13,18 @@ namespace remesh {
 bool is_written(Format format);
 /// The stable name of a format: `obj`, `json`, ...
 std::string_view format_name(Format format);
-/// The usual ending of a file name, without the point. It is the name of the format, except for `stl_ascii`, whose
-/// ending is `stl`.
+/// The ending of the name of a file that is written, without the point. It is the name of the format, except for
+/// `stl_ascii` and `ply_ascii`, whose endings are `stl` and `ply`.
 std::string_view file_ending(Format format);
 /// The kind of numbers with which a format is written.
 Storage storage_of(Format format);
 /// The format of exactly that name.
 std::optional<Format> format_from_name(std::string_view name);
-/// The format for the ending of a file name, in upper or lower case: `part.STL`, `part.obj.gz`. The directory does
-/// not matter. If several formats have the ending, it is the first one.
+/// The format of a file by the ending of its name, in upper or lower case: `part.STL`, `part.obj.gz`. The directory
+/// does not matter. If several formats have the ending, it is the first one.
 std::optional<Format> format_from_file_name(std::string_view file_name);
+/// The same for a file that is to be written. Nothing if only files of another ending are written, as for `part.vtp`.
+std::optional<Format> written_format_from_file_name(std::string_view file_name);
 /// True if a file name ends in `.gz`.
 bool is_gzip_file_name(std::string_view file_name);
 /// The media type of answers, without parameters: `model/obj`.

@@ -23,4 +23,9 @@ std::vector<RenamedLabel> renamed_labels(Format format, const WriterInput& input
   return renamed == nullptr ? std::vector<RenamedLabel>() : renamed(input, control);
 }
 
+std::vector<std::string> filling_lines(Format format, const WriterInput& input, RunControl& control) {
+  const auto filling = format_spec(format).filling;
+  return filling == nullptr ? std::vector<std::string>() : filling(input, control);
+}
+
 }  // namespace remesh

@@ -22,4 +22,8 @@ std::string write_mesh(Format format, const WriterInput& input, RunControl& cont
 /// The names of labels that write_mesh changes, because programs that read the format would not read them.
 std::vector<RenamedLabel> renamed_labels(Format format, const WriterInput& input, RunControl& control);
 
+/// The lines of Gmsh's language with which Gmsh fills the surface in a file by write_mesh.
+/// Output: none if the format needs none, or if the surface does not enclose volumes.
+std::vector<std::string> filling_lines(Format format, const WriterInput& input, RunControl& control);
+
 }  // namespace remesh

@@ -251,8 +251,28 @@ TEST_F(cli, a_success_is_told_with_what_it_missed_and_the_option_that_helps_unle
 
 TEST_F(cli, an_ending_that_cannot_be_written_names_all_that_can) {
   const std::string told = run({"square.obj", "-o", "o.step"}).err;
-  for (const Format format : kFormats)
-    EXPECT_THAT(told, HasSubstr("." + std::string(file_ending(format)))) << format_name(format);
+  for (const Format format : kFormats) {
+    const auto has_ending = HasSubstr("." + std::string(file_ending(format)) + ",");
+    EXPECT_EQ(testing::Value(told, has_ending), is_written(format)) << format_name(format) << ": " << told;
+  }
+  // These are read, but what is written has another ending.
+  for (const char* output : {"o.vtp", "o.vtk.gz", "o.gltf", "o.3mf"})
+    EXPECT_EQ(run({"square.obj", "-o", output}).status, 2) << output;
+}
+
+TEST_F(cli, a_folder_may_have_files_of_every_ending_that_is_read) {
+  write("parts/a.vtk",
+        "# vtk DataFile Version 3.0\nsquare\nASCII\nDATASET POLYDATA\nPOINTS 4 double\n0 0 0\n1 0 0\n"
+        "1 1 0\n0 1 0\nPOLYGONS 1 5\n4 0 1 2 3\n");
+  write("parts/b.mesh",
+        "MeshVersionFormatted 2\nDimension 3\nVertices\n3\n0 0 0 0\n1 0 0 0\n0 1 0 0\nTriangles\n1\n"
+        "1 2 3 7\nEnd\n");
+  write("parts/c.txt", "no mesh");
+  const Outcome outcome = run({"--batch", "parts", "--report", "parts.csv", "-o", "out", "--quiet"});
+  EXPECT_EQ(outcome.status, 0) << read("parts.csv");
+  EXPECT_THAT(read("out/a.vtu"), HasSubstr("<VTKFile"));
+  EXPECT_THAT(read("out/b.mesh"), HasSubstr("Triangles"));
+  EXPECT_EQ(run({"parts/a.vtk", "-o", "a.obj"}).status, 0);
 }
 
 TEST_F(cli, a_file_of_a_cad_program_is_told_what_it_is_and_the_command_that_makes_a_mesh_of_it) {

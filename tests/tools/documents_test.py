@@ -27,8 +27,8 @@ from remeshd import Daemon  # noqa: E402
 MACHINE = {"--workers", "--max-running", "--queue-size", "--memory-budget"}
 # These flags of the daemon are no settings, since they end it.
 ENDING = {"--help", "--version", "--print-config", "--check-config"}
-# These are flags of other programs: curl, tsc, docker.
-FOREIGN = {"--data-binary", "--fail-with-body", "--noEmit", "--now", "--rm", "--scale"}
+# These are flags of other programs: curl, tsc, docker, systemctl, Blender, PrusaSlicer.
+FOREIGN = {"--data-binary", "--fail-with-body", "--info", "--noEmit", "--now", "--python-expr", "--rm", "--scale"}
 # These variables are read by `docker/` or by tests, or are options of CMake.
 OTHER_VARIABLES = {"REMESHD_API_KEY", "REMESHD_CORPUS", "REMESHD_DOMAIN", "REMESHD_REQUIRE_CORPUS", "REMESHD_TESTS",
                    "REMESHD_UNITY", "REMESHD_UPSTREAM", "REMESHD_WEB", "REMESHD_WERROR"}
@@ -199,13 +199,43 @@ def words_of_range(option):
     return f"at least {low:g}" if low and option["type"] == "number" else ""
 
 
-def check_formats(capabilities, contract):
+def rows_of_formats(read, written):
+    """The table of formats, as it follows from what the daemon says of them."""
+    rows = []
+    reads, writes = ({form["name"]: form for form in forms} for forms in (read, written))
+    labels = {"none": "none", "one": "one [kind](api/README.md#names)", "all": "objects, groups, materials"}
+    for name, form in (reads | writes).items():
+        same = next((other for other, one in reads.items() if one["media_type"] == form["media_type"]), None)
+        rows.append([f"`{name}`", " ".join(f"`.{ending}`" for ending in form["endings"]), f"`{form['media_type']}`",
+                     reads[name]["about"] if name in reads else f"as `{same}`" if same else "no",
+                     f"{form['about']}; {form['numbers']}s" if name in writes else "no",
+                     labels[form["labels"]] if name in writes else ""])
+    return rows
+
+
+def expect_rows(path, heading, columns, wanted):
+    """Holds a table, the one with so many columns, against the rows that it must have."""
+    found = next((rows for rows in tables(section(path, heading)) if len(rows[0]) == columns), [])
+    if found != wanted:
+        text = "\n".join("| " + " | ".join(row).replace("|  |", "| |") + " |" for row in wanted)
+        failures.append(f"{path}, {heading}: the table must have these rows:\n{text}")
+
+
+def check_formats(capabilities, contract, twin):
     read, written = capabilities["formats"]["input"], capabilities["formats"]["output"]
     names = [form["name"] for form in written]
     types_read, types_written = {form["media_type"] for form in read}, {form["media_type"] for form in written}
-    rows = next(rows for rows in tables(section("README.md", "## The service")) if len(rows[0]) == 5)
-    expect_equal([code_spans(row[1])[0] for row in rows if row[3] != "no"], types_written, "README.md, table of formats")
-    expect_equal([code_spans(row[1])[0] for row in rows if row[2] != "no"], types_read, "README.md, formats that are read")
+    expect_rows("README.md", "## The service", 6, rows_of_formats(read, written))
+    expect_rows("api/README.md", "### Programs", 4, [
+        [f"`{form['name']}`", program["program"], program["takes"], "<br>".join(f"`{line}`" for line in program["lines"])]
+        for form in written for program in form["programs"]])
+    # The files that are told to people in other ways.
+    help_lines = [line.split() for line in output_of(twin, "--help").splitlines()]
+    for form in {form["name"]: form for form in read + written}.values():
+        start = [form["name"], *(f".{ending}" for ending in form["endings"])]
+        way = ("r" if form in read or form["name"] in [f["name"] for f in read] else "-") + ("w" if form["name"] in names else "-")
+        if [*start, way] not in [line[: len(start) + 1] for line in help_lines]:
+            failures.append(f"remesh --help: there is no line {' '.join([*start, way])}")
     groups = tables(section("api/README.md", "## Options"))
     format_row = next(row for group in groups for row in group if row[0] == "`format`")
     expect_equal(code_spans(format_row[2]), names, "api/README.md, option format")
@@ -421,7 +451,7 @@ def main():
         check_wishes(daemon, capabilities)
     check_results(twin)
     check_options(capabilities, contract)
-    check_formats(capabilities, contract)
+    check_formats(capabilities, contract, twin)
     check_endpoints(contract)
     settings, described = settings_of(program), flags_of_help(output_of(program, "--help"))
     check_settings(settings, described)

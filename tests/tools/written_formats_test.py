@@ -7,6 +7,7 @@ be in the others: the same vertices, bit for bit (in STL: rounded to floats), an
 not installed, and what it would have read was not tested.
 """
 
+import importlib.util
 import json
 import os
 import re
@@ -316,6 +317,67 @@ def with_tetgen(labelled, _):
         print(f"ok: {what}")
 
 
+# Programs that need a screen.
+WITH_SCREEN = ("blender", "freecad", "paraview", "meshlab", "prusa-slicer", "netgen")
+
+
+def has_module(line):
+    module = re.search(r"import (meshio|vtk)", line)
+    return module is None or importlib.util.find_spec(module.group(1)) is not None
+
+
+def with_recipes(remesh, folder):
+    """The lines that the report has for each format, run as they stand. The programs find all triangles."""
+    source = os.path.join(folder, "source.obj")
+    with open(source, "w", encoding="utf-8") as file:
+        file.write(PART)
+    # Debian's OpenFOAM and FreeFEM do not know where their own files are.
+    environment = os.environ | {"PATH": "/usr/bin:" + os.environ["PATH"], "WM_PROJECT_DIR": "/usr/share/openfoam",
+                                "FOAM_ETC": "/usr/share/openfoam/etc", "FF_LOADPATH": "/usr/lib/freefem++"}
+    done = 0
+    for form in FORMATS + [options[1] for name, options in FORMS.items() if name == options[1]]:
+        place = os.path.join(folder, form)
+        os.mkdir(place)
+        ending = form.split("_")[0]
+        subprocess.run([remesh, source, "-o", f"part.{ending}", "--format", form, "--report", "report.json", "--quiet"],
+                       check=True, timeout=600, cwd=place)
+        with open(os.path.join(place, "report.json"), encoding="utf-8") as file:
+            report = json.load(file)
+        check(report["recipe"], f"{form}: the report has no recipe")
+        if form == "msh":
+            with open(os.path.join(place, "part.msh"), encoding="utf-8") as file:
+                comments = file.read().split("$EndComments")[0]
+            geo = next(row["geo"] for row in report["recipe"] if row["program"] == "Gmsh")
+            check(geo == [line for line in comments.splitlines() if line.endswith(";")] and len(geo) == 3, f"geo: {geo}")
+        for row in report["recipe"]:
+            what, lines = f"{row['program']}, {form}", "\n".join(row["lines"])
+            command = lines.splitlines()[-1].split()[0] if lines else ""
+            if not lines or command in WITH_SCREEN or not shutil.which(command) or not has_module(lines):
+                continue
+            ran = subprocess.run(["sh", "-ec", lines], capture_output=True, text=True, timeout=600, cwd=place, env=environment)
+            check(ran.returncode == 0, f"{what}: {lines}: {ran.stdout}{ran.stderr}")
+            faces = report["output"]["faces"]
+            if command == "tetgen":
+                with open(os.path.join(place, "part.1.ele"), encoding="ascii") as file:
+                    check(int(file.readline().split()[0]) >= 6, f"{what}: there are too few tetrahedra")
+            elif command == "gmsh":
+                written = "filled.msh" if form == "msh" else "part.msh"
+                with open(os.path.join(place, written), encoding="utf-8") as file:
+                    found = file.read()
+                count = int(re.search(r"\$Elements\n\d+ (\d+)", found).group(1))
+                # With the volume there are its tetrahedra.
+                check(count > faces if form == "msh" else count == faces, f"{what}: {count} elements")
+                check(form != "msh" or '"volume"' in found, f"{what}: no volume")
+            else:
+                counts = [int(count) for count in re.findall(r"(?<![\w.])\d+(?![\w.])", ran.stdout)]
+                # meshio has a block of triangles for each group of OBJ.
+                in_blocks = sum(int(count) for count in re.findall(r"triangle: (\d+)", ran.stdout))
+                check(faces in [*counts, in_blocks], f"{what}: not {faces} triangles: {ran.stdout}")
+            done += 1
+            print(f"ok: {what}, by its recipe")
+    check(done > 10 or shutil.which("tetgen") is None, "hardly any program was tried")
+
+
 def remesh_to_all(remesh, folder, part):
     """What is expected, and the path of the file of each format."""
     os.mkdir(folder)
@@ -349,6 +411,8 @@ def main():
                 skipped.append(name)
                 continue
             test(labelled, plain)
+        os.mkdir(os.path.join(folder, "recipes"))
+        with_recipes(os.path.abspath(remesh), os.path.join(folder, "recipes"))
         if shutil.which("tetgen") is None:
             skipped.append("tetgen")
         else:

@@ -3,6 +3,7 @@
 
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/base/run_control.h"
 #include "core/io/common/boundaries.h"
@@ -35,6 +36,11 @@ ReadResult read_msh(std::string_view content, const ReadLimits& limits, RunContr
 /// Errors: kCancelled, kTimeout - through `control`.
 /// Cost:   O(output).
 std::string write_msh(const WriterInput& input, RunControl& control);
+
+/// The lines of Gmsh's language that are in the comments of a file by write_msh.
+/// Output: none if the surface does not enclose volumes, or if it is not clear which.
+/// Errors: as enclosed_volumes.
+std::vector<std::string> msh_filling(const WriterInput& input, RunControl& control);
 
 /// The boundaries that write_msh makes physical groups of. Without a change, a name has no quotes or line ends.
 Boundaries msh_boundaries(const WriterInput& input, RunControl& control);

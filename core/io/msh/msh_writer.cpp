@@ -81,8 +81,8 @@ class SurfaceEntities {
 
 /// Makes the lines of Gmsh's language that fill the surface.
 /// Output: none if the surface does not enclose volumes, or if it is not clear which.
-std::vector<std::string> filling_lines(const WriterInput& input, const SurfaceEntities& entities,
-                                       std::uint64_t physical_volume, std::string_view name, RunControl& control) {
+std::vector<std::string> lines_that_fill(const WriterInput& input, const SurfaceEntities& entities,
+                                         std::uint64_t physical_volume, std::string_view name, RunControl& control) {
   const EnclosedVolumes volumes = enclosed_volumes(input.mesh, control);
   if (!volumes.is_complete || volumes.all.empty()) return {};
   // The shell of each entity. A patch that several shells share belongs to no one.
@@ -253,6 +253,12 @@ void write_surfaces(std::string& out, const WriterInput& input, RunControl& cont
 
 }  // namespace
 
+std::vector<std::string> msh_filling(const WriterInput& input, RunControl& control) {
+  Boundaries boundaries = msh_boundaries(input, control);
+  return lines_that_fill(input, SurfaceEntities(input, boundaries, control), boundaries.size() + 1,
+                         boundaries.other_name("volume"), control);
+}
+
 Boundaries msh_boundaries(const WriterInput& input, RunControl& control) { return {input, control, quotable}; }
 
 std::string write_msh(const WriterInput& input, RunControl& control) {
@@ -263,7 +269,7 @@ std::string write_msh(const WriterInput& input, RunControl& control) {
   // Programs expect that no two groups have the same number, whatever their dimensions.
   const std::uint64_t physical_volume = boundaries.size() + 1;
   const std::string volume_name = boundaries.other_name("volume");
-  const std::vector<std::string> filling = filling_lines(input, entities, physical_volume, volume_name, control);
+  const std::vector<std::string> filling = lines_that_fill(input, entities, physical_volume, volume_name, control);
 
   const bool is_new = input.writing.msh_version == MshVersion::k41;
   std::string out = is_new ? "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n" : "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n";

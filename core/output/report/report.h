@@ -51,6 +51,7 @@ struct Report {
   std::vector<Diagnostic> diagnostics;
   /// The names of labels that the output format has in another form, because mesh programs would not read them.
   std::vector<RenamedLabel> renamed_labels;
+  std::vector<std::string> filling_lines;  ///< of Gmsh's language, with which it fills the written file, if it can
   std::vector<VolumeObstacle> volume_obstacles;  ///< those of the result; for an analysis, those of the input as mended
   std::uint64_t predicted_faces = 0;  ///< for an analysis: the number of faces that a remeshing is expected to make
   /// The number of faces that is predicted for other values of elements_per_circle. It is empty if no surface is

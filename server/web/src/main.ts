@@ -107,7 +107,8 @@ class Page {
   private meet(capabilities: Capabilities): void {
     byId("version").textContent = capabilities.versions.remeshd;
     byId("formats").textContent =
-      capabilities.formats.input.map(({ name }) => name.toUpperCase()).join(", ") + " (.gz)";
+      capabilities.formats.input.flatMap(({ endings }) => endings.map((ending) => ending.toUpperCase())).join(", ") +
+      " (.gz)";
     this.options = new OptionsForm(byId("options"), capabilities.options, () => this.optionsChanged());
     this.mostBytes = capabilities.limits["max_body"] ?? Infinity;
     this.mostFaces = capabilities.limits["max_output_faces"] ?? Infinity;

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 #include <string>
 #include <utility>
@@ -40,11 +41,18 @@ TEST(formats, every_format_has_a_row_of_its_own) {
   for (const Format format : kFormats) {
     const FormatSpec& spec = format_spec(format);
     EXPECT_FALSE(spec.name.empty());
-    EXPECT_FALSE(spec.ending.empty()) << spec.name;
+    EXPECT_FALSE(spec.endings.empty()) << spec.name;
     EXPECT_FALSE(spec.media_type.empty()) << spec.name;
-    EXPECT_FALSE(spec.about.empty()) << spec.name;
-    EXPECT_FALSE(spec.programs.empty()) << spec.name;
-    EXPECT_EQ(spec.next.empty(), !is_written(format)) << spec.name;
+    const bool is_read = spec.read != nullptr || format == Format::kJson;
+    EXPECT_EQ(spec.reads.empty(), !is_read) << spec.name;
+    EXPECT_EQ(spec.about.empty(), !is_written(format)) << spec.name;
+    EXPECT_EQ(spec.programs.empty(), !is_written(format)) << spec.name;
+    for (const ReadingProgram& program : spec.programs) {
+      EXPECT_FALSE(program.takes.empty()) << program.program;
+      EXPECT_LE(std::count(program.next.begin(), program.next.end(), '\n'), 2) << program.next;
+      const std::string file = "part." + std::string(file_ending(format));
+      EXPECT_TRUE(program.next.empty() || program.next.find(file) != std::string_view::npos) << program.next;
+    }
     // Only formats with one label for each face change names, and glTF is not for mesh programs.
     EXPECT_EQ(spec.renamed != nullptr, spec.labels == LabelsHeld::kOne && format != Format::kGlb) << spec.name;
     EXPECT_TRUE(names.insert(spec.name).second) << spec.name;
@@ -78,6 +86,23 @@ TEST(formats, the_ending_of_a_file_name_tells_the_format) {
        {"", "obj", ".gz", "part.gz", "part", "part.", "dir.obj/part", "dir.obj\\part", "part.objx"}) {
     EXPECT_EQ(format_from_file_name(name), std::nullopt) << name;
   }
+}
+
+TEST(formats, a_format_may_be_read_from_files_of_several_endings_and_is_written_with_one) {
+  for (const Format format : kFormats) {
+    for (const std::string_view ending : format_spec(format).endings) {
+      const std::string name = "part." + std::string(ending);
+      const Format read = *format_from_file_name(name);
+      EXPECT_EQ(format_spec(read).endings.data(), format_spec(format).endings.data()) << name;
+      const bool is_first = is_written(format) && ending == file_ending(format);
+      EXPECT_EQ(written_format_from_file_name(name), is_first ? std::optional(read) : std::nullopt) << name;
+    }
+  }
+  EXPECT_EQ(format_from_file_name("Part.VTP.gz"), Format::kVtu);
+  EXPECT_EQ(format_from_file_name("part.vtk"), Format::kVtu);
+  EXPECT_EQ(format_from_file_name("part.gltf"), Format::kGlb);
+  EXPECT_EQ(written_format_from_file_name("part.ply.gz"), Format::kPly);
+  EXPECT_EQ(written_format_from_file_name("part.3mf"), std::nullopt);
 }
 
 TEST(formats, json_is_known_by_its_first_character) {

@@ -19,7 +19,14 @@ export interface Format {
   name: string;
   media_type: string;
   ending: string;
+  endings: string[];
   about: string;
+  programs: ReadingProgram[];
+}
+export interface ReadingProgram {
+  program: string;
+  takes: string;
+  lines: string[];
 }
 export interface Capabilities {
   name: string;

@@ -16,6 +16,7 @@ export class DownloadPanel {
   private readonly line = h("code", { id: "curl", tabindex: "0", role: "region", "aria-label": "The curl command" });
   private readonly copy = h("button", { type: "button", class: "quiet", click: () => void this.copyLine() }, "Copy");
   private readonly format = h("select", { "aria-label": "Format of the curl line", change: () => this.showLine() });
+  private readonly programs = h("dl", { class: "facts", id: "programs" });
   private result: Result | null = null;
   private formats: Format[] = [];
   private settings: { file: string; query: [string, string][]; hasKey: boolean } = {
@@ -45,6 +46,7 @@ export class DownloadPanel {
           h("h3", { id: "curl-title" }, "The same request from a shell"),
           h("div", { class: "curl-row" }, h("label", { class: "inline" }, "as ", this.format), this.copy),
           this.line,
+          this.programs,
         ),
       ),
     );
@@ -89,6 +91,13 @@ export class DownloadPanel {
       format,
       this.endingOf(format),
       hasKey,
+    );
+    const programs = this.formats.find(({ name }) => name === format)?.programs ?? [];
+    this.programs.replaceChildren(
+      ...programs.flatMap(({ program, takes, lines }) => [
+        h("dt", {}, program),
+        h("dd", {}, `${takes} `, ...lines.flatMap((line) => [h("br"), h("code", {}, line)])),
+      ]),
     );
   }
 
