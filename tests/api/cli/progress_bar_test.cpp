@@ -28,10 +28,11 @@ TEST(progress_bar, a_run_shows_its_stage_and_how_far_it_is) {
   RunControl control;
   control.enter(Stage::kRefinement);
   control.progress(0.25);
-  // Refinement is the part from 0.15 to 0.63 of a usual run, and a quarter of it is done.
+  // Refinement is the part from 0.15 to 0.45 of a usual run. When it has a quarter of its triangles, a sixteenth of its
+  // time has passed.
   api::OverallProgress progress;
-  EXPECT_EQ(progress_line(progress, control, 0.5), "[######                  ]  27 % refinement");
-  EXPECT_EQ(progress_line(progress, control, 27), "[######                  ]  27 % refinement, about 73 s left");
+  EXPECT_EQ(progress_line(progress, control, 0.5), "[####                    ]  16 % refinement");
+  EXPECT_EQ(progress_line(progress, control, 27), "[####                    ]  16 % refinement, about 133 s left");
 }
 
 /// Redirects standard error as long as it lives.
