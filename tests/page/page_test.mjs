@@ -95,6 +95,7 @@ onPage("the numbers are those of the report", async ({ open, run, tab, cell, tex
   assert.equal(await cell("Smallest angle", "after"), `${report.output.quality.min_angle_deg.toFixed(1)}°`);
   assert.equal(await cell("Patches", "before"), String(report.patches.length));
   assert.equal(await cell("Verified: conforming", "before"), "holds");
+  assert.doesNotMatch(await text("#report"), /NaN|undefined|null/);
   await tab("quality");
   const counts = report.output.quality.angle_histogram_deg.counts;
   assert.match(await text("#quality .histogram table"), new RegExp(`50 – 60[\\d,]*?${counts[5].toLocaleString("en")}`));

@@ -298,7 +298,7 @@ const axisEnd = (page, side, axis) =>
   );
 
 onAll("standard views, an up axis, the overlay, a picture, and a reload", async (on) => {
-  const { page, open, run, text, press, choose, view, waitForText } = on;
+  const { page, open, text, press, choose, view, waitForText } = on;
   await open(bracket, /^4,800 faces$/);
   await choose("#option-preset", "volume");
   await press("#run");
@@ -337,7 +337,6 @@ onAll("standard views, an up axis, the overlay, a picture, and a reload", async 
   await page.reload();
   await waitForText("#before-count", /^4,800 faces$/);
   assert.equal(await page.$eval("#option-preset", (select) => select.value), "volume");
-  await run();
   await press("#forget");
   await waitForText("#status", /^It is no longer kept/);
   await page.reload();
@@ -399,9 +398,11 @@ onAll("two places are measured", async (on) => {
 });
 
 onAll("a chosen surface leaves the other colours, and is let go", async (on) => {
-  const { page, open, run, press, choose, view } = on;
+  const { page, open, run, press, choose, view, waitForText } = on;
   await open(everything(), kFaces);
   await run();
+  // The notes of options grow when the forecast comes, and move what is below them on a narrow screen.
+  await waitForText("#forecast", /^About/);
   await choose("#colouring", "surface");
   await press("#tab-surfaces");
   const free = await view("after", isDrawn(0.02));
@@ -426,7 +427,7 @@ onAll("a chosen surface leaves the other colours, and is let go", async (on) => 
     assert.ok(difference(free, chosen) < 2 * chosenPart(chosen) + 0.03, `differs in ${difference(free, chosen)}`);
     await act();
     await view("after", (png) => {
-      assert.ok(difference(free, png) < 0.001, `${name}: differs in ${difference(free, png)}`);
+      assert.ok(chosenPart(png) < chosenPart(free) + 0.001, `${name}: ${chosenPart(png)} is still yellow`);
     });
   }
 });

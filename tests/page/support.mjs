@@ -367,7 +367,7 @@ let axe = null;
 /** What axe finds on a page. By way of the debugger, which the page's policy does not bind. */
 export async function violations(page) {
   axe ??= readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
-  await page.evaluate(axe);
+  if (!(await page.evaluate(() => "axe" in globalThis))) await page.evaluate(axe);
   const { violations: found } = await page.evaluate(() =>
     globalThis.axe.run(document, { resultTypes: ["violations"] }),
   );

@@ -148,6 +148,7 @@ export interface Report {
   distance_bound: { output_to_input: number; input_to_output: number } | null;
   diagnostics: Diagnostic[];
   volume_ready: { ready: boolean; reasons: ({ code: string } & Places)[] };
+  /** Of an analysis. */
   predicted_faces: number;
   predicted_faces_by_elements_per_circle?: Record<string, number> | null;
   smallest_gap: number | null;

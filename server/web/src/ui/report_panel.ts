@@ -92,12 +92,12 @@ function aboutRun(report: Report): HTMLElement {
   const verdict = (holds: boolean | null): string => (holds === null ? "not asked" : holds ? "holds" : "fails");
   const facts: [string, string][] = [
     ["Patches", whole(report.patches.length)],
-    ["Predicted faces", whole(report.predicted_faces)],
     [
       "Plane tolerance",
       `${real(Number(report.options["plane_tolerance"]))}${tolerance.automatic ? " (automatic)" : ""}`,
     ],
   ];
+  if (!report.output) facts.push(["Predicted faces", whole(report.predicted_faces)]);
   for (const [elements, faces] of Object.entries(report.predicted_faces_by_elements_per_circle ?? {}))
     facts.push([`Predicted with ${elements} per circle`, whole(faces)]);
   if (report.smallest_gap !== null) facts.push(["Smallest gap", real(report.smallest_gap)]);

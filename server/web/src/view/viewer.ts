@@ -81,6 +81,8 @@ export class Viewer {
   private readonly flights = new Map<Side, Flight>();
   private lastMove = 0;
   private detail = 1;
+  /** The timer of the frame that stays. */
+  private rest = 0;
   private section: Section | null = null;
   private colouring: Colouring = "plain";
   private patches: PatchTexture = patchTextureOf(new Uint8Array(), false);
@@ -371,14 +373,19 @@ export class Viewer {
     if (!isMoving) this.detail = 1;
     const start = performance.now();
     this.drawAll();
+    if (isMoving) this.adapt(start);
     // Tests wait for it.
-    this.canvas.toggleAttribute("data-still", !isMoving);
-    if (!isMoving) return;
+    this.canvas.toggleAttribute("data-still", this.detail === 1 && this.flights.size === 0);
+  }
+
+  /** Draws the next frames with fewer pixels if this one was slow, and what stays with all of them. */
+  private adapt(start: number): void {
     // Reading a pixel waits for the card: the time is then the frame's.
     const gl = this.renderer.getContext();
     gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
     if (performance.now() - start > kSlowFrameMs && this.detail > 0.35) this.detail *= 0.7;
-    this.invalidate();
+    clearTimeout(this.rest);
+    if (this.detail < 1) this.rest = window.setTimeout(() => this.invalidate(), kRestMs);
   }
 
   private drawAll(): void {
