@@ -12,7 +12,7 @@ const [folder, source] = process.argv.slice(2);
 if (!folder) throw new Error("usage: node build.mjs OUTPUT_FOLDER [OUTPUT.cpp]");
 
 /** Files beyond this would make the page slow to come. */
-const kMostBytes = 1_000_000;
+const kMostBytes = 300_000;
 
 const files = [];
 // Names change with contents, so that browsers may keep them for ever.

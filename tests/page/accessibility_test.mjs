@@ -1,27 +1,18 @@
 // What axe finds in every state of the page, in both colour schemes.
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
-import { createRequire } from "node:module";
-import { test } from "node:test";
-import { bracket, openPage, stage } from "./support.mjs";
+import { after, before, test } from "node:test";
+import { bracket, openPage, stage, startDaemon, violations } from "./support.mjs";
 
-const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
-const set = stage((folder) => ["--api-key-file", folder.write("keys", "a-key-of-the-axe-test\n")]);
-
-/** By way of the debugger, which the page's policy does not bind. */
-async function violations(page) {
-  await page.evaluate(axe);
-  const { violations: found } = await page.evaluate(() =>
-    globalThis.axe.run(document, { resultTypes: ["violations"] }),
-  );
-  return found.map(
-    ({ id, impact, nodes }) => `${impact} ${id}: ${nodes.map((node) => node.target.join(" ")).join(", ")}`,
-  );
-}
+const set = stage();
+let keyed;
+before(async () => {
+  keyed = await startDaemon("--api-key-file", set.folder.write("axe-keys", "a-key-of-the-axe-test\n"));
+});
+after(() => keyed?.stop());
 
 for (const scheme of ["light", "dark"]) {
   test(`axe finds nothing, ${scheme}`, async () => {
-    const { page, open, run, tab, drop, waitForText, type, close } = await openPage(set.browser, set.daemon.origin, {
+    const { page, open, run, tab, drop, waitForText, type, close } = await openPage(set.browser, keyed.origin, {
       scheme,
     });
     const check = async (state) => assert.deepEqual(await violations(page), [], `${state}, ${scheme}`);
@@ -66,7 +57,7 @@ for (const scheme of ["light", "dark"]) {
 }
 
 test("everything is reached by the Tab key, in the order in which it is read", async () => {
-  const { page, close } = await openPage(set.browser, set.daemon.origin, {});
+  const { page, close } = await openPage(set.browser, keyed.origin, {});
   try {
     await page.waitForSelector("#key-dialog[open]");
     await page.type("#key", "a-key-of-the-axe-test");

@@ -87,5 +87,5 @@ picture("finding", {}, async (visitor) => {
   await waitForText("#before-count", /^5 faces$/);
   await run();
   await tab("findings");
-  await page.click(".targets button");
+  await page.click('.targets [aria-label^="Places"] button');
 });

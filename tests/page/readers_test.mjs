@@ -12,6 +12,10 @@ const kModules = [
   "mesh/quality",
   "mesh/scanner",
   "mesh/triangulate",
+  "mesh/nearest",
+  "mesh/deviation",
+  "mesh/line_sets",
+  "mesh/face_labels",
   "samples",
   "service/curl",
   "ui/words",
@@ -254,4 +258,90 @@ test("the bounds of an option are the ones that the service names", async () => 
       assert.equal(page.faultOfNumber(spec, text) !== null, isRefused, `${spec.name}=${text}`);
     }
   }
+});
+
+/** The surface of a ball as triangles, by quadrilaterals of latitude and longitude. */
+function ball(radius, steps) {
+  const at = (i, j) => {
+    const [polar, turn] = [(Math.PI * i) / steps, (2 * Math.PI * j) / steps];
+    return [Math.sin(polar) * Math.cos(turn), Math.sin(polar) * Math.sin(turn), Math.cos(polar)].map((x) => radius * x);
+  };
+  const positions = [];
+  for (let i = 0; i < steps; ++i) {
+    for (let j = 0; j < steps; ++j) {
+      positions.push(
+        ...at(i, j),
+        ...at(i + 1, j),
+        ...at(i + 1, j + 1),
+        ...at(i, j),
+        ...at(i + 1, j + 1),
+        ...at(i, j + 1),
+      );
+    }
+  }
+  return Float32Array.from(positions);
+}
+
+test("the nearest triangle of a ball is as far as its surface", () => {
+  const steps = 60;
+  const tree = new page.NearestTriangles(ball(1, steps));
+  const sag = 1 - Math.cos((Math.PI * Math.SQRT2) / steps);
+  for (let i = 0; i < 500; ++i) {
+    const p = [1, 2, 3].map((k) => 2 * Math.sin(i * k + 0.3 * k * k));
+    const expected = Math.abs(Math.hypot(...p) - 1);
+    assert.ok(Math.abs(tree.distance(...p) - expected) <= sag, `${p}: ${tree.distance(...p)} instead of ${expected}`);
+  }
+  assert.equal(new page.NearestTriangles(new Float32Array()).distance(0, 0, 0), Infinity);
+});
+
+test("two balls of one middle are apart by the difference of their radii", () => {
+  const deviation = page.deviationOf(ball(1, 32), ball(0.75, 24));
+  const sag = 1 - Math.cos((Math.PI * Math.SQRT2) / 24);
+  assert.ok(
+    Math.abs(deviation.max - 0.25) < 2 * sag && Math.abs(deviation.mean - 0.25) < sag,
+    JSON.stringify(deviation.mean),
+  );
+  const same = page.deviationOf(ball(1, 40), ball(1, 40));
+  assert.deepEqual([same.max, same.mean], [0, 0]);
+});
+
+test("lines are the edges that a report counts", async () => {
+  const fan = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 -1 0\nf 1 2 3\nf 2 1 4\nf 1 2 5\n";
+  const bytes = new TextEncoder().encode(fan);
+  const { input } = (await analyzed(bytes)).body.report;
+  const fanned = new page.Draft(await page.readMesh(bytes)).drawable(null);
+  assert.equal(page.openEdges(fanned).triangle.length, input.boundary_edges);
+  // One edge, seen from each of its three faces.
+  assert.equal(input.non_manifold_edges, 1);
+  assert.equal(page.nonManifoldEdges(fanned).triangle.length, 3);
+  const crossed = "v 0 0 0\nv 4 0 0\nv 0 4 0\nv 1 1 -1\nv 1 1 2\nv 9 9 2\nf 1 2 3\nf 4 5 6\n";
+  const drawable = new page.Draft(await page.readMesh(new TextEncoder().encode(crossed))).drawable(null);
+  const { segments } = page.crossings(drawable, [[0, 1]]);
+  const { centre, radius } = drawable.frame;
+  const ends = [0, 3].map((at) => [0, 1, 2].map((axis) => segments[at + axis] * radius + centre[axis]));
+  // The second one stands over the diagonal, passes the first one's plane from (1, 1) and leaves it at (2, 2).
+  ends.sort((p, q) => p[0] - q[0]);
+  [
+    [1, 1, 0],
+    [2, 2, 0],
+  ].forEach((p, i) => p.forEach((x, axis) => assert.ok(Math.abs(ends[i][axis] - x) < 1e-5, `${ends}`)));
+});
+
+test("the values of presets are read from what the service says of them", async () => {
+  const { options } = await (await fetch(`${daemon.origin}/v1/capabilities`)).json();
+  const preset = options.find(({ name }) => name === "preset");
+  for (const word of preset.values) {
+    const values = page.presetValues(preset, word);
+    assert.ok(values.size > 0, word);
+    const answer = JSON.parse(await daemon.remesh(bracket, { format: "json", preset: word }));
+    for (const [name, value] of values) assert.equal(String(answer.report.options[name]), value, name);
+  }
+  assert.equal(page.presetValues(preset, null).size, 0);
+});
+
+test("a label of patches is that of their faces, and none where they differ", () => {
+  const mesh = { face_patch: [0, 0, 1, 1], labels: { group: { names: ["a", "b"], of_face: [1, 1, 0, 1] } } };
+  const [labels] = page.labelsOf(mesh);
+  assert.deepEqual([labels.kind, ...labels.ofPatch], ["group", 1, -1]);
+  assert.deepEqual(page.labelsOf({ face_patch: [0, 1], face_groups: [7, 3] })[0].names, ["3", "7"]);
 });

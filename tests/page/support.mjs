@@ -2,6 +2,7 @@
 import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
 import { existsSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { createRequire } from "node:module";
 import { tmpdir } from "node:os";
 import { dirname, join } from "node:path";
 import { after, before, test } from "node:test";
@@ -22,12 +23,10 @@ export function sharedMesh(t, name) {
   t.skip(`SKIPPED: there is no ${path}`);
   return null;
 }
-/** While a camera moves, the page may draw with fewer pixels, and draws anew when it has stopped. */
-const kRestMs = 260;
 /** So that both views have the same whole number of pixels. */
 const kWidth = 1281;
 /** How long to wait for what must happen: minutes, so that a busy machine is not taken for a fault. */
-const kPatienceMs = 120_000;
+const kPatienceMs = Number(process.env.REMESHD_PAGE_PATIENCE_MS || 120_000);
 export const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 
 /** What `check` gives once it no longer throws. It is asked again and again; in the end what it throws is thrown. */
@@ -39,7 +38,7 @@ export async function eventually(check) {
     } catch (error) {
       if (Date.now() > deadline) throw error;
     }
-    await pause(100);
+    await pause(40);
   }
 }
 
@@ -124,14 +123,16 @@ export async function startBrowser(...options) {
   });
 }
 
+let shared = null;
+
 /**
- * A daemon and a browser for the tests of a file, from before the first to after the last, and a folder, at once.
- * `options`: what the daemon is told, given that folder.
+ * A daemon and a browser for all tests of this process, from before the first to after the last, and a folder, at once.
  */
-export function stage(options = () => []) {
-  const set = { folder: temporaryFolder(), daemon: undefined, browser: undefined };
+export function stage() {
+  if (shared) return shared;
+  const set = (shared = { folder: temporaryFolder(), daemon: undefined, browser: undefined });
   before(async () => {
-    [set.daemon, set.browser] = await Promise.all([startDaemon(...options(set.folder)), startBrowser()]);
+    [set.daemon, set.browser] = await Promise.all([startDaemon(), startBrowser()]);
   });
   after(async () => {
     await set.browser?.close();
@@ -161,29 +162,43 @@ export function pageTests(set) {
   };
 }
 
-/** A tab of the page, with everything that a person does there. `faults` gathers what must not be in any console. */
-export async function openPage(browser, origin, { width = kWidth, height = 800, scheme = "light", downloads } = {}) {
+/** Tabs that a test has left, by their browsers: a new one costs as much as many a test. */
+const leftTabs = new WeakMap();
+
+async function newTab(browser) {
   const context = await browser.createBrowserContext();
   const page = await context.newPage();
   page.setDefaultTimeout(kPatienceMs);
-  await page.setViewport({ width, height });
+  const tab = { page, context, session: await page.createCDPSession(), faults: [], origin: "" };
+  const note = (fault) => tab.faults.push(fault);
+  page.on("pageerror", (error) => note(`error: ${error.message}`));
+  page.on("console", (message) => {
+    // A request may be over just when the page asks how far it is: 404, which browsers note by themselves.
+    if (message.location().url?.includes("/v1/requests/")) return;
+    if (["error", "warn"].includes(message.type())) note(`${message.type()}: ${message.text()}`);
+  });
+  page.on("request", (request) => {
+    if (!request.url().startsWith(tab.origin) && !/^(blob|data|about):/.test(request.url()))
+      note(`elsewhere: ${request.url()}`);
+  });
+  return tab;
+}
+
+/** A tab of the page, with everything that a person does there. `faults` gathers what must not be in any console. */
+export async function openPage(browser, origin, { width = kWidth, height = 800, scheme = "light", downloads } = {}) {
+  if (!leftTabs.has(browser)) leftTabs.set(browser, []);
+  const tab = leftTabs.get(browser).pop() ?? (await newTab(browser));
+  const { page, context, session } = tab;
+  // Nobody has been here before.
+  if (tab.origin) await session.send("Storage.clearDataForOrigin", { origin: tab.origin, storageTypes: "all" });
+  tab.origin = origin;
+  const faults = (tab.faults = []);
+  await page.setViewport({ width, height, hasTouch: width < 500 });
   // Without flights of the camera: what is seen is then there at once.
   await page.emulateMediaFeatures([
     { name: "prefers-color-scheme", value: scheme },
     { name: "prefers-reduced-motion", value: "reduce" },
   ]);
-  const faults = [];
-  page.on("pageerror", (error) => faults.push(`error: ${error.message}`));
-  page.on("console", (message) => {
-    // A request may be over just when the page asks how far it is: 404, which browsers note by themselves.
-    if (message.location().url?.includes("/v1/requests/")) return;
-    if (["error", "warn"].includes(message.type())) faults.push(`${message.type()}: ${message.text()}`);
-  });
-  page.on("request", (request) => {
-    if (!request.url().startsWith(origin) && !/^(blob|data):/.test(request.url()))
-      faults.push(`elsewhere: ${request.url()}`);
-  });
-  const session = await page.createCDPSession();
   if (downloads)
     await session.send("Browser.setDownloadBehavior", {
       behavior: "allow",
@@ -198,7 +213,11 @@ export async function openPage(browser, origin, { width = kWidth, height = 800, 
     page,
     faults,
     text,
-    close: () => context.close(),
+    async close() {
+      // What is still going on ends with the page.
+      await page.goto("about:blank");
+      leftTabs.get(browser).push(tab);
+    },
     /** As the desktop does it: a file dragged over the page and let go. */
     async drop(file) {
       const data = { items: [], files: [file], dragOperationsMask: 1 };
@@ -244,17 +263,18 @@ export async function openPage(browser, origin, { width = kWidth, height = 800, 
       );
     },
     async picture(selector) {
+      // While a camera moves, the page may draw with fewer pixels; it says when it has drawn what stays.
+      await page.waitForSelector("#canvas[data-still]");
       await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
       const clip = await page.$eval(selector, (element) => {
         const { x, y, width, height } = element.getBoundingClientRect();
-        return { x, y, width, height };
+        return { x: x + scrollX, y: y + scrollY, width, height };
       });
-      return PNG.sync.read(Buffer.from(await page.screenshot({ clip })));
+      return PNG.sync.read(Buffer.from(await page.screenshot({ clip, optimizeForSpeed: true })));
     },
     /** A view, once it has come to rest and `check` throws nothing of it: a busy browser shows a frame late. */
     async view(side, check = () => {}) {
       return eventually(async () => {
-        await pause(kRestMs);
         const picture = await self.picture(`#${side}`);
         await check(picture);
         return picture;
@@ -340,4 +360,18 @@ export function turned(folder, name, outline, steps = 24) {
     }
   }
   return folder.write(name, JSON.stringify({ vertices, faces }));
+}
+
+let axe = null;
+
+/** What axe finds on a page. By way of the debugger, which the page's policy does not bind. */
+export async function violations(page) {
+  axe ??= readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+  if (!(await page.evaluate(() => "axe" in globalThis))) await page.evaluate(axe);
+  const { violations: found } = await page.evaluate(() =>
+    globalThis.axe.run(document, { resultTypes: ["violations"] }),
+  );
+  return found.map(
+    ({ id, impact, nodes }) => `${impact} ${id}: ${nodes.map((node) => node.target.join(" ")).join(", ")}`,
+  );
 }

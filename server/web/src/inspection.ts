@@ -6,6 +6,7 @@ import { byId } from "./ui/dom.ts";
 import type { Finding, Target } from "./ui/findings.ts";
 import { surfaceCard } from "./ui/surface_card.ts";
 import { triangleNumbers } from "./ui/triangle_numbers.ts";
+import { kNothingMarked } from "./view/marks.ts";
 import { type Side, type Viewer, kSides, patchOf } from "./view/viewer.ts";
 
 /** What is known of the surfaces on the screen. */
@@ -27,6 +28,10 @@ export class Inspection {
     private readonly surfaces: SurfaceChoice,
   ) {}
 
+  /** Whether a triangle or a surface has its card in a view. */
+  get hasCard(): boolean {
+    return this.selected !== null;
+  }
   /** Drops all that is chosen. */
   clear(): void {
     if (this.surfaces.hasChosen) this.surfaces.choose([]);
@@ -44,7 +49,9 @@ export class Inspection {
     const drawable = this.viewer.drawable(side);
     const isFace = drawable && triangle >= 0 && 3 * triangle < drawable.corners.length;
     const surface = isFace && this.viewer.colours === "surface" ? this.surfaceOf(side, triangle) : null;
-    if (surface) this.showSurface(side, triangle, surface);
+    // A second click lets it go.
+    if (surface && this.surfaces.isChosen(surface)) this.clear();
+    else if (surface) this.showSurface(side, triangle, surface);
     else this.select(side, triangle);
   }
 
@@ -126,22 +133,26 @@ export class Inspection {
   }
 
   clearMarks(): void {
-    for (const side of kSides) this.viewer.mark(side, { places: [], faces: [], chosen: -1 });
+    for (const side of kSides) this.viewer.mark(side, kNothingMarked);
   }
 
   /** Marks all that a finding points at. Output: the triangle of the chosen one, or -1. */
-  mark({ side, targets }: Finding, chosen: number): number {
+  mark({ side, targets, lines, faces }: Finding, chosen: number): number {
     this.clearMarks();
     const drawable = this.viewer.drawable(side);
     if (!drawable) return -1;
+    if (lines) {
+      this.viewer.mark(side, { ...kNothingMarked, lines, chosen });
+      return lines.triangle[chosen] ?? -1;
+    }
     const places = targets.flatMap((target): Point[] => {
       if (target.kind === "place") return [target.at];
       if (target.kind !== "vertex") return [];
       const [x, y, z] = drawable.points.subarray(3 * target.vertex, 3 * target.vertex + 3);
       return [[x!, y!, z!]];
     });
-    const faces = targets.flatMap((target) => (target.kind === "face" ? [target.face] : []));
-    this.viewer.mark(side, { places, faces, chosen });
+    const listed = targets.flatMap((target) => (target.kind === "face" ? [target.face] : []));
+    this.viewer.mark(side, { ...kNothingMarked, places, faces: faces ?? listed, chosen });
     const target = targets[chosen];
     return target ? this.triangleOf(side, target) : -1;
   }

@@ -39,6 +39,9 @@ export class SurfaceChoice {
   get hasChosen(): boolean {
     return this.chosen.size > 0;
   }
+  isChosen({ id }: RecognisedSurface): boolean {
+    return this.chosen.has(id);
+  }
   colourOf(surface: RecognisedSurface): Rgb {
     return colourOf(this.colours, surface);
   }

@@ -1,8 +1,10 @@
 // The second thread: reads files and answers and makes them ready to be drawn, so that the page never stands still.
+import { type Deviation, deviationOf } from "./mesh/deviation.ts";
 import { Draft, type Drawable, type Patches } from "./mesh/drawable.ts";
 import { readMesh } from "./mesh/read.ts";
 import { surfaceOfJson } from "./mesh/read_json.ts";
 import { UnreadableMesh } from "./mesh/surface.ts";
+import { type FaceLabels, labelsOf } from "./mesh/face_labels.ts";
 import type { Answer, Report } from "./service/types.ts";
 
 export interface Opened {
@@ -19,11 +21,16 @@ export interface Answered {
   before: Float32Array | null;
   /** For each output face the input face under its centroid. */
   source: Uint32Array;
+  labels: FaceLabels[];
 }
-export type Task = { kind: "open"; file: Blob } | { kind: "answer"; body: Blob };
+export type Task =
+  | { kind: "open"; file: Blob }
+  | { kind: "answer"; body: Blob }
+  | { kind: "deviation"; before: Float32Array; after: Float32Array };
 export type Reply = { id: number } & (
   | { opened: Opened }
   | { answered: Answered }
+  | { deviation: Deviation }
   | { failure: string; isUnreadable: boolean }
 );
 
@@ -49,7 +56,7 @@ async function answer(body: Blob): Promise<Answered> {
   const patches = (ofFace: Patches["ofFace"]): Patches => ({ ofFace, kept, surfaceOf });
   const after = new Draft(surfaceOfJson(mesh), input?.frame ?? null).drawable(patches(mesh.face_patch));
   const before = mesh.input_face_patch && input ? input.values(patches(mesh.input_face_patch)) : null;
-  return { report, after, before, source: Uint32Array.from(mesh.face_source) };
+  return { report, after, before, source: Uint32Array.from(mesh.face_source), labels: labelsOf(mesh) };
 }
 
 function buffersOf(value: object): ArrayBuffer[] {
@@ -63,6 +70,9 @@ async function reply(id: number, task: Task): Promise<void> {
     if (task.kind === "open") {
       const opened = await open(task.file);
       postMessage({ id, opened } satisfies Reply, { transfer: buffersOf(opened.drawable) });
+    } else if (task.kind === "deviation") {
+      const deviation = deviationOf(task.before, task.after);
+      postMessage({ id, deviation } satisfies Reply, { transfer: buffersOf(deviation) });
     } else {
       const answered = await answer(task.body);
       postMessage({ id, answered } satisfies Reply, {

@@ -1,3 +1,4 @@
+import type { Deviation } from "./mesh/deviation.ts";
 import type { Answered, Opened, Reply, Task } from "./worker.ts";
 import { UnreadableMesh } from "./mesh/surface.ts";
 
@@ -31,6 +32,10 @@ export class WorkerClient {
   }
   async answer(body: Blob): Promise<Answered> {
     return ((await this.run({ kind: "answer", body })) as Reply & { answered: Answered }).answered;
+  }
+  /** Positions as in drawables. */
+  async deviation(before: Float32Array, after: Float32Array): Promise<Deviation> {
+    return ((await this.run({ kind: "deviation", before, after })) as Reply & { deviation: Deviation }).deviation;
   }
 
   private run(task: Task): Promise<Reply> {

@@ -34,7 +34,7 @@ export interface Drawable {
 /** Numbers of a triangle in `values`. */
 export const kValue = { minAngle: 0, radiusEdgeRatio: 1, patch: 2, flags: 3, count: 4 } as const;
 /** Bits of kValue.flags; those of edges are shifted by the corner that the edge is across from. */
-export const kFlag = { diagonal: 1, feature: 8, open: 64, kept: 512, smooth: 1024 } as const;
+export const kFlag = { diagonal: 1, feature: 8, open: 64, kept: 512, smooth: 1024, nonManifold: 8192 } as const;
 /** Where it is not known, or the face was dropped. */
 export const kNoPatch = -1;
 
@@ -98,8 +98,10 @@ export class Draft {
       if (patches?.kept.has(patch)) flags |= kFlag.kept;
       for (let k = 0; k < 3; ++k) {
         const twin = this.twin[3 * t + k]!;
-        if (twin < 0) flags |= (kFlag.open | kFlag.feature) << k;
-        else {
+        if (twin < 0) {
+          flags |= (kFlag.open | kFlag.feature) << k;
+          if (twin === kNonManifold) flags |= kFlag.nonManifold << k;
+        } else {
           const other = (twin / 3) | 0;
           const beyond = patchOf(other);
           if (patches ? beyond !== patch : this.isBend(t, other)) flags |= kFlag.feature << k;

@@ -25,6 +25,8 @@ export interface Watching {
 export interface Running {
   answer: Promise<Blob>;
   cancel: () => void;
+  /** Gives it up without a word: the answer never comes, and the service sees that the connection is closed. */
+  abandon: () => void;
 }
 
 /** Shorter requests are not watched. */
@@ -51,19 +53,22 @@ export class ServiceClient {
 
   /** Sends a mesh; cancelling ends `answer` with the problem `cancelled`. */
   post(post: Post, watching: Watching): Running {
-    let stop: () => void = () => {};
+    let attempt: Running | null = null;
     let isCancelled = false;
     const answer = this.withKey(() => {
       if (isCancelled) throw cancelled();
-      const attempt = this.send(post, watching);
-      stop = attempt.cancel;
+      attempt = this.send(post, watching);
       return attempt.answer;
     });
     return {
       answer,
       cancel: () => {
         isCancelled = true;
-        stop();
+        attempt?.cancel();
+      },
+      abandon: () => {
+        isCancelled = true;
+        attempt?.abandon();
       },
     };
   }
@@ -100,7 +105,7 @@ export class ServiceClient {
       );
       if (response?.status !== 204 && !ended.signal.aborted) request.abort();
     };
-    return { answer, cancel: () => void cancel() };
+    return { answer, cancel: () => void cancel(), abandon: () => request.abort() };
   }
 
   /** Follows the stream of a request's progress. */

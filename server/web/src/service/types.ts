@@ -56,6 +56,8 @@ export interface Quality {
   radius_edge_histogram: Histogram;
 }
 export interface Statistics {
+  /** Of the input, if its format tells it. */
+  up_axis?: "x" | "y" | "z" | null;
   vertices: number;
   faces: number;
   components: number;
@@ -125,11 +127,17 @@ export interface Patch {
   deviation: number;
   bound: number | null;
 }
+/** Options in the form of a query, and what they would do, as the end of a sentence. */
+export interface Remedy {
+  options: string;
+  effect: string;
+}
 export interface Diagnostic {
   code: string;
   count: number;
   elements: number[];
   message: string;
+  remedies: Remedy[];
 }
 export interface Places {
   count: number;
@@ -147,6 +155,7 @@ export interface Report {
   distance_bound: { output_to_input: number; input_to_output: number } | null;
   diagnostics: Diagnostic[];
   volume_ready: { ready: boolean; reasons: ({ code: string } & Places)[] };
+  /** Of an analysis. */
   predicted_faces: number;
   predicted_faces_by_elements_per_circle?: Record<string, number> | null;
   smallest_gap: number | null;
@@ -155,12 +164,19 @@ export interface Report {
   verified?: { surface: boolean; conforming: boolean; delaunay: boolean; quality: boolean | null; deviation: number };
   timing_ms: Record<string, number>;
 }
+/** One number for each face, an index of a name. */
+export interface Labels {
+  names: string[];
+  of_face: number[];
+}
 export interface AnswerMesh {
   vertices: Point[];
   faces: Point[];
   face_patch: number[];
   face_source: number[];
   input_face_patch?: (number | null)[];
+  face_groups?: number[];
+  labels?: Partial<Record<"object" | "group" | "material", Labels>>;
 }
 export interface Answer {
   mesh: AnswerMesh;

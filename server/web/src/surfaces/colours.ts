@@ -71,6 +71,16 @@ export function colourOf(colours: SurfaceColours, { id }: RecognisedSurface): Rg
   return [colours[3 * id]!, colours[3 * id + 1]!, colours[3 * id + 2]!];
 }
 
+/** The colour of a number, as the shader has it for patches and labels. */
+export function categoryColour(id: number): Rgb {
+  const hue = (id * 0.61803398875 + 0.08) % 1;
+  const tone = (id * 0.38196601125) % 1;
+  return [0, 4, 2].map((shift) => {
+    const strength = Math.min(Math.max(Math.abs(((hue * 6 + shift) % 6) - 3) - 1, 0), 1);
+    return Math.round(255 * ((0.74 + 0.14 * tone + 0.42 + 0.56 * strength) / 2));
+  }) as Rgb;
+}
+
 export function cssOf([red, green, blue]: Rgb): string {
   return `rgb(${red} ${green} ${blue})`;
 }

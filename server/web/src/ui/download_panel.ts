@@ -154,7 +154,7 @@ function titleOf(format: string): string {
   return format.toUpperCase().replaceAll("_", " ");
 }
 
-function saveBlob(blob: Blob, name: string): void {
+export function saveBlob(blob: Blob, name: string): void {
   const url = URL.createObjectURL(blob);
   h("a", { href: url, download: name }).click();
   setTimeout(() => URL.revokeObjectURL(url), 60_000);

@@ -1,8 +1,11 @@
 // What the report points at, as groups of places to go to.
-import type { Point } from "../mesh/drawable.ts";
-import type { Report } from "../service/types.ts";
+import { type Drawable, type Point, kValue } from "../mesh/drawable.ts";
+import { type LineSet, crossings, nonManifoldEdges, openEdges, trianglesBelow } from "../mesh/line_sets.ts";
+import type { Diagnostic, Remedy, Report } from "../service/types.ts";
 import type { Side } from "../view/viewer.ts";
+import { adviceList } from "./advice.ts";
 import { h } from "./dom.ts";
+import { angleBound } from "./report_panel.ts";
 import { label, real, sentence, whole } from "./words.ts";
 
 export type Target =
@@ -17,8 +20,15 @@ export interface Finding {
   count: number;
   isWorse: boolean;
   side: Side;
+  /** What the report lists: the first of them. */
   targets: Target[];
+  /** All of them, where the page finds them by itself; then they are gone through instead of the targets. */
+  lines: LineSet | null;
+  /** All faces that it is about, where the page finds them by itself. */
+  faces: number[] | null;
+  remedies: Remedy[];
 }
+export type Drawables = Record<Side, Drawable | null>;
 
 /** Obstacles for a volume mesher that an option can remove, with an explanation of each. */
 const kObstacles: Record<string, string> = {
@@ -44,11 +54,28 @@ const kUnrefined: Record<string, string> = {
   output_rounding: "It met the bounds until the output format rounded its corners.",
 };
 
-export function findingsOf(report: Report): Finding[] {
+export function findingsOf(report: Report, drawables: Drawables): Finding[] {
   const places = (points: Point[]): Target[] => points.map((at) => ({ kind: "place", at }));
+  const side: Side = report.output ? "after" : "before";
+  const nothing = { lines: null, faces: null, remedies: [] };
   const found: Finding[] = [];
+  const bound = angleBound(report);
+  const below = drawables.after && bound !== null ? trianglesBelow(drawables.after, bound) : null;
+  if (below && below.triangle.length > 0) {
+    found.push({
+      ...nothing,
+      title: `Triangles below ${real(bound!)}°`,
+      text: "All triangles of the result with a smaller angle than was asked for. The reasons follow.",
+      count: below.triangle.length,
+      isWorse: true,
+      side: "after",
+      targets: [],
+      lines: below,
+    });
+  }
   for (const { reason, count, places: points } of report.unrefined ?? []) {
     found.push({
+      ...nothing,
       title: `Below the bound: ${label(reason).toLowerCase()}`,
       text: kUnrefined[reason] ?? "",
       count,
@@ -64,34 +91,80 @@ export function findingsOf(report: Report): Finding[] {
     );
     if (patches.length > 0) {
       found.push({
+        ...nothing,
         title: `Patches ${status}`,
         text: `These patches are striped in the views. Reasons: ${reasons}.`,
         count: patches.length,
         isWorse: true,
-        side: report.output ? "after" : "before",
+        side,
         targets: patches.slice(0, 100).map(({ id }) => ({ kind: "patch", patch: id })),
       });
     }
   }
   for (const { code, count, places: points } of report.volume_ready.reasons) {
     found.push({
+      ...nothing,
       title: `In a volume mesher's way: ${label(code).toLowerCase()}`,
       text: kObstacles[code] ?? "A volume mesher may fail here.",
       count,
       isWorse: true,
-      side: report.output ? "after" : "before",
+      side,
       targets: places(points),
+      lines: drawables[side] && edgesOf(code, drawables[side]),
     });
   }
-  for (const { code, count, elements, message } of report.diagnostics) {
+  for (const diagnostic of report.diagnostics) {
+    const { code, count, elements, message, remedies } = diagnostic;
     const areVertices = kOfVertices.includes(code) && !/`elements` lists (the|these) faces/.test(message);
     const targets = elements.map(
       (element): Target => (areVertices ? { kind: "vertex", vertex: element } : { kind: "face", face: element }),
     );
-    const text = `${sentence(message).replace(/; `elements` lists [^;]*/, "")}.`;
-    found.push({ title: label(code), text, count, isWorse: !kHarmless.includes(code), side: "before", targets });
+    found.push({
+      title: label(code),
+      text: `${sentence(message).replace(/; `elements` lists [^;]*/, "")}.`,
+      count,
+      isWorse: !kHarmless.includes(code),
+      side: "before",
+      targets,
+      lines: drawables.before && linesOf(diagnostic, drawables.before),
+      faces: code === "curved_surface" && drawables.before ? curvedFaces(report, count, drawables.before) : null,
+      remedies,
+    });
   }
   return found;
+}
+
+/** All edges that a code is about; null where it is about something else, or the page sees none. */
+function edgesOf(code: string, drawable: Drawable): LineSet | null {
+  const edges =
+    code === "open_boundary" ? openEdges(drawable) : code === "non_manifold_edge" ? nonManifoldEdges(drawable) : null;
+  return edges && edges.triangle.length > 0 ? edges : null;
+}
+
+function linesOf({ code, elements }: Diagnostic, drawable: Drawable): LineSet | null {
+  if (code !== "self_intersection") return edgesOf(code, drawable);
+  const pairs = elements.flatMap((face, i): [number, number][] => (i % 2 === 0 ? [[face, elements[i + 1]!]] : []));
+  const lines = crossings(drawable, pairs);
+  return lines.triangle.length > 0 ? lines : null;
+}
+
+/**
+ * The faces of all curved surfaces, or of those that were remeshed, or of those that were not: whichever has the number
+ * of faces that is told. Null where none has, or where it is not known to which surface a face belongs.
+ */
+function curvedFaces({ surfaces, patches }: Report, count: number, drawable: Drawable): number[] | null {
+  const curved = surfaces.filter(({ kind }) => kind !== "plane");
+  const asked = [curved, curved.filter((s) => s.remeshed), curved.filter((s) => !s.remeshed)].find(
+    (some) => some.reduce((sum, { faces }) => sum + faces, 0) === count,
+  );
+  if (!asked) return null;
+  const ids = new Set(asked.map(({ id }) => id));
+  const faces = new Set<number>();
+  for (let t = 0; t < drawable.face.length; ++t) {
+    const patch = patches[drawable.values[kValue.count * t + kValue.patch]!];
+    if (patch && ids.has(patch.surface)) faces.add(drawable.face[t]!);
+  }
+  return faces.size === count ? [...faces] : null;
 }
 
 export function nameOf(target: Target): string {
@@ -107,6 +180,17 @@ export function nameOf(target: Target): string {
   }
 }
 
+/** More buttons than these are of no use to a reader; "Next" goes through all. */
+const kMaxListed = 100;
+
+/** How many places of a finding can be gone to. */
+function stopsOf({ lines, targets }: Finding): number {
+  return lines ? lines.triangle.length : targets.length;
+}
+function nameOfStop({ lines, targets }: Finding, index: number): string {
+  return lines ? `Triangle ${whole(lines.triangle[index]!)}` : nameOf(targets[index]!);
+}
+
 /** Groups on the left, their places on the right. */
 export class FindingsPanel {
   private readonly targets = h("div", { class: "targets" });
@@ -115,6 +199,7 @@ export class FindingsPanel {
     private readonly panel: HTMLElement,
     private readonly onGroup: (finding: Finding) => void,
     private readonly onTarget: (finding: Finding, index: number) => void,
+    private readonly onAdvice: (options: string) => void,
   ) {}
 
   show(findings: Finding[]): void {
@@ -147,26 +232,38 @@ export class FindingsPanel {
 
   private open(finding: Finding, button: HTMLElement, groups: HTMLElement[]): void {
     for (const group of groups) group.setAttribute("aria-pressed", String(group === button));
-    const { targets, count } = finding;
-    const buttons = targets.map((target, index) =>
-      h(
-        "button",
-        {
-          type: "button",
-          "aria-pressed": "false",
-          click: () => {
-            for (const other of buttons) other.setAttribute("aria-pressed", String(other === buttons[index]));
-            this.onTarget(finding, index);
-          },
-        },
-        nameOf(target),
-      ),
+    const stops = stopsOf(finding);
+    let at = -1;
+    const place = h("span", { class: "muted", "aria-live": "polite" });
+    const goTo = (index: number): void => {
+      at = (index + stops) % stops;
+      buttons.forEach((other, i) => other.setAttribute("aria-pressed", String(i === at)));
+      place.textContent = `${whole(at + 1)} of ${whole(stops)}`;
+      this.onTarget(finding, at);
+    };
+    const buttons = Array.from({ length: Math.min(stops, kMaxListed) }, (_, index) =>
+      h("button", { type: "button", "aria-pressed": "false", click: () => goTo(index) }, nameOfStop(finding, index)),
     );
-    const isCut = targets.length > 0 && targets.length < count;
+    const step = (text: string, by: number): HTMLElement =>
+      h("button", { type: "button", class: "step", click: () => goTo(at < 0 && by < 0 ? stops - 1 : at + by) }, text);
     this.targets.replaceChildren(
-      h("p", {}, finding.text, isCut ? ` The first ${whole(targets.length)} of ${whole(count)}:` : ""),
+      h("p", {}, finding.text),
+      ...(finding.remedies.length > 0 ? [adviceList(finding.remedies, this.onAdvice)] : []),
+      h("p", { class: "mark-legend" }, h("span", { class: "mark-key", "aria-hidden": "true" }), legendOf(finding)),
+      ...(stops > 1 ? [h("p", { class: "steps" }, step("Previous", -1), step("Next", 1), place)] : []),
       h("ul", { "aria-label": `Places: ${finding.title}` }, ...buttons.map((item) => h("li", {}, item))),
     );
     this.onGroup(finding);
   }
+}
+
+/** What is marked in the views, and whether that is all. */
+function legendOf({ lines, faces, targets, count, side }: Finding): string {
+  const where = `in the view ${side}`;
+  const shown = faces?.length ?? (lines ? lines.triangle.length : targets.length);
+  if (shown === 0) return "Nothing of it is marked in the views.";
+  const isAll = faces !== null || shown >= count || (lines !== null && lines.segmentsPerItem === 3);
+  const which = isAll ? `All ${whole(shown)}` : `The first ${whole(shown)} of ${whole(count)}`;
+  const chosen = lines ? " The chosen one is yellow, also behind others." : "";
+  return `${which} ${shown === 1 ? "is" : "are"} marked in this colour ${where}, while this tab is open.${chosen}`;
 }

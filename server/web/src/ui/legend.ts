@@ -1,24 +1,29 @@
 import type { SurfaceKind } from "../service/types.ts";
-import { colourOfKind } from "../surfaces/colours.ts";
+import { type Rgb, categoryColour, colourOfKind } from "../surfaces/colours.ts";
 import { kindName } from "../surfaces/groups.ts";
-import type { Colouring } from "../view/surface_model.ts";
 import { h, svg } from "./dom.ts";
 import { swatch } from "./swatch.ts";
+import { count } from "./words.ts";
 
-const kTexts: Partial<Record<Colouring, { ends: [string, string]; isReversed: boolean; what: string }>> = {
-  angle: { ends: ["0°", "60°"], isReversed: false, what: "Smallest angle" },
-  ratio: { ends: ["0.58", "≥ 4.6"], isReversed: true, what: "Radius-edge ratio" },
-};
+/** What colours mean: a scale between two ends, or names. */
+export type LegendText =
+  | { what: string; ends: [string, string]; isReversed: boolean }
+  | { what: string; names: readonly string[] };
 
-/** What the colours mean. `kinds`: the kinds of surfaces that the mesh has. */
-export function showLegend(element: HTMLElement, colouring: Colouring, scale: string[], kinds: SurfaceKind[]): void {
-  if (colouring === "surface") {
-    return element.replaceChildren(
-      ...kinds.map((kind) => h("span", { class: "legend-kind" }, swatch([colourOfKind(kind)]), kindName(kind))),
-    );
-  }
-  const text = kTexts[colouring];
+export const kAngleLegend: LegendText = { what: "Smallest angle", ends: ["0°", "60°"], isReversed: false };
+export const kRatioLegend: LegendText = { what: "Radius-edge ratio", ends: ["0.58", "≥ 4.6"], isReversed: true };
+
+/** More names would be no legend. */
+const kMaxNames = 6;
+
+/** `scale`: colours from bad to good. */
+export function showLegend(element: HTMLElement, text: LegendText | null, scale: string[]): void {
   if (!text) return element.replaceChildren();
+  if ("names" in text) {
+    const entries = text.names.slice(0, kMaxNames).map((name, i) => entry(categoryColour(i), name));
+    const left = text.names.length - entries.length;
+    return element.replaceChildren(...entries, ...(left > 0 ? [h("span", {}, `and ${count(left, "other")}`)] : []));
+  }
   const colours = text.isReversed ? [...scale].reverse() : scale;
   const stops = colours.map((colour, i) => svg("stop", { offset: i / (colours.length - 1), "stop-color": colour }));
   element.replaceChildren(
@@ -36,4 +41,18 @@ export function showLegend(element: HTMLElement, colouring: Colouring, scale: st
     ),
     h("span", {}, text.ends[1]),
   );
+}
+
+/** `kinds`: the kinds of surfaces that the mesh has. */
+export function showKinds(element: HTMLElement, kinds: SurfaceKind[]): void {
+  element.replaceChildren(...kinds.map((kind) => entry(colourOfKind(kind), kindName(kind))));
+}
+
+/** What the red edges are. */
+export function addOpenEdges(element: HTMLElement, colour: string): void {
+  element.append(entry(colour, "open or non-manifold edges"));
+}
+
+function entry(colour: Rgb | string, name: string): HTMLElement {
+  return h("span", { class: "legend-kind" }, swatch([colour]), name);
 }

@@ -1,7 +1,7 @@
 // The form of options, made from what the service says of itself: a new option of the daemon appears by itself.
 import type { OptionSpec } from "../service/types.ts";
 import { type Child, h } from "./dom.ts";
-import { label, real, sentence } from "./words.ts";
+import { label, real, sentence, whole } from "./words.ts";
 
 /** Those that most runs need; the others fold away. */
 const kFirst = [
@@ -13,12 +13,21 @@ const kFirst = [
   "max_edge_length",
   "proximity",
 ];
+/** What cannot be given together, beside what the service says of one option. */
+const kRivals: Record<string, readonly string[]> = {
+  target_faces: ["max_edge_length", "max_edge_fraction"],
+  target_edge_length: ["max_edge_length", "max_edge_fraction"],
+  max_edge_length: ["target_faces", "target_edge_length"],
+  max_edge_fraction: ["target_faces", "target_edge_length"],
+};
 /** The page asks for what it needs, see the downloads. */
 const kNotAsked = ["format"];
 /** Numbers to pick from, beside any other. */
 const kUsual: Record<string, number[]> = { elements_per_circle: [8, 12, 16, 24, 36] };
 /** Choices that say more than their word. */
 const kChoices: Record<string, string> = { volume: "for volume meshing" };
+/** Numbers whose slider goes by factors, from the first to the second. */
+const kByFactors: Record<string, [number, number]> = { target_faces: [100, 1_000_000] };
 const kControls = "input, select";
 
 interface Field {
@@ -29,12 +38,21 @@ interface Field {
   value: () => string | null;
   /** In words, or null. */
   fault: () => string | null;
-  reset: () => void;
+  /** Null: the default. */
+  set: (value: string | null) => void;
+  /** Shows the value that is in force while none is given; null: the default. */
+  hint?: (value: string | null) => void;
   setEnabled: (isEnabled: boolean) => void;
 }
+/** Values by the names of options. */
+export type Values = ReadonlyMap<string, string>;
 
 export class OptionsForm {
   private readonly fields: Field[];
+  /** What the service said is in force with the options as they are. */
+  private told: Values = new Map();
+  /** Beside numbers of elements, the faces to expect. */
+  private expected: Record<string, number> = {};
 
   constructor(
     container: HTMLElement,
@@ -73,6 +91,9 @@ export class OptionsForm {
     first?.row.querySelector<HTMLElement>(kControls)?.focus();
     return !first;
   }
+  get isValid(): boolean {
+    return this.fields.every((field) => field.fault() === null);
+  }
   /** Points at the option that the service refused. */
   blame(name: string): void {
     const field = this.fields.find(({ spec }) => spec.name === name);
@@ -80,21 +101,71 @@ export class OptionsForm {
     field?.row.querySelector<HTMLElement>(kControls)?.focus();
   }
   reset(): void {
-    for (const field of this.fields) field.reset();
+    this.setAll([]);
+  }
+  /** These, and the defaults of all others. */
+  setAll(values: readonly [string, string][]): void {
+    for (const field of this.fields) field.set(null);
+    this.apply(values);
+  }
+  /** Sets some, as advice has them, and gives up what they exclude. */
+  apply(values: readonly [string, string][]): void {
+    for (const [name, value] of values) {
+      const field = this.fields.find(({ spec }) => spec.name === name);
+      if (!field) continue;
+      if (field.row.closest("details.more") && value !== null) field.row.closest("details")?.setAttribute("open", "");
+      for (const rival of this.rivalsOf(field.spec)) rival.set(null);
+      field.set(value);
+    }
     this.changed();
+  }
+  /** `values`: what is in force; `expected`: faces for numbers of elements per circle. */
+  tell(values: Values, expected: Record<string, number>, faces: number): void {
+    this.told = values;
+    this.expected = expected;
+    this.fields.find(({ spec }) => spec.name === "target_faces")?.hint?.(String(faces));
+    this.describe();
+  }
+
+  private rivalsOf({ name, excludes }: OptionSpec): Field[] {
+    const names = [excludes, ...(kRivals[name] ?? [])];
+    return this.fields.filter(({ spec }) => names.includes(spec.name));
   }
 
   private changed(): void {
-    for (const { spec, row, note, value, fault, setEnabled } of this.fields) {
+    // What was told held for other options.
+    this.told = new Map();
+    this.describe();
+    this.onChange();
+  }
+
+  private describe(): void {
+    const preset = this.fields.find(({ spec }) => spec.name === "preset");
+    const ofPreset = preset ? presetValues(preset.spec, preset.value()) : new Map<string, string>();
+    for (const { spec, row, note, value, fault, setEnabled, hint } of this.fields) {
       row.classList.toggle("changed", value() !== null);
-      const rival = this.fields.find((other) => other.spec.name === spec.excludes && other.value() !== null);
+      const inForce = value() ?? ofPreset.get(spec.name) ?? this.told.get(spec.name) ?? null;
+      const isOther = value() === null && inForce !== null && inForce !== String(spec.default);
+      if (spec.name !== "target_faces") hint?.(isOther ? inForce : null);
+      row.classList.toggle("set-otherwise", isOther);
+      const rival = value() === null ? this.rivalsOf(spec).find((other) => other.value() !== null) : undefined;
       setEnabled(!rival);
       const wrong = fault();
-      note.textContent = wrong ?? (rival ? `Excluded by ${label(rival.spec.name).toLowerCase()}.` : help(spec));
+      const from = ofPreset.has(spec.name) ? `, from the preset ${preset?.value()}` : "";
+      const now = isOther ? `In force: ${inForce}${from}. ` : "";
+      note.textContent =
+        wrong ??
+        (rival ? `Excluded by ${label(rival.spec.name).toLowerCase()}.` : now + help(spec) + this.outlook(spec));
       note.classList.toggle("wrong", wrong !== null);
       row.querySelector(kControls)?.setAttribute("aria-invalid", String(wrong !== null));
     }
-    this.onChange();
+  }
+
+  /** The faces to expect, for numbers of elements per circle. */
+  private outlook({ name }: OptionSpec): string {
+    const numbers = Object.entries(this.expected);
+    if (name !== "elements_per_circle" || numbers.length === 0) return "";
+    return ` Faces to expect: ${numbers.map(([n, faces]) => `${whole(faces)} with ${n}`).join(", ")}.`;
   }
 
   private field(spec: OptionSpec): Field {
@@ -129,7 +200,7 @@ export class OptionsForm {
       note,
       value: () => (input.checked === (spec.default === true) ? null : String(input.checked)),
       fault: () => null,
-      reset: () => (input.checked = spec.default === true),
+      set: (value) => (input.checked = value === null ? spec.default === true : value === "true"),
       setEnabled: (isEnabled) => (input.disabled = !isEnabled),
     };
   }
@@ -153,7 +224,7 @@ export class OptionsForm {
       note,
       value: () => (select.value === words[0] ? null : select.value),
       fault: () => null,
-      reset: () => (select.value = words[0]!),
+      set: (value) => (select.value = value !== null && words.includes(value) ? value : words[0]!),
       setEnabled: (isEnabled) => (select.disabled = !isEnabled),
     };
   }
@@ -187,7 +258,10 @@ export class OptionsForm {
       note,
       value: () => (chosen() === initial ? null : chosen() || "none"),
       fault: () => null,
-      reset: () => inputs.forEach((input) => (input.checked = defaults.includes(input.value))),
+      set: (value) => {
+        const chosen = new Set(wordsAfter(defaults, value));
+        for (const input of inputs) input.checked = chosen.has(input.value);
+      },
       setEnabled: (isEnabled) => inputs.forEach((input) => (input.disabled = !isEnabled)),
     };
   }
@@ -208,25 +282,30 @@ export class OptionsForm {
       spellcheck: "false",
       "aria-describedby": note.id,
     });
-    const [low, high] = [spec.minimum, spec.maximum];
-    // A slider is for ranges that the eye can divide, and begins at a number.
-    const hasSlider = isNumber && spec.default !== null && low !== undefined && high !== undefined && high - low > 1;
-    const slider = hasSlider
+    const scale = isNumber ? scaleOf(spec) : null;
+    const slider = scale
       ? h("input", {
           type: "range",
-          min: low,
-          max: high,
-          step: (high - low) / 66,
-          value: Number(spec.default),
+          min: 0,
+          max: scale.steps,
+          step: 1,
           "aria-label": `${label(spec.name)}, slider`,
         })
       : null;
+    const follow = (text: string): void => {
+      if (!slider || !scale) return;
+      slider.value = String(scale.place(Number(text)));
+      slider.setAttribute("aria-valuetext", text);
+    };
+    follow(standard);
     input.addEventListener("input", () => {
-      if (slider) slider.value = input.value === "" ? String(spec.default) : input.value;
+      follow(input.value === "" ? input.placeholder : input.value);
       this.changed();
     });
     slider?.addEventListener("input", () => {
-      input.value = Number(slider.value) === spec.default ? "" : slider.value;
+      const value = scale!.value(Number(slider.value));
+      input.value = value === spec.default ? "" : String(value);
+      slider.setAttribute("aria-valuetext", String(value));
       this.changed();
     });
     const row = h(
@@ -249,9 +328,14 @@ export class OptionsForm {
         const isWord = text === spec.unset || (text !== null && spec.values?.includes(text));
         return text === null || !isNumber || isWord ? null : faultOfNumber(spec, text);
       },
-      reset: () => {
-        input.value = "";
-        if (slider) slider.value = String(spec.default);
+      set: (text) => {
+        input.value = text ?? "";
+        follow(text ?? input.placeholder);
+      },
+      hint: (text) => {
+        const shown = text ?? standard;
+        if (spec.name !== "target_faces") input.placeholder = shown;
+        if (input.value === "") follow(shown);
       },
       setEnabled: (isEnabled) => {
         input.disabled = !isEnabled;
@@ -259,6 +343,51 @@ export class OptionsForm {
       },
     };
   }
+}
+
+/** Where a slider stands for a value, and the other way round. */
+interface Scale {
+  steps: number;
+  value: (place: number) => number;
+  place: (value: number) => number;
+}
+
+/** Null where a slider is of no use: ranges that the eye cannot divide, and those that begin at no number. */
+function scaleOf(spec: OptionSpec): Scale | null {
+  const ends = kByFactors[spec.name];
+  if (ends) {
+    const [low, high] = ends;
+    const steps = 80;
+    return {
+      steps,
+      value: (place) => Number((low * (high / low) ** (place / steps)).toPrecision(2)),
+      place: (value) => (value > 0 ? (steps * Math.log(value / low)) / Math.log(high / low) : 0),
+    };
+  }
+  const [low, high] = [spec.minimum, spec.maximum];
+  if (spec.default === null || low === undefined || high === undefined || high - low <= 1) return null;
+  const steps = 66;
+  return {
+    steps,
+    value: (place) => low + ((high - low) * place) / steps,
+    place: (value) => (steps * (value - low)) / (high - low),
+  };
+}
+
+/** The values that a preset sets, as its description lists them: "volume: what it is for (a=1, b=2); exact: ...". */
+export function presetValues({ description }: OptionSpec, preset: string | null): Values {
+  const part = description.split(/[,;]\s*(?=\w+: )/).find((text) => preset !== null && text.startsWith(`${preset}: `));
+  return new Map([...(part ?? "").matchAll(/(\w+)=([\w.+-]+)/g)].map((match) => [match[1]!, match[2]!]));
+}
+
+/** What a list is after `value`, which is a new list, or has the words that come and go with signs. */
+function wordsAfter(defaults: readonly string[], value: string | null): string[] {
+  if (value === null) return [...defaults];
+  const words = value.split(",");
+  if (!words.every((word) => /^[+-]/.test(word))) return words;
+  const gone = words.filter((word) => word.startsWith("-")).map((word) => word.slice(1));
+  const come = words.filter((word) => word.startsWith("+")).map((word) => word.slice(1));
+  return [...defaults.filter((word) => !gone.includes(word)), ...come];
 }
 
 /** "0 to 33", "above 0"; empty where anything goes. */

@@ -1,7 +1,11 @@
 import type { Range, Report, Statistics } from "../service/types.ts";
+import { adviceList } from "./advice.ts";
 import { type Child, h } from "./dom.ts";
 import { histogramChart } from "./histogram.ts";
 import { count, degrees, label, real, seconds, whole } from "./words.ts";
+
+/** More would be a list to study. */
+const kMostAdvice = 3;
 
 type Row = [name: string, of: (statistics: Statistics) => string];
 
@@ -88,12 +92,12 @@ function aboutRun(report: Report): HTMLElement {
   const verdict = (holds: boolean | null): string => (holds === null ? "not asked" : holds ? "holds" : "fails");
   const facts: [string, string][] = [
     ["Patches", whole(report.patches.length)],
-    ["Predicted faces", whole(report.predicted_faces)],
     [
       "Plane tolerance",
       `${real(Number(report.options["plane_tolerance"]))}${tolerance.automatic ? " (automatic)" : ""}`,
     ],
   ];
+  if (!report.output) facts.push(["Predicted faces", whole(report.predicted_faces)]);
   for (const [elements, faces] of Object.entries(report.predicted_faces_by_elements_per_circle ?? {}))
     facts.push([`Predicted with ${elements} per circle`, whole(faces)]);
   if (report.smallest_gap !== null) facts.push(["Smallest gap", real(report.smallest_gap)]);
@@ -124,40 +128,56 @@ function timing(report: Report): HTMLElement {
   );
 }
 
-/** The report at a glance. */
-export function qualityPanel(report: Report): HTMLElement {
-  const { input, output, options } = report;
-  const isRefined = options["refine"] === true;
-  const ratio = typeof options["max_radius_edge_ratio"] === "number" ? options["max_radius_edge_ratio"] : null;
+/** The least angle that was asked for; null where none was, or nothing was refined. */
+export function angleBound({ options, output }: Report): number | null {
+  const ratio = options["max_radius_edge_ratio"];
+  const given = options["min_angle_deg"];
   const angle =
-    typeof options["min_angle_deg"] === "number"
-      ? options["min_angle_deg"]
-      : ratio === null
-        ? null
-        : (Math.asin(1 / (2 * ratio)) * 180) / Math.PI;
-  const angleBound = isRefined && output && angle !== null && angle > 0 ? angle : null;
+    typeof given === "number" ? given : typeof ratio === "number" ? (Math.asin(1 / (2 * ratio)) * 180) / Math.PI : null;
+  return options["refine"] === true && output && angle !== null && angle > 0 ? angle : null;
+}
+
+/** The report at a glance, with the advice that it has. */
+export function qualityPanel(report: Report, onAdvice: (options: string) => void): HTMLElement {
+  const { input, output } = report;
+  const bound = angleBound(report);
+  const remedies = report.diagnostics.flatMap((diagnostic) => diagnostic.remedies).slice(0, kMostAdvice);
   return h(
     "div",
     { class: "quality" },
-    tiles(report),
+    h(
+      "div",
+      { class: "glance" },
+      tiles(report),
+      remedies.length > 0 && h("h3", {}, "What would help"),
+      remedies.length > 0 && adviceList(remedies, onAdvice),
+    ),
     histogramChart(input.quality.angle_histogram_deg, output?.quality.angle_histogram_deg ?? null, {
       title: "Angles",
       axis: "degrees",
       format: (value) => real(value),
-      bound: angleBound,
-      boundName: `asked for: ${angleBound === null ? "" : real(angleBound)}°`,
+      bound,
+      boundName: `asked for: ${bound === null ? "" : real(bound)}°`,
     }),
     histogramChart(input.quality.radius_edge_histogram, output?.quality.radius_edge_histogram ?? null, {
       title: "Radius-edge ratio",
       axis: "circumradius over shortest edge",
       format: (value) => real(Number(value.toPrecision(3))),
-      bound: angleBound === null ? null : 1 / (2 * Math.sin((angleBound * Math.PI) / 180)),
+      bound: bound === null ? null : 1 / (2 * Math.sin((bound * Math.PI) / 180)),
       boundName: "asked for",
     }),
   );
 }
 
-function tiles({ input, output, verified, unrefined, volume_ready, predicted_faces }: Report): HTMLElement {
+function tiles({
+  input,
+  output,
+  verified,
+  unrefined,
+  volume_ready,
+  predicted_faces,
+  distance_bound,
+}: Report): HTMLElement {
   const change = (name: string, of: (s: Statistics) => string): Child =>
     h(
       "div",
@@ -181,6 +201,14 @@ function tiles({ input, output, verified, unrefined, volume_ready, predicted_fac
     change("Largest radius-edge ratio", (s) => real(Number(s.quality.radius_edge_ratio.max.toPrecision(3)))),
     !output && h("div", { class: "tile" }, h("dt", {}, "Predicted faces"), h("dd", {}, whole(predicted_faces))),
     verified && verdict("Verified", true, "surface, edges, shape"),
+    output && h("div", { class: "tile" }, h("dt", {}, "Distance"), h("dd", { id: "measured-distance" }, "measuring …")),
+    distance_bound &&
+      h(
+        "div",
+        { class: "tile" },
+        h("dt", {}, "Distance, proven"),
+        h("dd", {}, `at most ${real(Math.max(distance_bound.output_to_input, distance_bound.input_to_output))}`),
+      ),
     output && verdict("Below the bound", missed === 0, missed === 0 ? "none" : count(missed, "face")),
     verdict("Volume mesher", volume_ready.ready, volume_ready.ready ? "can take it" : "would refuse it"),
   );

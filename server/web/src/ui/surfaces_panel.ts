@@ -70,7 +70,7 @@ export class SurfacesPanel {
     const hadFocus = this.details.contains(document.activeElement);
     this.details.replaceChildren(...parts.filter((part) => part instanceof Node));
     this.details.scrollTop = 0;
-    if (hadFocus) this.details.querySelector<HTMLElement>("[aria-pressed=true]")?.focus();
+    if (hadFocus) (this.details.querySelector<HTMLElement>("[aria-pressed=true]") ?? this.panel).focus();
     if (group) this.reveal(this.rows[at]?.row);
   }
 
@@ -123,6 +123,7 @@ export class SurfacesPanel {
     const title = only ? nameOfSurface(only) : sentence(nameOfGroup(group));
     return [
       h("h3", {}, this.swatchOf(chosen), title),
+      h("p", {}, h("button", { type: "button", class: "quiet let-go", click: () => this.onChoose([]) }, "Choose none")),
       group.surfaces.length > 1 && this.members(group, only),
       only && surfaceFacts(only),
     ];

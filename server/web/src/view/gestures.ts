@@ -1,5 +1,5 @@
 // Mouse, fingers and keys of a view.
-import { pan, turn, zoom } from "./orbit.ts";
+import { type StandardView, pan, turn, zoom } from "./orbit.ts";
 import type { Side, Viewer } from "./viewer.ts";
 
 const kClickPixels = 4;
@@ -8,8 +8,19 @@ const kKeyTurn = 0.12;
 const kKeyPan = 0.06;
 const kKeyZoom = 1.2;
 
+const kViewKeys: Record<string, StandardView> = {
+  1: "front",
+  2: "back",
+  3: "left",
+  4: "right",
+  5: "top",
+  6: "bottom",
+  7: "overview",
+};
+
 export interface Picking {
-  pick(side: Side, triangle: number): void;
+  /** `x` and `y`: where, in the view's pixels. */
+  pick(side: Side, triangle: number, x: number, y: number): void;
   clear(): void;
 }
 
@@ -17,6 +28,7 @@ export interface Picking {
 export function listen(element: HTMLElement, side: Side, viewer: Viewer, picking: Picking): void {
   const pointers = new Map<number, { x: number; y: number }>();
   let travelled = 0;
+  const pick = (x: number, y: number): void => picking.pick(side, viewer.pick(side, x, y), x, y);
 
   element.addEventListener("pointerdown", (event) => {
     element.setPointerCapture(event.pointerId);
@@ -50,7 +62,7 @@ export function listen(element: HTMLElement, side: Side, viewer: Viewer, picking
     pointers.delete(event.pointerId);
     if (travelled >= kClickPixels || event.button !== 0) return;
     const box = element.getBoundingClientRect();
-    picking.pick(side, viewer.pick(side, event.clientX - box.left, event.clientY - box.top));
+    pick(event.clientX - box.left, event.clientY - box.top);
   });
   element.addEventListener("pointercancel", (event) => pointers.delete(event.pointerId));
   element.addEventListener("contextmenu", (event) => event.preventDefault());
@@ -89,8 +101,10 @@ export function listen(element: HTMLElement, side: Side, viewer: Viewer, picking
       viewer.move(side, (orbit) => zoom(orbit, kKeyZoom));
     } else if (event.key === "Home" || event.key === "0") {
       viewer.fit(side);
+    } else if (event.key in kViewKeys) {
+      viewer.look(kViewKeys[event.key]!);
     } else if (event.key === "Enter" || event.key === " ") {
-      picking.pick(side, viewer.pick(side, element.clientWidth / 2, element.clientHeight / 2));
+      pick(element.clientWidth / 2, element.clientHeight / 2);
     } else if (event.key === "Escape") {
       picking.clear();
     } else {

@@ -1,4 +1,5 @@
-// What findings point at, drawn over a surface: points at places, and faces.
+// What findings point at, drawn over a surface: points at places, faces, and lines. What lies behind the surface is not
+// seen, so that nobody takes it for a part of what is before it; only the chosen line is, so that it is found.
 import {
   BufferAttribute,
   BufferGeometry,
@@ -13,7 +14,9 @@ import {
 } from "three";
 
 import { type Drawable, type Point, trianglesOfFace } from "../mesh/drawable.ts";
+import type { LineSet } from "../mesh/line_sets.ts";
 import type { Palette } from "./palette.ts";
+import { ThickLines } from "./thick_lines.ts";
 
 const kVertex = /* glsl */ `
   uniform float size;
@@ -30,7 +33,6 @@ const kVertex = /* glsl */ `
 const kFragment = /* glsl */ `
   uniform vec3 mark;
   uniform vec3 rim;
-  uniform float opacity;
   in float isChosen;
   out vec4 colour;
   void main() {
@@ -38,21 +40,24 @@ const kFragment = /* glsl */ `
     if (r > 1.0) discard;
     // A ring around the chosen one, so that what it marks stays to be seen.
     if (isChosen > 0.5 && r < 0.62) discard;
-    colour = vec4(r > 0.78 ? rim : mark, opacity);
+    colour = vec4(r > 0.78 ? rim : mark, 1.0);
   }
 `;
 
 export interface Marked {
   places: Point[];
   faces: number[];
-  /** Which of the places, or -1. */
+  lines: LineSet | null;
+  /** Which of the places or items of lines, or -1. */
   chosen: number;
 }
+export const kNothingMarked: Marked = { places: [], faces: [], lines: null, chosen: -1 };
 
 export class Marks {
   readonly group = new Group();
-  private readonly front = pointMaterial(1);
-  private readonly behind = pointMaterial(0.28);
+  private readonly pointMaterial = pointMaterial();
+  private readonly lines = new ThickLines();
+  private readonly chosenLines = new ThickLines();
   private readonly faceMaterial = new MeshBasicMaterial({
     side: DoubleSide,
     transparent: true,
@@ -63,13 +68,14 @@ export class Marks {
   });
 
   constructor() {
-    this.behind.depthTest = false;
     this.group.renderOrder = 1;
+    this.chosenLines.material.depthTest = false;
   }
 
   /** Places and faces are those of `drawable`'s file; places in model units. */
-  show(drawable: Drawable, { places, faces, chosen }: Marked): void {
+  show(drawable: Drawable, { places, faces, lines, chosen }: Marked): void {
     this.clear();
+    if (lines) this.showLines(lines, chosen);
     if (faces.length > 0) this.group.add(new Mesh(facesOf(drawable, faces), this.faceMaterial));
     if (places.length === 0) return;
     const { centre, radius } = drawable.frame;
@@ -83,11 +89,18 @@ export class Marks {
         1,
       ),
     );
-    for (const material of [this.behind, this.front]) {
-      const points = new Points(geometry, material);
-      points.frustumCulled = false;
-      this.group.add(points);
-    }
+    const points = new Points(geometry, this.pointMaterial);
+    points.frustumCulled = false;
+    this.group.add(points);
+  }
+
+  private showLines({ segments, segmentsPerItem }: LineSet, chosen: number): void {
+    this.group.add(this.lines.meshOf(segments));
+    const size = 6 * segmentsPerItem;
+    if (chosen < 0) return;
+    const last = this.chosenLines.meshOf(segments.slice(size * chosen, size * (chosen + 1)));
+    last.renderOrder = 2;
+    this.group.add(last);
   }
 
   clear(): void {
@@ -99,15 +112,16 @@ export class Marks {
 
   paint(palette: Palette, pixelRatio: number): void {
     this.faceMaterial.color.setStyle(palette.mark);
-    for (const { uniforms } of [this.front, this.behind]) {
-      (uniforms["mark"]!.value as Color).setStyle(palette.mark);
-      (uniforms["rim"]!.value as Color).setStyle(palette.markRim);
-      uniforms["size"]!.value = 11 * pixelRatio;
-    }
+    this.lines.paint(palette.mark, 2.5 * pixelRatio);
+    this.chosenLines.paint(palette.selected, 4 * pixelRatio);
+    const { uniforms } = this.pointMaterial;
+    (uniforms["mark"]!.value as Color).setStyle(palette.mark);
+    (uniforms["rim"]!.value as Color).setStyle(palette.markRim);
+    uniforms["size"]!.value = 11 * pixelRatio;
   }
 }
 
-function pointMaterial(opacity: number): ShaderMaterial {
+function pointMaterial(): ShaderMaterial {
   return new ShaderMaterial({
     glslVersion: GLSL3,
     vertexShader: kVertex,
@@ -118,7 +132,6 @@ function pointMaterial(opacity: number): ShaderMaterial {
       size: { value: 11 },
       mark: { value: new Color() },
       rim: { value: new Color() },
-      opacity: { value: opacity },
     },
   });
 }

@@ -1,4 +1,4 @@
-// A camera that turns around a point, z upwards, as plain numbers.
+// A camera that turns around a point, one axis upwards, as plain numbers.
 import { type PerspectiveCamera, Vector3 } from "three";
 
 import type { Point } from "../mesh/drawable.ts";
@@ -9,35 +9,62 @@ const kSteepest = (89.9 * Math.PI) / 180;
 const kNearest = 1e-5;
 const kFarthest = 40;
 
+export type Axis = "x" | "y" | "z";
+
 export interface Orbit {
+  /** The axis that points upwards. */
+  axis: Axis;
   target: Vector3;
   distance: number;
-  /** Radians, around z and above the horizon. */
+  /** Radians, around the axis and above the horizon. */
   yaw: number;
   pitch: number;
 }
 
+/** From space where z points upwards to that of the model, and back. */
+function toModel([x, y, z]: Point, axis: Axis): Vector3 {
+  if (axis === "z") return new Vector3(x, y, z);
+  return axis === "y" ? new Vector3(x, z, -y) : new Vector3(z, x, y);
+}
+function fromModel([x, y, z]: Point, axis: Axis): Point {
+  if (axis === "z") return [x, y, z];
+  return axis === "y" ? [x, -z, y] : [y, z, x];
+}
+
+/** Yaw and pitch of the views of drawings. */
+export const kStandardViews = {
+  overview: [-0.62, 0.5],
+  front: [0, 0],
+  back: [Math.PI, 0],
+  left: [Math.PI / 2, 0],
+  right: [-Math.PI / 2, 0],
+  top: [0, kSteepest],
+  bottom: [0, -kSteepest],
+} as const;
+export type StandardView = keyof typeof kStandardViews;
+
 /** From where everything is seen. */
-export function overview(aspect: number): Orbit {
+export function overview(aspect: number, axis: Axis = "z", view: StandardView = "overview"): Orbit {
   const half = (kFieldOfView * Math.PI) / 360;
   const narrow = Math.min(half, Math.atan(Math.tan(half) * aspect));
-  return { target: new Vector3(), distance: 1.02 / Math.sin(narrow), yaw: -0.62, pitch: 0.5 };
+  const [yaw, pitch] = kStandardViews[view];
+  return { axis, target: new Vector3(), distance: 1.02 / Math.sin(narrow), yaw, pitch };
 }
 
 /** From the target to the camera. */
-export function front({ yaw, pitch }: Orbit): Vector3 {
-  return new Vector3(Math.cos(pitch) * Math.sin(-yaw), -Math.cos(pitch) * Math.cos(yaw), Math.sin(pitch));
+export function front({ axis, yaw, pitch }: Orbit): Vector3 {
+  return toModel([Math.cos(pitch) * Math.sin(-yaw), -Math.cos(pitch) * Math.cos(yaw), Math.sin(pitch)], axis);
 }
 
-export function right({ yaw }: Orbit): Vector3 {
-  return new Vector3(Math.cos(yaw), -Math.sin(yaw), 0);
+export function right({ axis, yaw }: Orbit): Vector3 {
+  return toModel([Math.cos(yaw), -Math.sin(yaw), 0], axis);
 }
 export function up(orbit: Orbit): Vector3 {
   return front(orbit).cross(right(orbit));
 }
 
 export function place(camera: PerspectiveCamera, orbit: Orbit): void {
-  camera.up.set(0, 0, 1);
+  camera.up.copy(toModel([0, 0, 1], orbit.axis));
   camera.position.copy(orbit.target).addScaledVector(front(orbit), orbit.distance);
   camera.lookAt(orbit.target);
   // All that there is lies in the unit ball.
@@ -70,9 +97,10 @@ export function zoom(orbit: Orbit, factor: number, x = 0, y = 0, aspect = 1): vo
 }
 
 /** Where to stand to look at a place along a normal, from near enough that `size` fills a part of the view. */
-export function lookAt(current: Orbit, at: Point, normal: Point | null, size: number): Orbit {
+export function lookAt(current: Orbit, at: Point, towards: Point | null, size: number): Orbit {
   const orbit: Orbit = { ...current, target: new Vector3(...at), distance: Math.min(size * 9, 3) };
-  if (normal === null) return orbit;
+  if (towards === null) return orbit;
+  const normal = fromModel(towards, current.axis);
   // Not quite along the normal: a bit aslant shows which way things lean.
   const flat = Math.hypot(normal[0], normal[1]);
   const pitch = Math.atan2(normal[2], flat);
@@ -87,6 +115,7 @@ export function between(from: Orbit, to: Orbit, part: number): Orbit {
   const mix = (a: number, b: number): number => a + (b - a) * smooth;
   const turnBy = ((((to.yaw - from.yaw + Math.PI) % (2 * Math.PI)) + 2 * Math.PI) % (2 * Math.PI)) - Math.PI;
   return {
+    axis: to.axis,
     target: from.target.clone().lerp(to.target, smooth),
     distance: Math.exp(mix(Math.log(from.distance), Math.log(to.distance))),
     yaw: mix(from.yaw, from.yaw + turnBy),

@@ -12,6 +12,8 @@ export interface Palette {
   mark: string;
   markRim: string;
   section: string;
+  /** Edges of the input over the result. */
+  overlay: string;
   /** From bad to good; told apart by lightness as well as by hue. */
   scale: string[];
 }
@@ -24,12 +26,13 @@ export const kLightPalette: Palette = {
   inside: "#8d7f72",
   line: "#1c2730",
   feature: "#0b1117",
-  open: "#c2185b",
+  open: "#c4161c",
   selected: "#ffd23f",
   kept: "#8e44ad",
   mark: "#d81b60",
   markRim: "#ffffff",
   section: "#0b6b8a",
+  overlay: "#d2410c",
   scale: kScale,
 };
 
@@ -40,8 +43,9 @@ export const kDarkPalette: Palette = {
   inside: "#5d534b",
   line: "#05080a",
   feature: "#000000",
-  open: "#ff5c93",
+  open: "#ff6b5e",
   mark: "#ff4f8b",
   markRim: "#11161a",
   section: "#58b7d6",
+  overlay: "#ffb347",
 };

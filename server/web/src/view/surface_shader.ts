@@ -49,7 +49,9 @@ const kTold = /* glsl */ `
 export const kSurfaceFragment = /* glsl */ `
   ${kTold}
   uniform bool hasChosen;     // some surface is chosen
-  uniform int colouring;      // 0 plain, 1 patch, 2 smallest angle, 3 radius-edge ratio, 4 surface
+  uniform int colouring;      // 0 plain, 1 patch, 2 smallest angle, 3 radius-edge ratio, 4 surface, 5 scale, 6 label
+  uniform sampler2D numbers;  // of each triangle: its place on the scale, or its label
+  uniform bool isOverlay;     // nothing but lines, over another surface
   uniform float lineWidth;    // pixels; 0: none
   uniform vec3 inside;
   uniform vec3 lineColour;
@@ -80,23 +82,27 @@ export const kSurfaceFragment = /* glsl */ `
     return mix(vec3(0.74 + 0.14 * tone), 0.42 + 0.56 * rgb, 0.5);
   }
 
-  vec3 faceColour(vec4 numbers, vec4 surface) {
+  vec3 faceColour(vec4 told, vec4 surface) {
     if (colouring == 4) return surface.rgb;
-    if (colouring == 1) return patchColour(numbers.z);
-    if (colouring == 2) return ramp(numbers.x / 60.0);
-    if (colouring == 3) return ramp(1.0 - log2(max(numbers.y, 0.57735) / 0.57735) / 3.0);
+    if (colouring == 1) return patchColour(told.z);
+    if (colouring == 2) return ramp(told.x / 60.0);
+    if (colouring == 3) return ramp(1.0 - log2(max(told.y, 0.57735) / 0.57735) / 3.0);
+    if (colouring >= 5) {
+      float number = texelFetch(numbers, ivec2(triangle % ${kTextureWidth}, triangle / ${kTextureWidth}), 0).x;
+      return colouring == 5 ? ramp(number) : patchColour(number);
+    }
     return plain;
   }
 
   void main() {
     if (cut > 0.0) discard;
     // Here rather than for each corner: of a million triangles most are behind others.
-    vec4 numbers = numbersOf(triangle);
-    vec4 surface = surfaceOf(int(numbers.z));
-    vec3 base = faceColour(numbers, surface);
-    int flags = int(numbers.w);
+    vec4 told = numbersOf(triangle);
+    vec4 surface = surfaceOf(int(told.z));
+    vec3 base = faceColour(told, surface);
+    int flags = int(told.w);
     bool isChosen = hasChosen && surface.a > 0.5;
-    if (hasChosen) base = isChosen ? mix(base, selectedColour, 0.82) : mix(base, plain, 0.6);
+    if (isChosen) base = mix(base, selectedColour, 0.82);
     if (showsKept && (flags & 512) != 0) {
       float stripe = fract((gl_FragCoord.x + gl_FragCoord.y) / 10.0);
       base = mix(base, keptColour, stripe < 0.5 ? 0.85 : 0.35);
@@ -113,6 +119,16 @@ export const kSurfaceFragment = /* glsl */ `
 
     vec3 width = fwidth(corner);
     vec3 distance = corner / max(width, 1e-9);
+    if (isOverlay) {
+      for (int k = 0; k < 3; ++k) if ((flags & (1 << k)) != 0) distance[k] = 1e9;
+      float nearest = min(min(distance.x, distance.y), distance.z);
+      float wide = max(max(width.x, width.y), width.z);
+      // Dense triangles would cover what is below them.
+      float strength = (1.0 - smoothstep(lineWidth - 0.5, lineWidth + 0.5, nearest)) * smoothstep(2.0, 12.0, 1.0 / wide);
+      if (strength < 0.02) discard;
+      colour = vec4(selectedColour, strength);
+      return;
+    }
     if (lineWidth > 0.0) {
       // Where triangles are smaller than lines are wide, lines would be all that there is.
       float room = 1.0 / max(max(width.x, width.y), width.z);

@@ -5,7 +5,10 @@ import {
   LineBasicMaterial,
   LineLoop,
   LinearSRGBColorSpace,
+  type Mesh,
   PerspectiveCamera,
+  Plane,
+  Ray,
   Scene,
   Vector3,
   Vector4,
@@ -16,8 +19,9 @@ import {
 
 import { type Drawable, type Point, kValue } from "../mesh/drawable.ts";
 import { type Marked, Marks } from "./marks.ts";
-import { type Orbit, between, kFieldOfView, lookAt, overview, place } from "./orbit.ts";
+import { type Axis, type Orbit, type StandardView, between, kFieldOfView, lookAt, overview, place } from "./orbit.ts";
 import { type Palette, kDarkPalette, kLightPalette } from "./palette.ts";
+import { ThickLines } from "./thick_lines.ts";
 import { Triad } from "./triad.ts";
 import { type Colouring, type PatchTexture, SurfaceModel, patchTextureOf } from "./surface_model.ts";
 
@@ -34,16 +38,27 @@ export interface Section {
 // Colours are those of the palettes, as they are.
 ColorManagement.enabled = false;
 
+/** A click so near to a corner means the corner. */
+const kSnapPixels = 9;
 const kFlightMs = 550;
 /** While the camera moves, a frame that takes longer than this is drawn with fewer pixels. */
 const kSlowFrameMs = 45;
 const kRestMs = 180;
+
+interface Flight {
+  from: Orbit;
+  to: Orbit;
+  start: number;
+}
 
 class Pane {
   readonly triad = new Triad();
   readonly scene = new Scene();
   readonly marks = new Marks();
   readonly outline = new LineLoop(new BufferGeometry(), new LineBasicMaterial());
+  readonly rule = new ThickLines();
+  /** What is measured. */
+  ruled: Mesh | null = null;
   orbit: Orbit = overview(1);
   model: SurfaceModel | null = null;
 
@@ -63,15 +78,21 @@ export class Viewer {
   private readonly dark = matchMedia("(prefers-color-scheme: dark)");
   private readonly stillness = matchMedia("(prefers-reduced-motion: reduce)");
   private isScheduled = false;
-  private flight: { side: Side; from: Orbit; to: Orbit; start: number } | null = null;
+  private readonly flights = new Map<Side, Flight>();
   private lastMove = 0;
   private detail = 1;
+  /** The timer of the frame that stays. */
+  private rest = 0;
   private section: Section | null = null;
   private colouring: Colouring = "plain";
   private patches: PatchTexture = patchTextureOf(new Uint8Array(), false);
   private hasLines = true;
   private isOnFindings = false;
+  private isOverlaid = false;
+  private axis: Axis = "z";
   areLinked = true;
+  /** Told that a camera was moved by hand. */
+  onMove: () => void = () => {};
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
@@ -109,11 +130,14 @@ export class Viewer {
     const pane = this.panes[side];
     if (pane.model) {
       pane.scene.remove(pane.model.mesh, pane.model.ghost);
+      pane.model.overlay.removeFromParent();
       pane.model.dispose();
     }
     pane.marks.clear();
+    this.rule(side, null);
     pane.model = drawable && new SurfaceModel(drawable);
     if (pane.model) pane.scene.add(pane.model.mesh, pane.model.ghost);
+    this.layOver();
     this.paint();
     this.applySection();
     this.invalidate();
@@ -123,6 +147,40 @@ export class Viewer {
   recolour(side: Side, values: Float32Array): void {
     const { model } = this.panes[side];
     if (model) model.values = values;
+    this.invalidate();
+  }
+
+  /** For colourings that need a number of each triangle. */
+  setNumbers(side: Side, numbers: Float32Array): void {
+    const { model } = this.panes[side];
+    if (model) model.numbers = numbers;
+    this.invalidate();
+  }
+
+  /** The input's edges over the result. */
+  set overlay(isOverlaid: boolean) {
+    this.isOverlaid = isOverlaid;
+    this.layOver();
+    this.invalidate();
+  }
+  private layOver(): void {
+    const { before, after } = this.panes;
+    before.model?.overlay.removeFromParent();
+    if (this.isOverlaid && before.model && after.model) after.scene.add(before.model.overlay);
+  }
+
+  /** A line between two places, in the frame. */
+  rule(side: Side, ends: Float32Array | null): void {
+    const pane = this.panes[side];
+    if (pane.ruled) {
+      pane.ruled.geometry.dispose();
+      pane.scene.remove(pane.ruled);
+    }
+    pane.ruled = ends && pane.rule.meshOf(ends);
+    if (pane.ruled) {
+      pane.ruled.renderOrder = 2;
+      pane.scene.add(pane.ruled);
+    }
     this.invalidate();
   }
 
@@ -156,7 +214,7 @@ export class Viewer {
     if (model) model.selected = triangle;
     this.invalidate();
   }
-  /** Marks would cover the colours of surfaces, so that there they are drawn only while findings are looked at. */
+  /** Marks are drawn only while findings are looked at, where it is said what they are. */
   set showsFindings(isOnFindings: boolean) {
     this.isOnFindings = isOnFindings;
     this.paint();
@@ -170,21 +228,31 @@ export class Viewer {
 
   /** Changes a camera, and the other one with it if they are linked. */
   move(side: Side, change: (orbit: Orbit) => void): void {
-    this.flight = null;
+    this.flights.clear();
     this.lastMove = performance.now();
     change(this.panes[side].orbit);
+    this.onMove();
     this.follow(side);
     this.invalidate();
   }
   /** All of the surface again. */
   fit(side: Side): void {
-    this.fly(side, overview(this.aspect(side)));
+    this.fly(side, overview(this.aspect(side), this.axis));
+  }
+  /** As drawings show a part, in both. */
+  look(view: StandardView): void {
+    for (const side of kSides) this.fly(side, overview(this.aspect(side), this.axis, view));
   }
   /** At once, in both. */
   reset(): void {
-    this.flight = null;
-    for (const side of kSides) this.panes[side].orbit = overview(this.aspect(side));
+    this.flights.clear();
+    for (const side of kSides) this.panes[side].orbit = overview(this.aspect(side), this.axis);
     this.invalidate();
+  }
+  set upAxis(axis: Axis) {
+    this.axis = axis;
+    this.onMove();
+    this.reset();
   }
   /** To a triangle, and the size of what lies around it. */
   flyToTriangle(side: Side, triangle: number): void {
@@ -206,6 +274,29 @@ export class Viewer {
     place(this.camera, orbit);
     const [a, b, c] = cornersOf(model.drawable, triangle);
     return (a.add(b).add(c).divideScalar(3).project(this.camera).y + 1) / 2;
+  }
+
+  /** The point of a triangle at a place of a view, in the frame, or its corner if that is nearer than some pixels. */
+  pointAt(side: Side, triangle: number, x: number, y: number): Vector3 {
+    const { model, orbit, element } = this.panes[side];
+    const { clientWidth: width, clientHeight: height } = element;
+    this.camera.aspect = this.aspect(side);
+    place(this.camera, orbit);
+    const corners = cornersOf(model!.drawable, triangle);
+    const near = corners.find((corner) => {
+      const seen = corner.clone().project(this.camera);
+      return Math.hypot(((seen.x + 1) / 2) * width - x, ((1 - seen.y) / 2) * height - y) < kSnapPixels;
+    });
+    if (near) return near;
+    const ray = new Ray();
+    ray.origin.copy(this.camera.position);
+    ray.direction
+      .set((x / width) * 2 - 1, 1 - (y / height) * 2, 0.5)
+      .unproject(this.camera)
+      .sub(ray.origin)
+      .normalize();
+    const plane = new Plane().setFromCoplanarPoints(...corners);
+    return ray.intersectPlane(plane, new Vector3()) ?? corners[0];
   }
 
   /** The triangle at a place of a view, in its pixels; -1 where there is none. */
@@ -236,7 +327,26 @@ export class Viewer {
   invalidate(): void {
     if (this.isScheduled) return;
     this.isScheduled = true;
+    this.canvas.removeAttribute("data-still");
     requestAnimationFrame((now) => this.draw(now));
+  }
+
+  /** What is on the canvas, at once: it is gone when the browser has shown it. */
+  snapshot(): HTMLCanvasElement {
+    this.detail = 1;
+    this.drawAll();
+    return this.canvas;
+  }
+  /** Where a view is on the canvas, in its pixels. */
+  areaOf(side: Side): DOMRect {
+    const [box, frame] = [this.panes[side].element.getBoundingClientRect(), this.canvas.getBoundingClientRect()];
+    const ratio = this.canvas.width / Math.max(frame.width, 1);
+    return new DOMRect(
+      (box.left - frame.left) * ratio,
+      (box.top - frame.top) * ratio,
+      box.width * ratio,
+      box.height * ratio,
+    );
   }
 
   private fly(side: Side, to: Orbit): void {
@@ -244,7 +354,7 @@ export class Viewer {
       this.panes[side].orbit = to;
       this.follow(side);
     } else {
-      this.flight = { side, from: this.panes[side].orbit, to, start: performance.now() };
+      this.flights.set(side, { from: this.panes[side].orbit, to, start: performance.now() });
     }
     this.invalidate();
   }
@@ -258,27 +368,38 @@ export class Viewer {
 
   private draw(now: number): void {
     this.isScheduled = false;
-    if (this.flight) this.advance(this.flight, now);
+    for (const [side, flight] of this.flights) this.advance(side, flight, now);
     const isMoving = performance.now() - this.lastMove < kRestMs;
     if (!isMoving) this.detail = 1;
     const start = performance.now();
-    this.fitCanvas();
-    const frame = this.canvas.getBoundingClientRect();
-    for (const side of kSides) this.drawPane(this.panes[side], frame);
-    if (!isMoving) return;
+    this.drawAll();
+    if (isMoving) this.adapt(start);
+    // Tests wait for it.
+    this.canvas.toggleAttribute("data-still", this.detail === 1 && this.flights.size === 0);
+  }
+
+  /** Draws the next frames with fewer pixels if this one was slow, and what stays with all of them. */
+  private adapt(start: number): void {
     // Reading a pixel waits for the card: the time is then the frame's.
     const gl = this.renderer.getContext();
     gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
     if (performance.now() - start > kSlowFrameMs && this.detail > 0.35) this.detail *= 0.7;
-    this.invalidate();
+    clearTimeout(this.rest);
+    if (this.detail < 1) this.rest = window.setTimeout(() => this.invalidate(), kRestMs);
   }
 
-  private advance(flight: NonNullable<Viewer["flight"]>, now: number): void {
-    const part = Math.min(Math.max((now - flight.start) / kFlightMs, 0), 1);
-    this.panes[flight.side].orbit = between(flight.from, flight.to, part);
-    this.follow(flight.side);
+  private drawAll(): void {
+    this.fitCanvas();
+    const frame = this.canvas.getBoundingClientRect();
+    for (const side of kSides) this.drawPane(this.panes[side], frame);
+  }
+
+  private advance(side: Side, { from, to, start }: Flight, now: number): void {
+    const part = Math.min(Math.max((now - start) / kFlightMs, 0), 1);
+    this.panes[side].orbit = between(from, to, part);
+    this.follow(side);
     this.lastMove = performance.now();
-    if (part === 1) this.flight = null;
+    if (part === 1) this.flights.delete(side);
     this.invalidate();
   }
 
@@ -313,15 +434,15 @@ export class Viewer {
   private paint(): void {
     const ratio = Math.min(devicePixelRatio, 2);
     for (const side of kSides) {
-      const { model, marks, outline } = this.panes[side];
+      const { model, marks, outline, rule } = this.panes[side];
       marks.paint(this.palette, ratio);
-      marks.group.visible = this.isOnFindings || !(this.colouring === "surface" || this.patches.hasChosen);
+      marks.group.visible = this.isOnFindings;
+      rule.paint(this.palette.mark, 3 * ratio);
       outline.material.color.setStyle(this.palette.section);
       if (!model) continue;
-      model.paint(this.palette);
+      model.paint(this.palette, this.hasLines ? 0.55 * ratio : 0, 0.8 * ratio);
       model.colouring = this.colouring;
       model.patches = this.patches;
-      model.uniforms["lineWidth"]!.value = this.hasLines ? 0.55 * ratio : 0;
     }
   }
 
