@@ -22,6 +22,7 @@ std::string_view type_name(OptionType type) {
     case OptionType::kInteger: return "integer";
     case OptionType::kWords:
     case OptionType::kAxis:
+    case OptionType::kNames:
     case OptionType::kChoice: return "string";
   }
   return "string";

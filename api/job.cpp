@@ -101,6 +101,7 @@ Input read_input(Job& job, const Limits& limits, RunControl& control) {
   } else {
     ReadLimits of_mesh = limits.input;
     of_mesh.decompression = limits.decompression;
+    of_mesh.ply_labels = job.options.options().ply_labels;
     input.read = read_with_remarks(input.format, job, of_mesh, control);
   }
   job.mesh = {};

@@ -363,7 +363,7 @@ Response write_kept(std::string mesh, const std::function<std::string()>& report
     if (option != nullptr && is_of_output(*option)) continue;
     throw Error(as_code(RequestCode::kUnknownOption), Stage::kWrite,
                 "a result takes only the options that say how it is written (format, local_origin, label, names, "
-                "stl_solids, msh_version), not " +
+                "stl_solids, msh_version, glb_colours), not " +
                     in_quotes(name))
         .for_option(shortened(name));
   }

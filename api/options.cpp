@@ -83,6 +83,12 @@ struct Choice<MshVersion> {
       {{"2.2", MshVersion::k22}, {"4.1", MshVersion::k41}}};
 };
 
+template <>
+struct Choice<GlbColours> {
+  static constexpr std::array<std::pair<std::string_view, GlbColours>, 2> kWords{
+      {{"label", GlbColours::kLabel}, {"quality", GlbColours::kQuality}}};
+};
+
 /// The type of the member that a pointer points to, if an option's value may be only one of several words.
 template <class Field>
 struct ChoiceMember;
@@ -112,7 +118,7 @@ std::array<OptionSpec, N> in_groups(std::array<OptionSpec, N> rows) {
   return rows;
 }
 
-const std::array<OptionSpec, 34> kTable = in_groups<34>({{
+const std::array<OptionSpec, 36> kTable = in_groups<36>({{
     {.name = "refine",
      .type = OptionType::kBoolean,
      .field = &Options::refine,
@@ -364,6 +370,22 @@ const std::array<OptionSpec, 34> kTable = in_groups<34>({{
      .group = OptionGroup::kResult,
      .help = "the version of Gmsh's format in which msh is written",
      .example = "4.1"},
+    {.name = "ply_labels",
+     .type = OptionType::kNames,
+     .field = PlyLabelsField{},
+     .group = OptionGroup::kExpert,
+     .help = "the properties of faces in a PLY file of which the first one that it has is read as groups; auto: group, "
+             "group_id, layer_id, material_index; none: no groups",
+     .unset = "auto",
+     .example = "part_id,zone"},
+    {.name = "glb_colours",
+     .type = OptionType::kChoice,
+     .field = &Writing::glb_colours,
+     .group = OptionGroup::kResult,
+     .help =
+         "the colours in glb; label: one for each boundary, see label; quality: one for each 5 degrees of the smallest "
+         "angle of a triangle, from red to green",
+     .example = "quality"},
 }});
 
 [[noreturn]] void fail(const OptionSpec& spec, const std::string& message) {
@@ -388,6 +410,7 @@ std::string describe_words(const OptionSpec& spec) {
                  ", each once, separated by commas: all without a sign, or all as +word or -word";
       break;
     case OptionType::kAxis: expected = "x, dominant_edge, or three numbers dx,dy,dz that are not all 0"; break;
+    case OptionType::kNames: expected = "none, or names separated by commas, each of 1 to 100 bytes"; break;
     case OptionType::kChoice:
       expected = (option_words(spec).size() == 1 ? "" : "one of ") + describe_words(spec);
       break;
@@ -517,6 +540,26 @@ void parse_axis(const OptionSpec& spec, std::string_view text, Options& options)
   options.reference_direction = direction;
 }
 
+/// The word for no names.
+constexpr std::string_view kNoNames = "none";
+
+std::vector<std::string> parse_names(const OptionSpec& spec, std::string_view text) {
+  constexpr std::size_t kMaxNames = 100, kMaxName = 100;
+  std::vector<std::string> names;
+  if (text == kNoNames) return names;
+  for (const std::string_view name : split(text, ',')) {
+    if (name.empty() || name.size() > kMaxName || names.size() == kMaxNames) fail_value(spec, text);
+    names.emplace_back(name);
+  }
+  return names;
+}
+
+std::string names_text(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text.append(text.empty() ? "" : ",").append(name);
+  return text.empty() ? std::string(kNoNames) : text;
+}
+
 std::string axis_text(const Options& options) {
   switch (options.reference_axis) {
     case ReferenceAxis::kX: return "x";
@@ -571,6 +614,8 @@ void set_value(const OptionSpec& spec, std::string_view text, RequestOptions& op
           parse_axis(spec, text, core);
         } else if constexpr (std::is_same_v<F, ElementsField>) {
           parse_elements(spec, text, core);
+        } else if constexpr (std::is_same_v<F, PlyLabelsField>) {
+          options.ply_labels = text == spec.unset ? std::nullopt : std::optional(parse_names(spec, text));
         } else if constexpr (std::is_same_v<F, PresetField>) {
           options.preset = text == spec.unset ? std::nullopt : std::optional(parse_choice(spec, kPresetWords, text));
         } else {
@@ -594,12 +639,15 @@ void check_kind(const OptionSpec& spec, std::string_view text, ValueKind kind) {
     case ValueKind::kNumber:
       fits = spec.type == OptionType::kNumber || spec.type == OptionType::kInteger || is_word_of(spec, text);
       break;
-    case ValueKind::kList: fits = spec.type == OptionType::kWords || spec.type == OptionType::kAxis; break;
+    case ValueKind::kList:
+      fits = spec.type == OptionType::kWords || spec.type == OptionType::kAxis || spec.type == OptionType::kNames;
+      break;
     case ValueKind::kNull: fits = !spec.unset.empty(); break;
     case ValueKind::kObject: fits = false; break;
     case ValueKind::kString:
       fits = (!spec.unset.empty() && text == spec.unset) || spec.type == OptionType::kWords ||
-             spec.type == OptionType::kAxis || spec.type == OptionType::kChoice || is_word_of(spec, text);
+             spec.type == OptionType::kAxis || spec.type == OptionType::kChoice || spec.type == OptionType::kNames ||
+             is_word_of(spec, text);
       break;
   }
   if (!fits) fail_value(spec, kind == ValueKind::kNull ? "null" : text);
@@ -741,6 +789,8 @@ OptionValue option_value(const OptionSpec& spec, const RequestOptions& options) 
         } else if constexpr (std::is_same_v<F, ElementsField>) {
           if (core.elements_per_circle) return *core.elements_per_circle;
           return core.coarsens_fine_facets ? OptionValue() : OptionValue(std::string(kNoElements));
+        } else if constexpr (std::is_same_v<F, PlyLabelsField>) {
+          return options.ply_labels ? OptionValue(names_text(*options.ply_labels)) : OptionValue();
         } else if constexpr (std::is_same_v<F, PresetField>) {
           return options.preset ? OptionValue(std::string(choice_name(kPresetWords, *options.preset))) : OptionValue();
         } else {

@@ -30,6 +30,7 @@ struct RequestOptions {
   std::optional<Preset> preset;
   std::optional<Format> format;
   Writing writing = {};
+  std::optional<std::vector<std::string>> ply_labels = {};  ///< see ReadLimits
 };
 
 enum class OptionType {
@@ -39,6 +40,7 @@ enum class OptionType {
   kWords,   ///< words separated by commas, or `none`; if all have a + or - in front, they change the default
   kAxis,    ///< `x`, `dominant_edge` or `dx,dy,dz`
   kChoice,  ///< one word of several
+  kNames,   ///< any names separated by commas, or `none`
 };
 
 /// The subject of an option. Help, documents and the page show the options in groups, in this order.
@@ -59,12 +61,15 @@ struct AxisField {};
 /// Marks the option that sets both `elements_per_circle` and `coarsens_fine_facets`.
 struct ElementsField {};
 
+/// Marks the option that concerns the reading of PLY.
+struct PlyLabelsField {};
+
 /// The member in which an option's value is stored.
 using OptionField =
     std::variant<bool Options::*, double Options::*, std::optional<double> Options::*,
                  std::optional<std::uint64_t> Options::*, Repair Options::*, Barriers Options::*, CircleFit Options::*,
-                 LabelChoice Writing::*, NameRule Writing::*, StlSolids Writing::*, MshVersion Writing::*, AxisField,
-                 ElementsField, PresetField, FormatField>;
+                 LabelChoice Writing::*, NameRule Writing::*, StlSolids Writing::*, MshVersion Writing::*,
+                 GlbColours Writing::*, AxisField, ElementsField, PlyLabelsField, PresetField, FormatField>;
 
 struct OptionSpec {
   std::string_view name;

@@ -15,7 +15,10 @@ static_assert(std::endian::native == std::endian::little, "archives are little-e
 static_assert(sizeof(Vec3) == 24);
 
 /// The last digit is the version of the format.
-constexpr std::string_view kMagic = "REMESHD7";
+constexpr std::string_view kMagic = "REMESHD8";
+/// The versions that are read. Before version 7 there were neither choices of how the result is written nor the axis
+/// that points upwards, and before version 8 there were no colours of glTF.
+constexpr char kOldest = '6', kWithWriting = '7', kWithColours = '8';
 
 constexpr std::uint32_t value_of(std::uint32_t number) { return number; }
 template <class Tag>
@@ -135,8 +138,10 @@ class Unpacker {
     set.names = texts();
     ids(set.of_face.items());
   }
-  void expect(std::string_view bytes) {
+  /// Reads the character behind the bytes that must come first.
+  char version_behind(std::string_view bytes) {
     if (cut(bytes.size()) != bytes) fail();
+    return cut(1).front();
   }
   void expect_end() const {
     if (!rest_.empty()) fail();
@@ -171,13 +176,16 @@ void pack(const Writing& writing, Packer& out) {
   out.number(static_cast<std::uint64_t>(writing.names));
   out.number(static_cast<std::uint64_t>(writing.stl_solids));
   out.number(static_cast<std::uint64_t>(writing.msh_version));
+  out.number(static_cast<std::uint64_t>(writing.glb_colours));
 }
 
-void unpack(Unpacker& in, Writing& writing) {
+void unpack(Unpacker& in, Writing& writing, char version) {
+  if (version < kWithWriting) return;
   writing.label = in.choice(LabelChoice::kSurface);
   writing.names = in.choice(NameRule::kExact);
   writing.stl_solids = in.choice(StlSolids::kOne);
   writing.msh_version = in.choice(MshVersion::k41);
+  if (version >= kWithColours) writing.glb_colours = in.choice(GlbColours::kQuality);
 }
 
 void pack(const Summary& summary, Packer& out) {
@@ -301,14 +309,15 @@ std::string pack_result(const KeptResult& kept) {
 
 KeptResult unpack_result(std::string_view bytes) {
   Unpacker in(bytes);
-  in.expect(kMagic);
+  const char version = in.version_behind(kMagic.substr(0, kMagic.size() - 1));
+  if (version < kOldest || version > kMagic.back()) Unpacker::fail();
   KeptResult kept;
   Result& result = kept.result;
   const std::optional<Format> format = format_from_name(in.text());
   if (!format) Unpacker::fail();
   kept.format = *format;
   kept.local_origin = in.flag();
-  unpack(in, kept.writing);
+  unpack(in, kept.writing, version);
   unpack(in, kept.summary);
   kept.server_timing = in.text();
   kept.file_name = in.text();
@@ -326,7 +335,7 @@ KeptResult unpack_result(std::string_view bytes) {
   result.mesh.labels.material_libraries = in.texts();
   in.ids(result.face_patch.items());
   in.ids(result.report.surfaces.of_patch.items());
-  result.report.input_up_axis = in.text();
+  if (version >= kWithWriting) result.report.input_up_axis = in.text();
   in.ids(result.face_source.items());
   in.ids(result.input_face_patch.items());
   unpack(in, result.rounding_input);

@@ -5,6 +5,7 @@
 #include <cstddef>
 
 #include "core/io/common/number_parsing.h"
+#include "core/io/fe/fe.h"
 #include "core/io/gltf/gltf.h"
 #include "core/io/medit/medit.h"
 #include "core/io/msh/msh.h"
@@ -81,7 +82,8 @@ std::vector<RenamedLabel> renamed_in_text(const WriterInput& input, RunControl& 
 constexpr std::string_view kObjEndings[] = {"obj"}, kJsonEndings[] = {"json"}, kStlEndings[] = {"stl"},
                            kPlyEndings[] = {"ply"}, kOffEndings[] = {"off"}, kVtuEndings[] = {"vtu", "vtp", "vtk"},
                            kMshEndings[] = {"msh"}, kMeshEndings[] = {"mesh"}, kSmeshEndings[] = {"smesh"},
-                           kGlbEndings[] = {"glb", "gltf"}, kThreemfEndings[] = {"3mf"};
+                           kGlbEndings[] = {"glb", "gltf"}, kThreemfEndings[] = {"3mf"}, kInpEndings[] = {"inp"},
+                           kBdfEndings[] = {"bdf", "nas"};
 
 // The programs that were seen to read what is written, and the lines with which they go on. Tests run those lines whose
 // programs are installed.
@@ -293,6 +295,22 @@ const std::array<FormatSpec, kFormats.size()> kSpecs{{
      .reads = "components and transforms; names of objects and of base materials",
      .mark = [](const Sniffed& s) { return s.content.starts_with("PK\x03\x04") ? Mark::kCertain : Mark::kNone; },
      .read = read_threemf},
+    {.name = "inp",
+     .endings = kInpEndings,
+     .media_type = "application/x-abaqus",
+     .storage = Storage::kDouble,
+     .labels = LabelsHeld::kOne,
+     .reads = "input files of Abaqus and CalculiX: triangles and quadrilaterals of shells; sets of elements are groups",
+     .mark = [](const Sniffed& s) { return likely_if(s.first_word.starts_with('*') && is_abaqus(s.text)); },
+     .read = read_abaqus},
+    {.name = "bdf",
+     .endings = kBdfEndings,
+     .media_type = "application/x-nastran",
+     .storage = Storage::kDouble,
+     .labels = LabelsHeld::kOne,
+     .reads = "bulk data of Nastran: triangles and quadrilaterals of shells; properties are groups",
+     .mark = [](const Sniffed& s) { return is_nastran(s.text) ? Mark::kPossible : Mark::kNone; },
+     .read = read_nastran},
 }};
 
 }  // namespace

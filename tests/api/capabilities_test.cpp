@@ -26,8 +26,8 @@ TEST(capabilities, they_tell_every_option_and_format) {
     for (const json& format : answer["formats"][direction]) all.push_back(format["name"]);
     return all;
   };
-  EXPECT_EQ(names("input"),
-            (std::vector<std::string>{"obj", "json", "stl", "ply", "off", "vtu", "msh", "mesh", "glb", "3mf"}));
+  EXPECT_EQ(names("input"), (std::vector<std::string>{"obj", "json", "stl", "ply", "off", "vtu", "msh", "mesh", "glb",
+                                                      "3mf", "inp", "bdf"}));
   EXPECT_EQ(names("output"), (std::vector<std::string>{"obj", "json", "stl", "stl_ascii", "ply", "off", "vtu", "msh",
                                                        "mesh", "smesh", "ply_ascii", "glb"}));
   EXPECT_EQ(answer["formats"]["input"][0]["media_type"], "model/obj");

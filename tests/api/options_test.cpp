@@ -85,6 +85,8 @@ TEST(options, the_table_has_every_option_of_the_contract_with_its_default) {
                                                          {"label", "auto"},
                                                          {"names", "portable"},
                                                          {"stl_solids", "label"},
+                                                         {"glb_colours", "label"},
+                                                         {"ply_labels", "auto"},
                                                          {"msh_version", "2.2"}};
   std::map<std::string_view, std::string> table;
   for (const OptionSpec& spec : option_table()) table[spec.name] = option_text(spec, with_defaults(RequestOptions{}));
@@ -149,6 +151,14 @@ std::map<std::string_view, std::string> changed(const RequestOptions& options) {
     if (text != option_text(spec, RequestOptions{})) found[spec.name] = text;
   }
   return found;
+}
+
+TEST(options, names_are_any_that_are_not_empty) {
+  EXPECT_EQ(read("ply_labels", "auto").ply_labels, std::nullopt);
+  EXPECT_EQ(read("ply_labels", "none").ply_labels, std::vector<std::string>());
+  EXPECT_EQ(read("ply_labels", "part id,zone").ply_labels, (std::vector<std::string>{"part id", "zone"}));
+  for (const std::string& text : {std::string(), std::string("a,"), std::string(101, 'a'), std::string(300, ',')})
+    EXPECT_THROW(read("ply_labels", text), Error) << text;
 }
 
 TEST(options, the_exact_preset_leaves_facets_and_boundaries_as_they_are) {

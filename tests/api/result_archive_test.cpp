@@ -44,6 +44,7 @@ nlohmann::json without_times(const std::string& text) {
   nlohmann::json json = nlohmann::json::parse(text);
   json["report"].erase("timing_ms");
   json["report"]["options"].erase("format");  // the one that the job asked for
+  json["report"].erase("recipe");             // which follows from that format
   return json;
 }
 
@@ -80,7 +81,7 @@ TEST(result_archive, every_number_and_label_comes_back) {
   KeptResult kept;
   kept.format = Format::kPly;
   kept.local_origin = true;
-  kept.writing = {LabelChoice::kMaterial, NameRule::kExact, StlSolids::kOne, MshVersion::k41};
+  kept.writing = {LabelChoice::kMaterial, NameRule::kExact, StlSolids::kOne, MshVersion::k41, GlbColours::kQuality};
   kept.summary = {.input_faces = 1,
                   .output_faces = 2,
                   .patches = 3,
@@ -148,6 +149,39 @@ TEST(result_archive, every_number_and_label_comes_back) {
   EXPECT_EQ(back.result.face_source, kept.result.face_source);
   EXPECT_EQ(back.result.input_face_patch, kept.result.input_face_patch);
   EXPECT_EQ(back.result.report.input_up_axis, "y");
+}
+
+TEST(result_archive, results_that_older_versions_have_kept_are_read) {
+  KeptResult kept;
+  kept.writing.label = LabelChoice::kMaterial;
+  kept.result.report.input_up_axis = "upwards";
+  kept.result.face_patch.push_back(PatchId(7));
+  kept.file_name = "part.obj";
+  const std::string now = pack_result(kept);
+  // Behind the magic come a text of three letters with its length, a number, and five choices.
+  constexpr std::size_t kNumber = 8, kChoices = 8 + kNumber + 3 + kNumber;
+  ASSERT_EQ(kept.format, Format::kObj);
+
+  std::string seventh = now;
+  seventh[7] = '7';
+  seventh.erase(kChoices + 4 * kNumber, kNumber);
+  EXPECT_EQ(unpack_result(seventh).writing, kept.writing);
+  EXPECT_EQ(unpack_result(seventh).result.report.input_up_axis, "upwards");
+
+  std::string sixth = now;
+  sixth[7] = '6';
+  sixth.erase(sixth.find("upwards") - kNumber, kNumber + std::string_view("upwards").size());
+  sixth.erase(kChoices, 5 * kNumber);
+  const KeptResult back = unpack_result(sixth);
+  EXPECT_EQ(back.writing, Writing());
+  EXPECT_EQ(back.result.face_patch, kept.result.face_patch);
+  EXPECT_EQ(back.file_name, "part.obj");
+
+  for (const char other : {'5', '9', 'x'}) {
+    std::string unknown = now;
+    unknown[7] = other;
+    EXPECT_THROW(unpack_result(unknown), Error) << other;
+  }
 }
 
 TEST(result_archive, damaged_bytes_are_refused) {

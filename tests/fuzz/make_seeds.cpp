@@ -175,6 +175,13 @@ int main(int argc, char** argv) {
        {written(Format::kMesh),
         "MeshVersionFormatted 1 Dimension\n3 # reference 2: a b\nVertices 3 0 0 0 0 1 0 0 0 0 1 0 0 Edges 1 1 2 0\n"
         "Quadrilaterals 1 1 2 3 1 2 End"}},
+      {"inp",
+       {"*PART, NAME=a\n*NODE\n1,0,0,0\n2,1.,0.,0.\n3,0.,1D0,0.\n*ELEMENT, TYPE=S3,\nELSET=b\n4,1,2,\n3\n*ELSET, "
+        "ELSET=c, "
+        "GENERATE\n1,9,2\n*END PART\n"}},
+      {"bdf",
+       {"BEGIN BULK\nGRID,1,,0.,0.,0.\nGRID           2              1.      0.    1.-3\nGRID*                  3      "
+        "                        0.              1.\n*                     0.\nCTRIA3,4,5,1,2,3\nENDDATA\n"}},
       {"json",
        {R"({"mesh":{"vertices":[[0,0,0],[1,0,0],[0,1,1e-3]],"faces":[[0,1,2]],"face_groups":[3]},"options":{"refine":false,"barriers":["group"]}})",
         R"({"vertices":[[0,0,0],[1,0,0],[1,1,0],[0,1,0]],"faces":[[0,1,2,3]],"what":{"ever":[null,true,"\u00e9"]}})"}},

@@ -79,6 +79,7 @@ std::string draw_value(const OptionSpec& spec, Random& random, double diagonal) 
           static_cast<std::uint64_t>(number_range(spec.name)->minimum + std::pow(10.0, random.uniform(0, 5))));
     case OptionType::kWords: return draw_words(spec, random);
     case OptionType::kAxis: return draw_axis(random);
+    case OptionType::kNames: return random.chance(0.5) ? "none" : "group,a,b";
     case OptionType::kChoice: {
       const std::vector<std::string_view> words = api::option_words(spec);
       return std::string(words[static_cast<std::size_t>(random.below(static_cast<int>(words.size())))]);

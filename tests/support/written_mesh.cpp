@@ -484,7 +484,9 @@ WrittenMesh read_written(Format format, const std::string& bytes) {
     case Format::kSmesh: mesh = read_smesh(bytes); break;
     case Format::kPlyAscii: mesh = read_ply_text(bytes); break;
     case Format::kGlb: mesh = read_glb(bytes); break;
-    case Format::kThreemf: fail("3MF is not written");
+    case Format::kThreemf:
+    case Format::kInp:
+    case Format::kBdf: fail("this format is not written");
   }
   for (const auto& face : mesh.faces)
     for (const std::uint32_t v : face)

@@ -27,8 +27,9 @@ from remeshd import Daemon  # noqa: E402
 MACHINE = {"--workers", "--max-running", "--queue-size", "--memory-budget"}
 # These flags of the daemon are no settings, since they end it.
 ENDING = {"--help", "--version", "--print-config", "--check-config"}
-# These are flags of other programs: curl, tsc, docker, systemctl, Blender, PrusaSlicer.
-FOREIGN = {"--data-binary", "--fail-with-body", "--info", "--noEmit", "--now", "--python-expr", "--rm", "--scale"}
+# These are flags of other programs: curl, tsc, docker, systemctl, pip, Blender, PrusaSlicer.
+FOREIGN = {"--data-binary", "--fail-with-body", "--info", "--no-build-isolation", "--noEmit", "--now", "--python-expr", "--rm",
+           "--scale"}
 # These variables are read by `docker/` or by tests, or are options of CMake.
 OTHER_VARIABLES = {"REMESHD_API_KEY", "REMESHD_CORPUS", "REMESHD_DOMAIN", "REMESHD_REQUIRE_CORPUS", "REMESHD_TESTS",
                    "REMESHD_UNITY", "REMESHD_UPSTREAM", "REMESHD_WEB", "REMESHD_WERROR"}

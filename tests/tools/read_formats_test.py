@@ -84,6 +84,16 @@ def from_gmsh(reader):
             digits = [tuple(float(f"{x:.14g}") for x in p) for p in POINTS]
             groups, points = (["7"] * 4 + ["9"] * 8, digits) if ending == "mesh" else (None, POINTS)
             reader.check(f"gmsh, {ending}, {'binary' if binary else 'text'}", path, groups, points)
+    gmsh.option.setNumber("Mesh.Binary", 0)
+    # It writes fourteen decimals in Abaqus' format, and six or nine in Nastran's, whose properties are its surfaces.
+    gmsh.option.setNumber("Mesh.SaveGroupsOfElements", 1)
+    gmsh.option.setNumber("Mesh.SaveElementTagType", 1)
+    for ending, style, decimals in (("inp", 0, 14), ("bdf", 0, 6), ("bdf", 1, 6), ("bdf", 2, 9)):
+        gmsh.option.setNumber("Mesh.BdfFieldFormat", style)
+        path = reader.path(f"gmsh-{style}.{ending}")
+        gmsh.write(path)
+        groups = ["level_faces", "sides"] if ending == "inp" else ["1", "2"]
+        reader.check(f"gmsh, {ending}, {style}", path, groups, [tuple(round(x, decimals) for x in p) for p in POINTS])
     gmsh.finalize()
 
 
@@ -103,6 +113,13 @@ def from_meshio(reader):
         reader.check(f"meshio, {kind}, {'binary' if binary else 'text'}", path, labels if data else None)
     meshio.write(reader.path("meshio.mesh"), mesh(**{"medit:ref": GROUPS}))
     reader.check("meshio, mesh", reader.path("meshio.mesh"), labels)
+    sets = meshio.Mesh(numpy.array(POINTS), [("triangle", numpy.array(TRIANGLES[:4])), ("triangle", numpy.array(TRIANGLES[4:]))],
+                       cell_sets={"level faces": [numpy.arange(4), []], "sides": [[], numpy.arange(8)]})
+    meshio.write(reader.path("meshio.inp"), sets)
+    reader.check("meshio, inp", reader.path("meshio.inp"), ["level faces", "sides"])
+    # It writes eleven or twelve digits.
+    meshio.write(reader.path("meshio.bdf"), mesh(**{"nastran:ref": GROUPS}))
+    reader.check("meshio, bdf", reader.path("meshio.bdf"), labels, [tuple(float(f"{x:.11e}") for x in p) for p in POINTS])
     for binary, compression in ((False, None), (True, None), (True, "zlib")):
         path = reader.path(f"meshio-{binary}-{compression}.vtu")
         meshio.write(path, mesh(group=GROUPS), binary=binary, compression=compression)

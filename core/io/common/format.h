@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -14,14 +15,32 @@
 
 namespace remesh {
 
-/// All formats of the API. Each has a row in format_spec.cpp, in this order. All but 3MF can be written. A reader
+/// All formats of the API. Each has a row in format_spec.cpp, in this order. All but 3MF, and the input files
+/// of Abaqus and Nastran, can be written. A reader
 /// treats both kinds of STL as kStl, and both kinds of PLY as kPly; kStlAscii and kPlyAscii only select how these are
 /// written.
-enum class Format { kObj, kJson, kStl, kStlAscii, kPly, kOff, kVtu, kMsh, kMesh, kSmesh, kPlyAscii, kGlb, kThreemf };
+enum class Format {
+  kObj,
+  kJson,
+  kStl,
+  kStlAscii,
+  kPly,
+  kOff,
+  kVtu,
+  kMsh,
+  kMesh,
+  kSmesh,
+  kPlyAscii,
+  kGlb,
+  kThreemf,
+  kInp,
+  kBdf
+};
 
-inline constexpr std::array kFormats = {
-    Format::kObj, Format::kJson, Format::kStl,   Format::kStlAscii, Format::kPly, Format::kOff,    Format::kVtu,
-    Format::kMsh, Format::kMesh, Format::kSmesh, Format::kPlyAscii, Format::kGlb, Format::kThreemf};
+inline constexpr std::array kFormats = {Format::kObj,     Format::kJson,  Format::kStl,      Format::kStlAscii,
+                                        Format::kPly,     Format::kOff,   Format::kVtu,      Format::kMsh,
+                                        Format::kMesh,    Format::kSmesh, Format::kPlyAscii, Format::kGlb,
+                                        Format::kThreemf, Format::kInp,   Format::kBdf};
 
 /// Limits on decompressed data, with the service's defaults. More data ends the read with Code::kDecompressedTooLarge.
 struct DecompressionLimits {
@@ -29,12 +48,15 @@ struct DecompressionLimits {
   std::uint64_t max_ratio = 100;  ///< decompressed to compressed bytes; the first MiB is exempt
 };
 
-/// Limits on what a reader may build, with the defaults of the service. A larger mesh ends the read with
-/// Code::kMeshTooLarge.
+/// Limits on what a reader may build, with the defaults of the service, and what it looks for. A larger mesh ends the
+/// read with Code::kMeshTooLarge.
 struct ReadLimits {
   std::uint64_t max_vertices = 10'000'000;
   std::uint64_t max_faces = 20'000'000;
   DecompressionLimits decompression = {};  ///< of what is packed within the file
+  /// The properties of faces in PLY that may be groups: the first one that a file has. Without a value these are the
+  /// names that programs use.
+  std::optional<std::vector<std::string>> ply_labels = {};
 };
 
 /// The input of a writer. Only the formats that have a place for them write the ids and the comments.

@@ -20,11 +20,18 @@ enum class StlSolids { kLabel, kOne };
 /// The versions of Gmsh's format.
 enum class MshVersion { k22, k41 };
 
+/// The colours of faces in glTF.
+enum class GlbColours {
+  kLabel,    ///< the boundary of each face
+  kQuality,  ///< the smallest angle of each face
+};
+
 struct Writing {
   LabelChoice label = LabelChoice::kAuto;
   NameRule names = NameRule::kPortable;
   StlSolids stl_solids = StlSolids::kLabel;
   MshVersion msh_version = MshVersion::k22;
+  GlbColours glb_colours = GlbColours::kLabel;
 
   friend bool operator==(const Writing&, const Writing&) = default;
 };

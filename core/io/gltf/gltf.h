@@ -27,7 +27,8 @@ bool is_gltf_json(std::string_view text);
 ReadResult read_gltf(std::string_view content, const ReadLimits& limits, RunControl& control);
 
 /// Writes binary glTF to look at. Each boundary (boundaries.h) is a primitive with a material of its name and a colour
-/// of its own; more than 256 boundaries share 256 colours. All primitives use the same vertices. The coordinates are
+/// of its own; more than 256 boundaries share 256 colours. With GlbColours::kQuality there is one for each 5 degrees of
+/// the smallest angle of a face instead, from red to green. All primitives use the same vertices. The coordinates are
 /// the mesh's own; the transform of the only node turns the z axis upwards, unless that is y already, as in glTF.
 /// `comments` are in the asset's extras.
 /// Input:   `input.mesh` - all its coordinates must be floats (see round_for_format). They are not rounded here.

@@ -10,11 +10,11 @@
 #include "core/io/common/number_parsing.h"
 #include "core/io/common/write_text.h"
 #include "core/io/gltf/gltf.h"
+#include "core/mesh/quality.h"
 
 namespace remesh {
 namespace {
 
-constexpr std::uint32_t kMaxColours = 256;
 /// The members of a node that turns the z axis upwards, and says that readers need not.
 constexpr std::string_view kZUp = ",\"matrix\":[1,0,0,0,0,0,-1,0,0,1,0,0,0,0,0,1],\"extras\":{\"remeshd\":\"z_up\"}";
 
@@ -47,6 +47,53 @@ std::string colour(std::size_t i) {
   return rgb + "1]";
 }
 
+/// The primitives of the file: the faces of one colour each.
+struct ColouredParts {
+  Grouping faces;
+  std::vector<std::string> names, colours;
+};
+
+ColouredParts parts_by_label(const WriterInput& input, RunControl& control) {
+  constexpr std::uint32_t kMaxColours = 256;
+  WriterInput named = input;
+  named.writing.names = NameRule::kExact;
+  const Boundaries boundaries(named, control);
+  const bool are_many = boundaries.size() > kMaxColours;
+  const std::size_t count = are_many ? kMaxColours : boundaries.size();
+  ColouredParts parts;
+  parts.faces = group_by(
+      input.mesh.faces.size(), count, [&](std::uint32_t f) { return boundaries.of(FaceId(f)) % kMaxColours; }, control);
+  for (std::size_t part = 0; part < count; ++part) {
+    const bool is_used = !parts.faces[part].empty();
+    parts.names.push_back(are_many  ? std::string("colour_").append(std::to_string(part))
+                          : is_used ? boundaries.name(part)
+                                    : std::string());
+    parts.colours.push_back(colour(part));
+  }
+  return parts;
+}
+
+ColouredParts parts_by_quality(const TriangleMesh& mesh, RunControl& control) {
+  constexpr std::uint32_t kStep = 5, kCount = 60 / kStep;
+  const IdVector<FaceId, FaceQuality> quality = face_quality(mesh, control);
+  ColouredParts parts;
+  parts.faces = group_by(
+      mesh.faces.size(), kCount,
+      [&](std::uint32_t f) {
+        return static_cast<std::uint32_t>(std::min(quality[FaceId(f)].min_angle_deg / kStep, kCount - 1.0));
+      },
+      control);
+  for (std::uint32_t i = 0; i < kCount; ++i) {
+    const double share = i / (kCount - 1.0);
+    parts.names.push_back(std::string("min_angle_").append(std::to_string(i * kStep)));
+    std::string colour = "[";
+    colour.append(number_text(std::min(1.0, 2 - 2 * share) * 0.8, 3)).append(",");
+    colour.append(number_text(std::min(1.0, 2 * share) * 0.7, 3)).append(",0.1,1]");
+    parts.colours.push_back(std::move(colour));
+  }
+  return parts;
+}
+
 std::string point_text(const Vec3& p) {
   std::string text;
   append_point(text, p);
@@ -65,14 +112,8 @@ void append_chunk(std::string& out, std::string_view type, std::string_view data
 std::string write_glb(const WriterInput& input, RunControl& control) {
   control.enter(Stage::kWrite);
   const TriangleMesh& mesh = input.mesh;
-  WriterInput named = input;
-  named.writing.names = NameRule::kExact;
-  const Boundaries boundaries(named, control);
-  const bool are_many = boundaries.size() > kMaxColours;
-  const Grouping faces_of = group_by(
-      mesh.faces.size(), are_many ? kMaxColours : boundaries.size(),
-      [&](std::uint32_t f) { return boundaries.of(FaceId(f)) % kMaxColours; }, control);
-
+  const ColouredParts parts = input.writing.glb_colours == GlbColours::kQuality ? parts_by_quality(mesh, control)
+                                                                                : parts_by_label(input, control);
   constexpr std::uint64_t kMaxBytes = std::numeric_limits<std::uint32_t>::max() - (std::uint64_t{1} << 24);
   const std::uint64_t position_bytes = 12 * std::uint64_t{mesh.positions.size()};
   const std::uint64_t index_bytes = 12 * std::uint64_t{mesh.faces.size()};
@@ -91,23 +132,24 @@ std::string write_glb(const WriterInput& input, RunControl& control) {
   }
   std::string primitives, materials, accessors;
   std::size_t count = 0;
-  for (std::size_t part = 0; part + 1 < faces_of.begin.size(); ++part) {
-    if (faces_of[part].empty()) continue;
+  for (std::size_t part = 0; part < parts.names.size(); ++part) {
+    if (parts.faces[part].empty()) continue;
     const std::string_view separator = count++ == 0 ? "" : ",";
     accessors.append(",{\"bufferView\":1,\"byteOffset\":").append(std::to_string(data.size() - position_bytes));
-    accessors.append(",\"componentType\":5125,\"count\":").append(std::to_string(3 * faces_of[part].size()));
+    accessors.append(",\"componentType\":5125,\"count\":").append(std::to_string(3 * parts.faces[part].size()));
     accessors.append(",\"type\":\"SCALAR\"}");
-    for (const std::uint32_t f : faces_of[part]) {
+    for (const std::uint32_t f : parts.faces[part]) {
       progress.tick();
       for (const VertexId v : mesh.faces[FaceId(f)]) append_little_endian(data, v.value);
     }
     primitives.append(separator).append("{\"attributes\":{\"POSITION\":0},\"indices\":").append(std::to_string(count));
     primitives.append(",\"material\":").append(std::to_string(count - 1)).append("}");
-    std::string name = are_many ? "colour_" : boundaries.name(part);
-    if (are_many) name.append(std::to_string(part));
-    materials.append(separator).append("{\"name\":").append(json_text(name)).append(",\"doubleSided\":true,");
+    materials.append(separator)
+        .append("{\"name\":")
+        .append(json_text(parts.names[part]))
+        .append(",\"doubleSided\":true,");
     materials.append("\"pbrMetallicRoughness\":{\"metallicFactor\":0,\"roughnessFactor\":0.8,\"baseColorFactor\":");
-    materials.append(colour(part)).append("}}");
+    materials.append(parts.colours[part]).append("}}");
   }
   std::string comments;
   for (const std::string& comment : input.comments)

@@ -7,10 +7,10 @@
 #include <optional>
 #include <utility>
 
-#include "core/base/stoppable.h"
 #include "core/io/common/bytes.h"
 #include "core/io/common/label_collector.h"
 #include "core/io/common/mesh_builder.h"
+#include "core/io/common/node_tags.h"
 #include "core/io/common/numbered_labels.h"
 #include "core/io/common/text_tokens.h"
 #include "core/io/msh/msh.h"
@@ -121,36 +121,6 @@ class MshBinary {
   std::string_view content_;
   ByteOrder order_;
   ByteReader bytes_;
-};
-
-/// Finds vertices by the tags of nodes.
-class NodeTags {
- public:
-  void add(std::uint64_t tag) {
-    are_in_order_ = are_in_order_ && tag == tags_.size() + 1;
-    if (!are_in_order_ && sorted_.empty())
-      for (std::size_t i = 0; i < tags_.size(); ++i) sorted_.push_back({tags_[i], static_cast<std::uint32_t>(i)});
-    tags_.push_back(tag);
-    if (!are_in_order_) sorted_.push_back({tag, static_cast<std::uint32_t>(tags_.size() - 1)});
-  }
-  /// Output: a tag that two nodes have, if there is one.
-  std::optional<std::uint64_t> sort(RunControl& control) {
-    sort_stoppable(sorted_.begin(), sorted_.end(), control);
-    const auto twice = std::adjacent_find(sorted_.begin(), sorted_.end(),
-                                          [](const auto& a, const auto& b) { return a.first == b.first; });
-    return twice == sorted_.end() ? std::nullopt : std::optional(twice->first);
-  }
-  /// Output: the vertex, or -1 if no node has the tag.
-  std::int64_t find(std::uint64_t tag) const {
-    if (are_in_order_) return tag >= 1 && tag <= tags_.size() ? static_cast<std::int64_t>(tag - 1) : -1;
-    const auto found = std::lower_bound(sorted_.begin(), sorted_.end(), std::pair(tag, std::uint32_t{0}));
-    return found == sorted_.end() || found->first != tag ? -1 : std::int64_t{found->second};
-  }
-
- private:
-  std::vector<std::uint64_t> tags_;
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> sorted_;  ///< empty as long as the tags are 1, 2, 3, ...
-  bool are_in_order_ = true;
 };
 
 template <class Source>

@@ -15,8 +15,9 @@ namespace remesh {
 ///          record is one line.
 /// Output:  the polygons in their order, from the list `vertex_indices` or `vertex_index` of the element `face`.
 ///          Vertices come from x, y and z of the element `vertex`, which may have any number type; in text they are
-///          read as doubles. Whole numbers `object`, `group` and `material` of a face are its labels. Without a
-///          `group`, the first one of `group_id`, `layer_id` and `material_index` that there is are its groups. Their
+///          read as doubles. Whole numbers `object`, `group` and `material` of a face are its labels. Its groups are
+///          the first one that there is of `limits.ply_labels`, without which these are `group`, `group_id`, `layer_id`
+///          and `material_index`. Their
 ///          names are those that write_ply puts into comments, else their digits. Other elements and properties are
 ///          skipped, and each is counted as attribute_dropped. A few bytes after the last record are counted as
 ///          trailing_bytes.

@@ -159,7 +159,9 @@ template <class Records>
 class PlyReader {
  public:
   PlyReader(std::string_view content, const PlyHeader& header, const ReadLimits& limits, RunControl& control)
-      : content_size_(content.size()), header_(header), records_(content, header, control), builder_(limits, control) {}
+      : content_size_(content.size()), header_(header), records_(content, header, control), builder_(limits, control) {
+    if (limits.ply_labels) group_names_.assign(limits.ply_labels->begin(), limits.ply_labels->end());
+  }
 
   ReadResult read() {
     announce();
@@ -246,16 +248,16 @@ class PlyReader {
   }
 
   /// Finds the property that has the labels of a kind. Other programs have other names for groups.
-  static std::optional<std::size_t> find_label(const PlyElement& element, std::string_view kind) {
-    constexpr std::array<std::string_view, 3> kGroups{"group_id", "layer_id", "material_index"};
+  std::optional<std::size_t> find_label(const PlyElement& element, std::string_view kind) const {
     const auto find = [&](std::string_view name) {
       const auto property = element.find(name);
       const bool is_whole_number =
           property && !element.properties[*property].count_type && !is_real(element.properties[*property].type);
       return is_whole_number ? property : std::nullopt;
     };
-    std::optional<std::size_t> found = find(kind);
-    for (std::size_t i = 0; !found && kind == "group" && i < kGroups.size(); ++i) found = find(kGroups[i]);
+    if (kind != "group") return find(kind);
+    std::optional<std::size_t> found;
+    for (std::size_t i = 0; !found && i < group_names_.size(); ++i) found = find(group_names_[i]);
     return found;
   }
 
@@ -265,7 +267,7 @@ class PlyReader {
     std::vector<LabelProperty*> label_of(element.properties.size(), nullptr);
     for (LabelProperty& label : labels_) {
       const auto property = find_label(element, label.kind);
-      if (!property) continue;
+      if (!property || label_of[*property] != nullptr) continue;
       label_of[*property] = &label;
       find_names(header_, label);
     }
@@ -357,6 +359,7 @@ class PlyReader {
   Records records_;
   MeshBuilder builder_;
   std::vector<Diagnostic> diagnostics_;
+  std::vector<std::string_view> group_names_{"group", "group_id", "layer_id", "material_index"};
   std::array<LabelProperty, 3> labels_{LabelProperty{"object", &FaceLabels::object, {}, {}, {}},
                                        LabelProperty{"group", &FaceLabels::group, {}, {}, {}},
                                        LabelProperty{"material", &FaceLabels::material, {}, {}, {}}};

@@ -9,7 +9,7 @@ namespace {
 
 /// After this many steps, a patch that fails goes to single faces at once. A chain of neighbours that fail one after
 /// the other must not cost a step for each of its rungs.
-constexpr std::uint32_t kPatientSteps = 6;
+constexpr std::uint32_t kPatientRungSteps = 6;
 
 }  // namespace
 
@@ -23,7 +23,7 @@ FaceRungs one_rung_up(FaceRungs rungs, std::span<const FailedFaces> failed, std:
     for (const FaceId f : patch.faces) {
       std::uint8_t& rung = rungs.rung[f.value];
       if (rung < kSingleFace)
-        rung = patch.is_single || rungs.steps > kPatientSteps ? kSingleFace : static_cast<std::uint8_t>(rung + 1);
+        rung = patch.is_single || rungs.steps > kPatientRungSteps ? kSingleFace : static_cast<std::uint8_t>(rung + 1);
       rungs.zone[f.value] = zone;
       if (rungs.reason[f.value] == PatchReason::kNone) rungs.reason[f.value] = patch.reason;
     }

@@ -21,7 +21,7 @@ namespace {
 /// A patch with more triangles than this is divided among several threads.
 constexpr std::size_t kLarge = 1000;
 /// The number of triangles in a task. Each takes some microseconds.
-constexpr std::size_t kTriangles = 256;
+constexpr std::size_t kTrianglesOfBlock = 256;
 
 /// A relative slack for rounding when edges are compared with the sizes at which refinement aimed.
 constexpr double kAimSlack = 1 + 1e-9;
@@ -79,7 +79,7 @@ class MissSearch {
   void run() {
     const auto work = [&](std::size_t p) { return first_[p + 1] - first_[p]; };
     for_large_first(meshes_.size(), kLarge, work, control_, [&](std::size_t p) {
-      for_blocks(work(p), kTriangles, control_, [&](std::size_t begin, std::size_t end) {
+      for_blocks(work(p), kTrianglesOfBlock, control_, [&](std::size_t begin, std::size_t end) {
         const Block block{PatchId(p), static_cast<std::uint32_t>(begin), static_cast<std::uint32_t>(end)};
         if (bounds_.gaps == nullptr)
           look_at_edges(block);

@@ -21,7 +21,7 @@ constexpr double kMargin = 1e-6;
 constexpr double kRounding = 0x1p-44;
 
 /// The length of the way from p to q over the straight line a-b, with both sides unfolded into one plane.
-double way_over(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b) {
+double length_over(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b) {
   const Vec3 line = b - a;
   const double squared = norm_squared(line);
   if (!(squared > 0)) return norm(p - a) + norm(q - a);
@@ -222,7 +222,7 @@ bool GapCheck::may_be_in_wedge(PatchId p, const Vec3& from, PatchId q, const Vec
                                 [](const Wedge& w, const auto& wanted) { return w.sides < wanted; });
   for (; wedge != wedges_.end() && wedge->sides == sides; ++wedge) {
     if (++looks > kMaxLooks) return true;
-    if (way_over(from, to, point(wedge->a), point(wedge->b)) <= wedge->factor * length) return true;
+    if (length_over(from, to, point(wedge->a), point(wedge->b)) <= wedge->factor * length) return true;
   }
   return false;
 }
@@ -255,7 +255,7 @@ bool GapCheck::is_over_surface(PatchId p, const Vec3& from, PatchId q, const Vec
   const auto is_short = [&](const Part& part) {
     ++looks;
     const bool is_shared = part.a == part.b ? is_at(part.a, q) : is_edge_of(part, q);
-    return is_shared && way_over(from, to, point(part.a), point(part.b)) <= most;
+    return is_shared && length_over(from, to, point(part.a), point(part.b)) <= most;
   };
   if (border_tree_[p.value] == kNoTree) return std::any_of(border.begin(), border.end(), is_short);
   const BoxTree<NoTag>& tree = trees_[border_tree_[p.value]];

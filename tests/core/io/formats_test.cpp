@@ -54,11 +54,13 @@ TEST(formats, every_format_has_a_row_of_its_own) {
       EXPECT_TRUE(program.next.empty() || program.next.find(file) != std::string_view::npos) << program.next;
     }
     // Only formats with one label for each face change names, and glTF is not for mesh programs.
-    EXPECT_EQ(spec.renamed != nullptr, spec.labels == LabelsHeld::kOne && format != Format::kGlb) << spec.name;
+    EXPECT_EQ(spec.renamed != nullptr, is_written(format) && spec.labels == LabelsHeld::kOne && format != Format::kGlb)
+        << spec.name;
     EXPECT_TRUE(names.insert(spec.name).second) << spec.name;
     EXPECT_EQ(format_from_name(spec.name), format);
-    // JSON is read and written above the core, and 3MF is only read.
-    EXPECT_EQ(spec.write == nullptr, format == Format::kJson || format == Format::kThreemf) << spec.name;
+    // JSON is read and written above the core, and some formats are only read.
+    const bool is_only_read = format == Format::kThreemf || format == Format::kInp || format == Format::kBdf;
+    EXPECT_EQ(spec.write == nullptr, format == Format::kJson || is_only_read) << spec.name;
   }
 }
 
@@ -152,6 +154,11 @@ TEST(formats, other_formats_are_known_by_words_or_marks_of_their_own) {
   EXPECT_EQ(sniff_format("<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\">\n"), Format::kVtu);
   EXPECT_EQ(sniff_format("<VTKFile>"), Format::kVtu);
   EXPECT_EQ(sniff_format("$MeshFormat\n2.2 0 8\n"), Format::kMsh);
+  EXPECT_EQ(sniff_format("** made by hand\n*HEADING\nx\n*Node\n1, 0, 0, 0\n"), Format::kInp);
+  EXPECT_EQ(sniff_format("**ABCDEFGHIJKLMNOPQRSTUVWXYZ"), Format::kObj) << "a part of Parasolid";
+  EXPECT_EQ(sniff_format("$ made by hand\nSOL 101\nCEND\nBEGIN BULK\n"), Format::kBdf);
+  EXPECT_EQ(sniff_format("GRID,1,,0.,0.,0.\n"), Format::kBdf);
+  EXPECT_EQ(sniff_format("v 0 0 0\ng GRID\ng grid 1 2 3\n"), Format::kObj);
   EXPECT_EQ(sniff_format("<html>"), Format::kObj);
   EXPECT_EQ(sniff_format("v 0 0 0 # <VTKFile $MeshFormat\n"), Format::kObj);
 }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
@@ -184,6 +185,24 @@ TEST(gltf_writer, what_is_written_reads_back_bit_for_bit_with_boundaries_as_mate
   }
   mesh.positions[VertexId(1)].x = 0.1;
   EXPECT_THROW(write_mesh(Format::kGlb, {mesh, patches, {}}, control), Error);
+}
+
+TEST(gltf_writer, colours_show_the_smallest_angle_if_asked) {
+  TriangleMesh mesh;
+  // A triangle whose angles at its base have the tangent 7/4, so that the third is 59.5 degrees; one with sides of 3, 4
+  // and 5, whose least angle has the tangent 3/4; and a needle.
+  for (const Vec3& p : {Vec3{0, 0, 0}, Vec3{2, 0, 0}, Vec3{1, 1.75, 0}, Vec3{4, 0, 0}, Vec3{0, 3, 0}, Vec3{0, 0, 64}})
+    mesh.positions.push_back(p);
+  for (const auto& [a, b, c] : {std::array{0, 1, 2}, std::array{0, 3, 4}, std::array{0, 1, 5}})
+    mesh.faces.push_back({VertexId(a), VertexId(b), VertexId(c)});
+  const IdVector<FaceId, PatchId> patches(3, PatchId(0));
+  RunControl control;
+  const Writing writing{.glb_colours = GlbColours::kQuality};
+  const std::string file = write_mesh(Format::kGlb, {mesh, patches, {}, {}, writing}, control);
+  const PolygonMesh back = test::read_with(read_gltf, file).mesh;
+  EXPECT_EQ(faces_of(back), (std::vector<Face>{{0, 1, 5}, {0, 3, 4}, {0, 1, 2}}));
+  EXPECT_EQ(label_of_faces(back.labels.material),
+            (std::vector<std::string>{"min_angle_0", "min_angle_35", "min_angle_55"}));
 }
 
 }  // namespace

@@ -69,6 +69,26 @@ TEST(ply_reader, groups_have_other_names_in_files_of_other_programs) {
   EXPECT_EQ(groups("property float group_id\n", "5"), std::vector<std::string>{}) << "no whole number";
 }
 
+TEST(ply_reader, the_caller_names_the_properties_that_may_be_groups) {
+  const std::string file =
+      "ply\nformat ascii 1.0\nelement vertex 3\nproperty double x\nproperty double y\n"
+      "property double z\nelement face 1\nproperty list uchar int vertex_indices\n"
+      "property int zone\nproperty int group\nproperty int material\nend_header\n"
+      "0 0 0\n1 0 0\n0 1 0\n3 0 1 2 4 5 6\n";
+  using Names = std::vector<std::string>;
+  const auto labels = [&](std::optional<Names> names) {
+    ReadLimits limits;
+    limits.ply_labels = std::move(names);
+    return read_as_ply(file, limits).mesh.labels;
+  };
+  EXPECT_EQ(label_of_faces(labels(std::nullopt).group), Names{"5"});
+  EXPECT_EQ(label_of_faces(labels(Names{"part", "zone", "group"}).group), Names{"4"});
+  EXPECT_EQ(label_of_faces(labels(Names{}).group), Names{});
+  EXPECT_EQ(label_of_faces(labels(Names{}).material), Names{"6"});
+  EXPECT_EQ(label_of_faces(labels(Names{"material"}).group), Names{"6"});
+  EXPECT_EQ(label_of_faces(labels(Names{"material"}).material), Names{}) << "it is taken";
+}
+
 TEST(ply_reader, text_and_both_byte_orders_give_the_same_polygons) {
   for (const std::string& file : {text_ply(), binary_ply(ByteOrder::kLittle), binary_ply(ByteOrder::kBig)}) {
     const ReadResult result = read_as_ply(file);
