@@ -192,7 +192,7 @@ class AbaqusReader {
         surface_.tick(lines_.offset());
         const auto [tag, face] = faces.at(i);
         if (tag > range.last) break;
-        if (visits-- == 0) throw Error(Code::kInvalidMesh, Stage::kRead, "the sets overlap more than 16 times");
+        if (visits-- == 0) throw error("the sets overlap more than 16 times");
         if ((tag - range.first) % range.step == 0 && set_of[face] == 0) set_of[face] = range.set;
       }
     }

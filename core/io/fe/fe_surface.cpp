@@ -10,6 +10,7 @@ void FeSurface::add_node(std::uint64_t tag, const Vec3& position, std::uint64_t 
   if (!is_finite(position))
     throw read_error(Place::line(line), Code::kNonfiniteCoordinate, "a node with a coordinate that is not finite");
   positions_.push_back(position);
+  last_line_ = line;
   nodes_.add(tag);
 }
 
@@ -18,6 +19,7 @@ void FeSurface::add_face(std::uint64_t tag, std::span<const std::uint64_t> corne
   Face& face = faces_.emplace_back();
   std::copy(corners.begin(), corners.end(), face.corners.begin());
   face.line = line;
+  last_line_ = line;
   face_tags_.add(tag);
 }
 
@@ -34,14 +36,15 @@ void FeSurface::drop(std::string_view kind) {
 
 const NodeTags& FeSurface::sorted_faces() {
   if (const auto twice = face_tags_.sort(control_))
-    throw Error(Code::kInvalidMesh, Stage::kRead,
-                "two elements have the number " + std::to_string(*twice & UINT32_MAX));
+    throw read_error(Place::line(last_line_), Code::kInvalidMesh,
+                     "two elements have the number " + std::to_string(*twice & UINT32_MAX));
   return face_tags_;
 }
 
 ReadResult FeSurface::take() {
   if (const auto twice = nodes_.sort(control_))
-    throw Error(Code::kInvalidMesh, Stage::kRead, "two nodes have the number " + std::to_string(*twice & UINT32_MAX));
+    throw read_error(Place::line(last_line_), Code::kInvalidMesh,
+                     "two nodes have the number " + std::to_string(*twice & UINT32_MAX));
   builder_.announce(positions_.size(), faces_.size(), positions_.size(), faces_.size(), Place::line(1));
   builder_.mesh().positions.items() = std::move(positions_);
   for (const Face& face : faces_) {

@@ -50,6 +50,7 @@ class FeSurface {
   const ReadLimits& limits_;
   RunControl& control_;
   MeshBuilder builder_;
+  std::uint64_t last_line_ = 1;  ///< of a node or a face, for errors that concern several
   std::vector<Vec3> positions_;
   NodeTags nodes_, face_tags_;
   std::vector<Face> faces_;
