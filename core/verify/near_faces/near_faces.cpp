@@ -115,23 +115,38 @@ class LocalFaces {
 struct Wall {
   Vec3 on, normal;
   bool exists = false;
+  bool is_end = false;  ///< the triangles have only a corner in common
 };
-Wall wall_between(const Corners3& from, const Corners3& to) {
+/// If the triangles have only a corner in common, it is the end of the first one: a plane across it through a side at
+/// that corner, the one beyond which `worst` is further. So the cuts around a vertex go through the vertex.
+Wall wall_between(const Corners3& from, const Corners3& to, const Vec3& worst) {
+  // Returns the direction from a side to the third corner, across the side.
+  const auto into = [](const Vec3& p, const Vec3& q, const Vec3& apex) {
+    const Vec3 along = normalized(q - p), d = apex - p;
+    return normalized(d - dot(d, along) * along);
+  };
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) {
       const Vec3 &p = from[i], &q = from[(i + 1) % 3];
       const bool is_same_way = p == to[j] && q == to[(j + 1) % 3], is_opposite = p == to[(j + 1) % 3] && q == to[j];
       if (!is_same_way && !is_opposite) continue;
-      const Vec3 along = normalized(q - p);
-      const auto into = [&](const Vec3& apex) {
-        const Vec3 d = apex - p;
-        return normalized(d - dot(d, along) * along);
-      };
-      const Vec3 normal = into(to[(j + 2) % 3]) - into(from[(i + 2) % 3]);
+      const Vec3 normal = into(p, q, to[(j + 2) % 3]) - into(p, q, from[(i + 2) % 3]);
       constexpr double kFolded = 0x1p-10;
       return {p, normalized(normal), norm(normal) > kFolded};
     }
-  return {};
+  Wall end;
+  double farthest = 0;
+  for (int i = 0; i < 3; ++i) {
+    if (std::find(to.begin(), to.end(), from[i]) == to.end()) continue;
+    for (const int side : {i, (i + 2) % 3}) {
+      const Vec3 outwards = -into(from[side], from[(side + 1) % 3], from[(side + 2) % 3]);
+      const double beyond = dot(worst - from[i], outwards);
+      if (beyond <= farthest) continue;
+      farthest = beyond;
+      end = {from[i], outwards, true, true};
+    }
+  }
+  return end;
 }
 
 /// The result of one block of faces.
@@ -308,15 +323,19 @@ class BlockMeasure {
       halve(piece);
       return true;
     }
-    const Wall wall = wall_between(target_corners, other_corners);
+    const Wall wall = wall_between(target_corners, other_corners, piece.corners[here.worst]);
     Values beyond;
-    bool is_cut = false;
+    double lowest = 0, highest = 0;
     for (std::uint32_t i = 0; i < piece.count && wall.exists; ++i) {
       beyond[i] = dot(piece.corners[i] - wall.on, wall.normal);
       if (std::fabs(beyond[i]) <= kOnWall) beyond[i] = 0;
-      is_cut = is_cut || beyond[i] < 0;
+      lowest = std::min(lowest, beyond[i]);
+      highest = std::max(highest, beyond[i]);
     }
-    if (is_cut && beyond[here.worst] > 0) {
+    // An end that cuts off next to nothing would be tried again and again.
+    constexpr double kMinPart = 0x1p-4;
+    const double min_part = wall.is_end ? kMinPart * (highest - lowest) : 0;
+    if (wall.exists && lowest < -min_part && beyond[here.worst] > min_part) {
       push_parts(piece, beyond, here.worst, other, [&](std::uint32_t i) {
         return std::clamp(beyond[i] / (beyond[i] - beyond[piece.after(i)]), 0.0, 1.0);
       });
@@ -393,11 +412,12 @@ class Measure {
     const std::size_t blocks = (from_.size() + kFacesPerBlock - 1) / kFacesPerBlock;
     std::vector<std::uint32_t> left(blocks);
     for (std::size_t b = 0; b < blocks; ++b) left[b] = static_cast<std::uint32_t>(b);
-    constexpr std::uint64_t kPerFace = 32, kAlways = 1 << 16, kGrowth = 8;
+    // Two triangulations of one plane need some 30 pieces for each face of the finer one, and all others fewer.
+    constexpr std::uint64_t kPerFace = 128, kAlways = 1 << 16, kGrowth = 8;
     std::uint64_t budget = kPerFace * (from_.size() + to_.size()) + kAlways;
     OneWayDistance all;
     all.distance = -1;
-    for (std::uint64_t each = budget / (8 * blocks) + 1; !left.empty(); each *= kGrowth) {
+    for (std::uint64_t each = budget / (4 * kGrowth * blocks) + 1; !left.empty(); each *= kGrowth) {
       const bool is_last = each * kGrowth * left.size() > budget;
       if (is_last) each = std::max(each, budget / left.size());
       const std::vector<BlockOutcome> outcomes = run_blocks(left, all.distance, each, is_last);

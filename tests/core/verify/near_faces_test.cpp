@@ -144,6 +144,29 @@ TEST(near_faces, one_face_over_very_many_is_cut_as_often_as_they_are) {
   EXPECT_LE(both.a_to_b.pieces, 32 * many.faces.size());
 }
 
+TEST(near_faces, a_small_place_with_most_of_the_work_gets_most_of_the_pieces) {
+  // Under one of 3,200 faces are 20,000, which have a bound of their own only after they have been cut apart.
+  const TriangleMesh coarse = triangles(shapes::sheet(40, 40, 40, 40));
+  const PolygonMesh fine = shapes::moved(shapes::sheet(1, 1, 100, 100), {20, 20, 0});
+  PolygonMesh rest = shapes::sheet(40, 40, 40, 40);
+  const auto in_hole = [&](FaceId f) {
+    return std::all_of(rest.face(f).begin(), rest.face(f).end(), [&](VertexId v) {
+      const Vec3& p = rest.positions[v];
+      return p.x >= 20 && p.x <= 21 && p.y >= 20 && p.y <= 21;
+    });
+  };
+  TriangleMesh uneven = triangles(fine);
+  for (std::uint32_t f = 0; f < rest.face_count(); ++f) {
+    if (in_hole(FaceId(f))) continue;
+    Triangle face;
+    for (int i = 0; i < 3; ++i) face[i] = uneven.positions.push_back(rest.positions[rest.face(FaceId(f))[i]]);
+    uneven.faces.push_back(face);
+  }
+  const TwoWayDistance both = distance(coarse, uneven);
+  EXPECT_FALSE(both.a_to_b.is_coarse);
+  EXPECT_LE(both.a_to_b.bound, 1e-10);
+}
+
 // These tests ask for yes or no.
 
 TEST(near_faces, the_answer_to_a_tolerance_is_yes_exactly_from_the_distance_on) {
@@ -160,7 +183,8 @@ TEST(near_faces, the_answer_to_a_tolerance_is_yes_exactly_from_the_distance_on) 
 TEST(near_faces, an_answer_costs_less_than_the_value) {
   const TriangleMesh a = triangles(shapes::sphere(5)), b = triangles(shapes::sphere(3));
   const TwoWayDistance value = distance(a, b), answer = distance(a, b, 2 * distance(a, b).b_to_a.bound);
-  EXPECT_LT(2 * answer.b_to_a.pieces, value.b_to_a.pieces);
+  EXPECT_LT(answer.b_to_a.pieces, value.b_to_a.pieces);
+  EXPECT_LT(answer.a_to_b.pieces, value.a_to_b.pieces);
 }
 
 TEST(near_faces, the_faces_that_are_too_far_away_are_listed_and_no_others) {
