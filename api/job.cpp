@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "api/comparison.h"
 #include "api/file_name.h"
 #include "api/json_reader.h"
 #include "api/quoting.h"
@@ -225,6 +226,13 @@ AnalysisAnswer run_analyze_job(Job job, const Limits& limits, RunControl& contro
   tell_axes(input.read, answer.report);
   answer.times = stage_times(input, answer.report);
   return answer;
+}
+
+ComparedMesh read_compared(Job job, const Limits& limits, RunControl& control) {
+  Input input = read_input(job, limits, control);
+  if (job.options.is_any_given())
+    throw Error(Code::kInvalidOption, Stage::kRead, "a mesh that is compared has no options beside it");
+  return {std::move(input.read.mesh), input.read_ms};
 }
 
 std::string report_document(const RemeshAnswer& answer, RunControl& control) {

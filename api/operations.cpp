@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "api/comparison.h"
 #include "api/file_name.h"
 #include "api/job.h"
 #include "api/json_reader.h"
@@ -118,19 +119,24 @@ std::string names_of_mesh() {
   return text;
 }
 
-/// Takes the mesh of a form.
-void take_mesh_part(const FormPart& part, std::string_view earlier, ParsedRequest& parsed) {
-  if (!earlier.empty())
-    fail_form("the form has a mesh as " + in_quotes(earlier) + " and another one as " + in_quotes(part.name) +
-              "; send one of them");
+/// Takes a file of a form as the mesh of a job.
+void take_file(const FormPart& part, Job& job) {
   if (!part.is_file && is_file_name(part.content))
     fail_form("the part " + in_quotes(part.name) + " is only the name of a file, " + in_quotes(part.content) +
               "; with curl, an @ in front of the name sends the file: -F " + part.name + "=@" +
               shortened(part.content));
   if (part.content.empty())
     throw Error(Code::kEmptyMesh, Stage::kRead, "the file of the part " + in_quotes(part.name) + " is empty");
-  parsed.job.mesh = part.content;
-  parsed.job.input_format = format_of_content_type(part.content_type);
+  job.mesh = part.content;
+  job.input_format = format_of_content_type(part.content_type);
+}
+
+/// Takes the mesh of a form.
+void take_mesh_part(const FormPart& part, std::string_view earlier, ParsedRequest& parsed) {
+  if (!earlier.empty())
+    fail_form("the form has a mesh as " + in_quotes(earlier) + " and another one as " + in_quotes(part.name) +
+              "; send one of them");
+  take_file(part, parsed.job);
   parsed.file_name = part.file_name;
 }
 
@@ -156,13 +162,59 @@ void read_form(std::string_view body, const Request& request, RunControl& contro
   if (mesh_name.empty()) fail_form("the form has no mesh; send it as a file with the name " + names_of_mesh());
 }
 
+/// The two meshes of a form. They refer to the body.
+struct ComparedParts {
+  Job a, b;
+  ComparisonOptions options;
+};
+
+ComparedParts read_compared_parts(std::string_view body, const Request& request) {
+  ComparedParts parts;
+  if (media_type_of(request.content_type) != "multipart/form-data")
+    throw Error(Code::kUnsupportedMediaType, Stage::kRead,
+                "a comparison takes a form of the type multipart/form-data with the two meshes as its files \"a\" and "
+                "\"b\": with curl, -F a=@first.stl -F b=@second.stl");
+  for (const auto& [name, value] : request.query) parts.options.add(name, value);
+  std::array<bool, 2> are_there{};
+  for (const FormPart& part : parse_multipart(body, request.content_type)) {
+    if (part.name == "a" || part.name == "b") {
+      const bool is_b = part.name == "b";
+      if (std::exchange(are_there[is_b], true)) fail_form("the form has more than one part " + in_quotes(part.name));
+      take_file(part, is_b ? parts.b : parts.a);
+    } else if (part.is_file) {
+      fail_form("the form has a file as " + in_quotes(part.name) + "; a comparison takes the files \"a\" and \"b\"");
+    } else {
+      parts.options.add(part.name, without_line_ends(part.content));
+    }
+  }
+  for (const bool is_b : {false, true})
+    if (!are_there[is_b])
+      fail_form(std::string("the form has no mesh ") + (is_b ? "\"b\"" : "\"a\"") +
+                "; a comparison takes two files with the names \"a\" and \"b\"");
+  return parts;
+}
+
+/// Reads one of two meshes. An error says which one it is about.
+ComparedMesh read_part(std::string_view name, Job job, const Limits& limits, RunControl& control) {
+  try {
+    return read_compared(std::move(job), limits, control);
+  } catch (Error& error) {
+    static_cast<std::runtime_error&>(error) =
+        std::runtime_error("in the part " + in_quotes(name) + ": " + error.what());
+    throw;
+  }
+}
+
+void check_body_size(const Request& request, const Limits& limits) {
+  if (request.body.size() <= limits.max_body) return;
+  throw Error(as_code(RequestCode::kBodyTooLarge), Stage::kRead,
+              "the body is longer than " + std::to_string(limits.max_body) + " bytes")
+      .with_limit(limits.max_body);
+}
+
 /// Fills `parsed` in place, because its `job` refers to its other members.
 void parse_request(const Request& request, const Limits& limits, RunControl& control, ParsedRequest& parsed) {
-  if (request.body.size() > limits.max_body) {
-    throw Error(as_code(RequestCode::kBodyTooLarge), Stage::kRead,
-                "the body is longer than " + std::to_string(limits.max_body) + " bytes")
-        .with_limit(limits.max_body);
-  }
+  check_body_size(request, limits);
   const std::string_view body = decoded_body(request, limits, control, parsed.decoded);
   parsed.job.accept = request.accept;
   parsed.job.trace = limits.trace;
@@ -195,6 +247,16 @@ std::string server_timing(const StageTimes& times) {
   return text + "total;dur=" + shortest_text(times.total());
 }
 
+/// The times of the stages that ran.
+std::vector<std::pair<std::string_view, double>> stages_that_ran(const StageTimes& times) {
+  std::vector<std::pair<std::string_view, double>> stages;
+  for (int s = 0; s < kStageCount; ++s) {
+    const Stage stage = static_cast<Stage>(s);
+    if (times.ran(stage)) stages.emplace_back(stage_name(stage), times.of(stage));
+  }
+  return stages;
+}
+
 /// Counts the work. The caller sets `output_faces` after a remeshing.
 WorkDone work_done(const Report& report, const StageTimes& times) {
   WorkDone done;
@@ -204,10 +266,7 @@ WorkDone work_done(const Report& report, const StageTimes& times) {
        : patch.status == PatchStatus::kReduced ? done.reduced
                                                : done.kept);
   }
-  for (int s = 0; s < kStageCount; ++s) {
-    const Stage stage = static_cast<Stage>(s);
-    if (times.ran(stage)) done.stages_ms.emplace_back(stage_name(stage), times.of(stage));
-  }
+  done.stages_ms = stages_that_ran(times);
   return done;
 }
 
@@ -275,6 +334,31 @@ Response run_analyze(const Request& request, const Limits& limits, RunControl& c
   response.headers = {{"Server-Timing", server_timing(answer.times)}};
   response.done = work_done(answer.report, answer.times);
   response.done->remeshed = response.done->reduced = response.done->kept = 0;
+  return response;
+}
+
+Response run_compare(const Request& request, const Limits& limits, RunControl& control) {
+  control.enter(Stage::kRead);
+  check_body_size(request, limits);
+  if (choose_output_format(std::nullopt, request.accept, Format::kJson).format != Format::kJson)
+    throw Error(Code::kNotAcceptable, Stage::kRead, "a comparison is written as json only");
+  ParsedRequest parsed;
+  const std::string_view body = decoded_body(request, limits, control, parsed.decoded);
+  ComparedParts parts = read_compared_parts(body, request);
+  const Limits of_mesh = limits_of_mesh(parsed, request, limits);
+  ComparedMesh a = read_part("a", std::move(parts.a), of_mesh, control);
+  ComparedMesh b = read_part("b", std::move(parts.b), of_mesh, control);
+  std::string().swap(parsed.decoded);
+  if (request.release_body) request.release_body();
+  const ComparisonAnswer answer = compare(std::move(a), std::move(b), parts.options.tolerance(), limits, control);
+
+  Response response;
+  response.content_type = media_type(Format::kJson);
+  response.body = comparison_document(answer);
+  response.headers = {{"Server-Timing", server_timing(answer.times)}};
+  response.done.emplace();
+  response.done->input_faces = answer.input_faces;
+  response.done->stages_ms = stages_that_ran(answer.times);
   return response;
 }
 

@@ -76,6 +76,10 @@ struct Response {
 Response run_remesh(const Request& request, const Limits& limits, RunControl& control);
 Response run_analyze(const Request& request, const Limits& limits, RunControl& control);
 
+/// Does the whole of POST /v1/compare: a form with the two meshes as its files `a` and `b`, and the option `tolerance`.
+/// Errors: remesh::Error; if it is about one of the meshes, the message says which.
+Response run_compare(const Request& request, const Limits& limits, RunControl& control);
+
 /// The result of a remeshing whose answer is fetched later, in any format. See result_archive.
 struct StoredRemesh {
   std::string mesh;    ///< the mesh in the format of result_archive

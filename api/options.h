@@ -130,6 +130,7 @@ class OptionReader {
   void check() const;
 
   const RequestOptions& options() const { return options_; }
+  bool is_any_given() const { return !given_.empty(); }
 
  private:
   bool is_given(std::string_view name) const;

@@ -59,12 +59,15 @@ auto in_arena(int threads, Work work) {
   return reused_arena(threads).execute(work);
 }
 
+int allowed_threads(const RunSettings& settings) {
+  const auto most = static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+  return std::clamp(settings.workers, 1, most);
+}
+
 }  // namespace
 
 int thread_count(const PolygonMesh& input, const Options& options, const RunSettings& settings) {
-  const auto most = static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
-  const int allowed = std::clamp(settings.workers, 1, most);
-  return !options.refine && input.corners.size() < settings.serial_corners ? 1 : allowed;
+  return !options.refine && input.corners.size() < settings.serial_corners ? 1 : allowed_threads(settings);
 }
 
 Result remesh_surface(const PolygonMesh& input, const Options& options, const RunSettings& settings,
@@ -81,6 +84,14 @@ Report analyze_surface(const PolygonMesh& input, const Options& options, const R
   return in_arena(thread_count(input, options, settings), [&] {
     return analyze_once(Attempts(input, options, settings.storage, std::move(diagnostics), control));
   });
+}
+
+verification::TwoWayDistance compare_surfaces(const PolygonMesh& a, const PolygonMesh& b,
+                                              std::optional<double> tolerance, const RunSettings& settings,
+                                              RunControl& control) {
+  const bool is_small = a.corners.size() + b.corners.size() < settings.serial_corners;
+  return in_arena(is_small ? 1 : allowed_threads(settings),
+                  [&] { return verification::distance_between_meshes(a, b, tolerance, control); });
 }
 
 }  // namespace remesh

@@ -1,6 +1,7 @@
 /// The pipeline's entry. It takes a surface, and gives the same surface re-triangulated, with a report.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/base/diagnostic.h"
@@ -9,6 +10,7 @@
 #include "core/base/version.h"
 #include "core/mesh/mesh.h"
 #include "core/output/result/result.h"
+#include "core/verify/near_faces/compared_meshes.h"
 
 namespace remesh {
 
@@ -40,5 +42,11 @@ Result remesh_surface(const PolygonMesh& input, const Options& options, const Ru
 /// Cost:    O(n log n) in the input's corners.
 Report analyze_surface(const PolygonMesh& input, const Options& options, const RunSettings& settings,
                        RunControl& control, std::vector<Diagnostic> diagnostics = {});
+
+/// Bounds how far two surfaces are apart, both ways, whether or not one was made from the other.
+/// Input, output, holds, errors, cost: those of distance_between_meshes.
+verification::TwoWayDistance compare_surfaces(const PolygonMesh& a, const PolygonMesh& b,
+                                              std::optional<double> tolerance, const RunSettings& settings,
+                                              RunControl& control);
 
 }  // namespace remesh

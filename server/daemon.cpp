@@ -63,6 +63,8 @@ std::vector<Route> Daemon::routes() {
        [this](const RequestHead& head) { return makes_job(head) ? job_routes_.admit(head) : admit_work(head); }});
   list.push_back({"POST", "/v1/analyze",
                   [this](const Call& call) { return run_in_pool(work_, operations_.analyze, call); }, work_body});
+  list.push_back({"POST", "/v1/compare",
+                  [this](const Call& call) { return run_in_pool(work_, operations_.compare, call); }, work_body});
   list.push_back({"GET", "/v1/requests/{id}", [this](const Call& call) { return show_request(call); }});
   list.push_back({"DELETE", "/v1/requests/{id}", [this](const Call& call) { return cancel_request(call); }});
   list.push_back({"GET", "/v1/requests/{id}/events", [this](const Call& call) { return follow_request(call); }});

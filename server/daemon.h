@@ -27,6 +27,7 @@ namespace remesh::server {
 struct Operations {
   Operation remesh = api::run_remesh;
   Operation analyze = api::run_analyze;
+  Operation compare = api::run_compare;
   std::function<api::Response(const api::Limits&)> capabilities = api::capabilities;
   std::function<api::Response()> openapi = api::openapi;
   jobs::KeepOperation remesh_to_keep = api::run_remesh_to_keep;

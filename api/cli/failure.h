@@ -11,6 +11,7 @@ namespace remesh::cli {
 inline constexpr int kDone = 0;
 inline constexpr int kFailed = 1;
 inline constexpr int kMisused = 2;
+inline constexpr int kNotWithin = 3;  ///< two meshes are farther apart than the tolerance
 
 /// Returns kMisused for errors that follow from the command line alone, and kFailed for errors that depend on the
 /// mesh, even if it only exceeds an option's bound.

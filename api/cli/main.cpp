@@ -17,6 +17,7 @@
 #include <memory>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "api/cli/analysis_text.h"
 #include "api/cli/batch.h"
@@ -26,6 +27,7 @@
 #include "api/cli/outcome_text.h"
 #include "api/cli/progress_bar.h"
 #include "api/cli/remote.h"
+#include "api/comparison.h"
 #include "api/job.h"
 #include "api/machine_limits.h"
 #include "api/options.h"
@@ -43,6 +45,8 @@ struct Arguments {
   std::string report;
   std::string batch;  // a folder; it replaces the input
   std::string server;
+  std::vector<std::string> compared;  // two meshes; they replace the input
+  std::string tolerance;              // the largest distance that is asked for; empty if none is
   bool is_analysis = false;
   bool is_traced = false;
   bool is_quiet = false;
@@ -114,12 +118,22 @@ void check_paths(const Arguments& arguments) {
     throw UsageError("--trace cannot be combined with --batch, --analyze or --server");
   if (!arguments.batch.empty()) {
     if (arguments.is_analysis) throw UsageError("--analyze cannot be combined with --batch");
+    if (!arguments.compared.empty()) throw UsageError("--compare cannot be combined with --batch");
     if (!arguments.input.empty()) throw UsageError("--batch cannot be combined with the input " + arguments.input);
     if (!arguments.server.empty()) throw UsageError("--batch cannot be combined with --server");
     if (arguments.report.empty()) throw UsageError("--batch needs --report, the file for its table");
     if (arguments.output == "-") throw UsageError("with --batch the output is a folder");
     return;
   }
+  if (!arguments.compared.empty()) {
+    if (!arguments.input.empty()) throw UsageError("--compare cannot be combined with the input " + arguments.input);
+    if (!arguments.output.empty() || !arguments.report.empty())
+      throw UsageError("--compare cannot be combined with --output or --report: it writes to standard output");
+    if (arguments.is_analysis || arguments.is_traced || !arguments.server.empty())
+      throw UsageError("--compare cannot be combined with --analyze, --trace or --server");
+    return;
+  }
+  if (!arguments.tolerance.empty()) throw UsageError("--tolerance is for --compare");
   if (arguments.input.empty()) throw UsageError("input is required");
   if (arguments.is_analysis) {
     if (!arguments.output.empty()) throw UsageError("--analyze cannot be combined with --output: it writes no mesh");
@@ -149,6 +163,13 @@ void parse(CLI::App& app, int argc, char** argv, Arguments& arguments) {
       "--batch", arguments.batch,
       "remesh every mesh in this folder instead of one input; --report is then a table (CSV) with one line per "
       "file, and -o is a folder and may be left out");
+  app.add_option("--compare", arguments.compared,
+                 "do not remesh, but print how far two meshes are apart, both ways, as JSON; the bounds are proven")
+      ->expected(2)
+      ->type_name("A B");
+  app.add_option("--tolerance", arguments.tolerance,
+                 "with --compare: whether all points are within this distance, in model units; if not, the exit code "
+                 "is 3");
   app.add_flag("--trace", arguments.is_traced,
                "print a line for each attempt at a result to standard error: what has failed, and what was decided");
   app.add_flag("-q,--quiet", arguments.is_quiet,
@@ -176,7 +197,10 @@ void parse(CLI::App& app, int argc, char** argv, Arguments& arguments) {
     throw UsageError("--workers cannot be combined with --server");
   }
   for (const api::OptionSpec& spec : api::option_table()) {
-    if (flags[spec.name]->count() > 0) arguments.options.emplace_back(spec.name, values[spec.name]);
+    if (flags[spec.name]->count() == 0) continue;
+    if (!arguments.compared.empty())
+      throw UsageError("--compare has the one option --tolerance, and not --" + with_hyphens(spec.name));
+    arguments.options.emplace_back(spec.name, values[spec.name]);
   }
   if (arguments.batch.empty() && flags["format"]->count() == 0 && has_unknown_ending(arguments.output)) {
     throw UsageError("the ending of " + arguments.output + " does not name a format that can be written; these do: " +
@@ -288,6 +312,35 @@ void analyze_one(const Arguments& arguments, api::Job job, RunControl& control) 
   if (!arguments.report.empty()) write_file(arguments.report, report);
 }
 
+/// Prints how far two meshes are apart.
+/// Input:  `file` - gets the name of what is worked on, for errors.
+/// Output: the exit code.
+int compare_two(const Arguments& arguments, std::string& file, RunControl& control) {
+  api::ComparisonOptions options;
+  if (!arguments.tolerance.empty()) options.add("tolerance", arguments.tolerance);
+  const api::Limits limits = limits_for(arguments.workers);
+  api::ComparisonAnswer answer;
+  {
+    const ProgressBar progress(follow(control), !arguments.is_quiet);
+    const auto read = [&](const std::string& path) {
+      file = path;
+      FileContent mesh = read_file(path, control);
+      api::Job job;
+      job.input_format = format_from_file_name(path);
+      job.mesh = mesh.view();
+      job.release_mesh = [&] { mesh.release(); };
+      return api::read_compared(std::move(job), limits, control);
+    };
+    api::ComparedMesh a = read(arguments.compared[0]);
+    api::ComparedMesh b = read(arguments.compared[1]);
+    file = arguments.compared[0] + ", " + arguments.compared[1];
+    answer = api::compare(std::move(a), std::move(b), options.tolerance(), limits, control);
+    control.check();
+  }
+  write_file("-", api::comparison_document(answer));
+  return answer.is_within().value_or(true) ? kDone : kNotWithin;
+}
+
 /// Does the same as remesh_one, but on a server.
 void remesh_one_remotely(const Arguments& arguments, RunControl& control) {
   RemoteJob job;
@@ -344,7 +397,9 @@ int run(const Arguments& arguments) {
   const tbb::global_control parallelism(tbb::global_control::max_allowed_parallelism,
                                         static_cast<std::size_t>(arguments.workers));
   limit_memory(arguments.workers);
+  std::string file = arguments.input;
   try {
+    if (!arguments.compared.empty()) return compare_two(arguments, file, control);
     api::Job job;
     for (const auto& [name, value] : arguments.options) job.options.add(name, value);
     job.options.check();
@@ -360,7 +415,7 @@ int run(const Arguments& arguments) {
     }
     return kDone;
   } catch (...) {
-    const Failure failure = failure_of(std::current_exception(), arguments.input);
+    const Failure failure = failure_of(std::current_exception(), file);
     std::cerr << "remesh: " << failure.line << "\n";
     return failure.exit_code;
   }

@@ -113,6 +113,32 @@ class cli : public testing::Test {
   const test::TemporaryFolder folder_;
 };
 
+TEST_F(cli, two_meshes_are_compared_and_the_exit_code_says_whether_they_are_within_the_tolerance) {
+  write("raised.obj", "v 0 0 0.5\nv 1 0 0.5\nv 1 1 0.5\nv 0 1 0.5\nf 1 2 3 4\n");
+  const Outcome both = run({"--compare", "square.obj", "raised.obj"});
+  EXPECT_EQ(both.status, 0) << both.err;
+  const nlohmann::json answer = nlohmann::json::parse(both.out);
+  EXPECT_NEAR(answer["a_to_b"]["bound"].get<double>(), 0.5, 1e-9);
+  EXPECT_EQ(answer["within"], nullptr);
+  EXPECT_EQ(run({"--compare", "square.obj", "raised.obj", "--tolerance", "0.6"}).status, 0);
+  const Outcome no = run({"--compare", "square.obj", "raised.obj", "--tolerance", "0.4"});
+  EXPECT_EQ(no.status, 3);
+  EXPECT_EQ(nlohmann::json::parse(no.out)["within"], false);
+  EXPECT_EQ(file_count(), 2u);
+}
+
+TEST_F(cli, a_comparison_names_the_file_that_is_wrong_and_takes_no_other_options) {
+  write("bad.obj", "v 0 0 0\nf 1 2 3\n");
+  const Outcome bad = run({"--compare", "square.obj", "bad.obj"});
+  EXPECT_EQ(bad.status, 1);
+  EXPECT_THAT(bad.err, HasSubstr("bad.obj:2: index_out_of_range"));
+  EXPECT_EQ(run({"--compare", "square.obj"}).status, 2);
+  EXPECT_EQ(run({"--compare", "square.obj", "square.obj", "--tolerance", "x"}).status, 2);
+  EXPECT_EQ(run({"--compare", "square.obj", "square.obj", "--min-angle-deg", "20"}).status, 2);
+  EXPECT_EQ(run({"--compare", "square.obj", "square.obj", "-o", "out.obj"}).status, 2);
+  EXPECT_EQ(run({"square.obj", "-o", "out.obj", "--tolerance", "1"}).status, 2);
+}
+
 TEST_F(cli, a_mesh_goes_in_and_comes_out_with_its_report) {
   const Outcome outcome = run({"square.obj", "-o", "out.obj", "--report", "report.json", "--workers", "1"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;

@@ -270,6 +270,7 @@ def check_plain(contract, daemon):
         with contextlib.closing(connect(port)) as connection:
             connection.sendall(coding)
             contract.check(operation, receive(connection), 501)
+    check_compare(contract, port)
     unknown = "/v1/requests/0123456789abcdef"
     contract.check("getRequest", ask(port, "GET", unknown), 404)
     contract.check("cancelRequest", ask(port, "DELETE", unknown), 404)
@@ -323,9 +324,11 @@ def check_keys(contract, daemon):
         if "401" not in contract.operations[operation][2]["responses"]:
             continue
         target = path.replace("{id}", "0123456789abcdef")
-        body = SQUARE if method == "POST" else None
+        body, kind = form_of(a=SQUARE, b=SQUARE) if operation == "compare" else (SQUARE, {})
+        if method != "POST":
+            body = None
         contract.check(operation, ask(daemon.port, method, target, body), 401)
-        for fields in ({"X-API-Key": KEY}, {"Authorization": f"Bearer {KEY}"}):
+        for fields in ({**kind, "X-API-Key": KEY}, {**kind, "Authorization": f"Bearer {KEY}"}):
             if ask(daemon.port, method, target, body, fields).status not in (200, 202, 404):
                 contract.fail(f"{method} {path}: the key is not taken")
 
@@ -351,13 +354,51 @@ def check_running(contract, program):
         held = [daemon.start_endless("contract-running-2", large), connect(daemon.port)]
         held[1].sendall(request_bytes("POST", f"/v1/remesh?{ENDLESS}", large, {"X-Request-Id": "contract-running-3"}))
         wait_until(lambda: ask(daemon.port, "GET", "/v1/requests/contract-running-3").status == 200, "the request waits")
-        for operation in ("remesh", "analyze"):
+        for operation in ("remesh", "analyze", "compare"):
             answer = ask(daemon.port, "POST", contract.operations[operation][1], large)
             contract.check(operation, answer, 503, "overloaded")
             if "retry-after" not in answer.headers:
                 contract.fail("503 without Retry-After")
         daemon.drain()
         contract.check("isReady", ask(daemon.port, "GET", "/readyz"), 503, "draining")
+
+
+def form_of(**files):
+    """A form with these files, and its header."""
+    body = b"".join(b"--b\r\nContent-Disposition: form-data; name=\"%s\"; filename=\"%s.obj\"\r\n\r\n%s\r\n"
+                    % (name.encode(), name.encode(), content) for name, content in files.items())
+    return body + b"--b--\r\n", {"Content-Type": "multipart/form-data; boundary=b"}
+
+
+def check_compare(contract, port):
+    target = "/v1/compare"
+    checked = functools.partial(contract.check, "compare")
+    raised = SQUARE.replace(b" 0\n", b" 0.5\n", 4)
+    form, fields = form_of(a=SQUARE, b=raised)
+    for query, within in (("", None), ("?tolerance=0.6", True), ("?tolerance=0.4", False)):
+        answer = ask(port, "POST", target + query, form, fields)
+        checked(answer, 200, query)
+        found = json.loads(answer.body)
+        if found["within"] is not within or found["a_to_b"]["bound"] < 0.5:
+            contract.fail(f"{target}{query}: {found}")
+    for query in ("?tolerance=0", "?tolerance=x", "?tolerance=1&tolerance=1", "?refine=false"):
+        checked(ask(port, "POST", target + query, form, fields), 400, query)
+    for files in ({"a": SQUARE}, {"a": SQUARE, "mesh": SQUARE}):
+        checked(ask(port, "POST", target, *form_of(**files)), 400, str(list(files)))
+    checked(ask(port, "POST", target, form, {**fields, "Accept": "image/png"}), 406)
+    checked(ask(port, "POST", target), 411)
+    checked(ask(port, "POST", target, b"#" * 200_000), 413)
+    checked(ask(port, "POST", target, SQUARE), 415)
+    checked(ask(port, "POST", target, form, {**fields, "Content-Encoding": "br"}), 415)
+    for mesh in (b"", SQUARE + b"f 1 2 9\n"):
+        answer = ask(port, "POST", target, *form_of(a=SQUARE, b=mesh))
+        checked(answer, 422, str(mesh[-8:]))
+        if "\"b\"" not in json.loads(answer.body)["detail"]:
+            contract.fail(f"{target}: {answer.body} does not say that it is about the second mesh")
+    checked(ask(port, "POST", target, form, {**fields, "A": "b" * 40_000}), 431)
+    with contextlib.closing(connect(port)) as connection:
+        connection.sendall(request_bytes("POST", target, None, {"Transfer-Encoding": "gzip, chunked"}))
+        checked(receive(connection), 501)
 
 
 def big_sheet(n):
@@ -372,12 +413,12 @@ def big_sheet(n):
 def check_limits(contract, program):
     sheet = big_sheet(250)
     with Daemon(program, "--request-timeout", "50ms") as daemon:
-        def begun(target, body):
+        def begun(target, body, fields=None):
             """The answer once it is worked on: on a busy machine no thread may start in so short a time."""
             answers = []
 
             def is_begun():
-                answers.append(ask(daemon.port, "POST", target, body))
+                answers.append(ask(daemon.port, "POST", target, body, fields))
                 return answers[-1].status != 503
 
             wait_until(is_begun, "a thread starts within the time of a request")
@@ -385,22 +426,25 @@ def check_limits(contract, program):
 
         contract.check("remesh", begun(f"/v1/remesh?{ENDLESS}", SQUARE), 504)
         contract.check("analyze", begun("/v1/analyze", sheet), 504)
+        contract.check("compare", begun("/v1/compare", *form_of(a=sheet, b=sheet)), 504)
     with Daemon(program, "--max-connections-per-address", "1") as daemon:
         with contextlib.closing(connect(daemon.port)) as held:
             # Asked for its body, it is in its place.
             held.sendall(request_bytes("POST", "/v1/remesh", fields={"Content-Length": "1", "Expect": "100-continue"}))
             held.recv(1)
-            for operation in ("remesh", "analyze", "submitJob"):
+            for operation in ("remesh", "analyze", "compare", "submitJob"):
                 contract.check(operation, ask(daemon.port, "POST", contract.operations[operation][1], SQUARE), 429)
             for operation in ("isLive", "isReady"):
                 contract.check(operation, ask(daemon.port, "GET", contract.operations[operation][1]), 429)
     with Daemon(program) as daemon:
-        with contextlib.closing(connect(daemon.port)) as connection:
-            fields = {"X-Request-Id": "contract-cancelled"}
-            connection.sendall(request_bytes("POST", "/v1/analyze", big_sheet(300), fields))
-            wait_until(lambda: ask(daemon.port, "DELETE", "/v1/requests/contract-cancelled").status == 204,
-                       "it can be cancelled")
-            contract.check("analyze", receive(connection), 499)
+        large = big_sheet(300)
+        for operation, body, fields in (("analyze", large, {}), ("compare", *form_of(a=large, b=large))):
+            with contextlib.closing(connect(daemon.port)) as connection:
+                fields = {**fields, "X-Request-Id": "contract-cancelled"}
+                connection.sendall(request_bytes("POST", contract.operations[operation][1], body, fields))
+                wait_until(lambda: ask(daemon.port, "DELETE", "/v1/requests/contract-cancelled").status == 204,
+                           "it can be cancelled")
+                contract.check(operation, receive(connection), 499)
 
 
 def submit(daemon, query="", body=SQUARE, fields=None):
@@ -479,7 +523,7 @@ def check_jobs(contract, program, folder):
         contract.check("cancelJob", ask(port, "DELETE", f"/v1/jobs/{running}"), 204)
     # Short times, in a daemon of its own, as nothing else must be done in them.
     with Daemon(program, *store, "--head-timeout", "1s", "--result-ttl", "1s") as daemon:
-        for operation in ("remesh", "analyze", "submitJob"):
+        for operation in ("remesh", "analyze", "compare", "submitJob"):
             with contextlib.closing(connect(daemon.port)) as connection:
                 target = contract.operations[operation][1]
                 connection.sendall(request_bytes("POST", target, None, {"Content-Length": "500"}))

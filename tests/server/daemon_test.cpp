@@ -49,6 +49,7 @@ TEST_F(daemon, the_small_routes_answer) {
   EXPECT_EQ(get(port_, "/openapi.json").body, "{}");
   EXPECT_EQ(get(port_, "/v1/capabilities").body, "1000");
   EXPECT_EQ(post(port_, "/v1/analyze", "x").status, 200);
+  EXPECT_EQ(post(port_, "/v1/compare", "x").status, 200);
   EXPECT_EQ(code_of(get(port_, "/nothing")), "not_found");
   EXPECT_EQ(code_of(get(port_, "/v1/remesh")), "method_not_allowed");
   EXPECT_EQ(get(port_, "/v1/remesh").header("Allow"), "POST, OPTIONS");

@@ -85,6 +85,7 @@ class StubDaemon : public ::testing::Test {
     Operations operations;
     operations.remesh = std::ref(stub_);
     operations.analyze = std::ref(stub_);
+    operations.compare = std::ref(stub_);
     operations.capabilities = [](const api::Limits& limits) {
       return api::Response{200, "application/json", std::to_string(limits.max_body), {}};
     };
