@@ -10,8 +10,9 @@
 
 namespace remesh::verification {
 
-/// A convex piece of a face. Its exact shape is a polygon in the face's plane, and the stored corners are within
-/// `rounding()` of the exact ones.
+/// A convex piece of a face. Its exact shape is a polygon in the face's plane, and each exact corner is within
+/// `rounding()` of a stored one, in the same order around the polygon. Exact corners that follow each other may share a
+/// stored corner, so that no two stored corners in a row are equal, and a piece may have two corners, or one.
 struct FacePiece {
   static constexpr std::size_t kMaxCorners = 8;
   /// A bound on the rounding of the places of new corners, for each cut that a piece comes from. A new corner is
@@ -27,7 +28,13 @@ struct FacePiece {
   std::uint32_t target = 0;  ///< the face of the other surface from which the distance is measured
 
   double rounding() const { return cuts * kRoundingOfCut; }
-  void add(const Vec3& p) { corners[count++] = p; }
+  void add(const Vec3& p) {
+    if (count == 0 || p != corners[count - 1]) corners[count++] = p;
+  }
+  /// Ends the outline, after the last corner was added.
+  void close() {
+    while (count > 1 && corners[count - 1] == corners[0]) --count;
+  }
   std::uint32_t after(std::uint32_t i) const { return i + 1 == count ? 0 : i + 1; }
   std::uint32_t before(std::uint32_t i) const { return i == 0 ? count - 1 : i - 1; }
   Vec3 middle() const {
@@ -52,14 +59,15 @@ struct FacePiece {
 inline FacePiece whole_face(const Corners3& corners, std::uint32_t target) {
   FacePiece piece;
   for (const Vec3& p : corners) piece.add(p);
+  piece.close();
   piece.target = target;
   return piece;
 }
 
 /// Cuts a piece by the straight line between two places on its outline.
 /// Input:   the first place is on the side from corner i to the next one, at the share s of it, and the second one on
-///          the side from corner j, at t. The shares are within [0, 1], and i < j. The piece has fewer than kMaxCorners
-///          corners.
+///          the side from corner j, at t. The shares are within [0, 1], and i < j. The piece has at least two corners,
+///          and fewer than kMaxCorners if a new one is made.
 /// Output:  the part from corner i + 1 to corner j, and the other one. Where a share is 0 or 1, the place is a corner,
 ///          and both parts have it.
 /// Holds:   together the exact parts are the exact piece, since a line between two places on the outline of a convex
@@ -83,6 +91,8 @@ inline CutPiece cut_piece(const FacePiece& piece, std::uint32_t i, double s, std
   for (std::uint32_t k = j + 1; k < piece.count; ++k) parts.outer.add(piece.corners[k]);
   for (std::uint32_t k = 0; k <= i; ++k) parts.outer.add(piece.corners[k]);
   if (s > 0) parts.outer.add(x);
+  parts.inner.close();
+  parts.outer.close();
   return parts;
 }
 
@@ -90,6 +100,7 @@ inline CutPiece cut_piece(const FacePiece& piece, std::uint32_t i, double s, std
 inline CutPiece halve_piece(const FacePiece& piece) {
   const std::uint32_t n = piece.count;
   if (n == FacePiece::kMaxCorners) return cut_piece(piece, 0, 0, n / 2, 0);
+  if (n == 2) return cut_piece(piece, 0, 0.5, 1, 0.5);
   const std::uint32_t side = piece.longest_side();
   const Vec3 middle = 0.5 * (piece.corners[side] + piece.corners[piece.after(side)]);
   std::uint32_t farthest = piece.after(piece.after(side));
