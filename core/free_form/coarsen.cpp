@@ -76,7 +76,7 @@ bool is_one_fan(const Sheet& sheet, const std::vector<std::uint32_t>& twins, Ver
 }
 
 /// Finds the vertices on chains, and those at which chains or the surface branch.
-void classify(Sheet& sheet, const std::vector<std::uint32_t>& twins, SheetWitnesses& witnesses, RunControl& control) {
+void classify(const OrderedInput& input, Sheet& sheet, SheetWitnesses& witnesses, RunControl& control) {
   witnesses.of_vertex.assign(sheet.positions.size(), kNone);
   StopCheck check(control);
   for (VertexId v(0); v.value < sheet.positions.size(); ++v.value) {
@@ -94,12 +94,15 @@ void classify(Sheet& sheet, const std::vector<std::uint32_t>& twins, SheetWitnes
       add_end(c, Sheet::after(c));
       add_end(Sheet::before(c), Sheet::before(c));
     });
-    if ((count != 0 && count != 2) || !is_one_fan(sheet, twins, v)) {
+    if ((count != 0 && count != 2) || !is_one_fan(sheet, input.twins, v)) {
       sheet.kind[v] = Sheet::Kind::kFixed;
     } else if (count == 2) {
       sheet.kind[v] = Sheet::Kind::kChain;
       witnesses.of_vertex[v] = static_cast<std::uint32_t>(witnesses.on_chains.size());
-      witnesses.on_chains.push_back({sheet.positions[v], kNone});
+      float share = 1;
+      if (!input.shares.empty())
+        sheet.for_star(v, [&](std::uint32_t c) { share = std::min(share, input.shares[c / 3]); });
+      witnesses.on_chains.push_back({sheet.positions[v], share, kNone});
     }
   }
 }
@@ -218,6 +221,10 @@ Coarsened result_of(FreeSheet&& free, const OrderedInput& input, const InputSurf
       result.nearest[f] = input.face_before[surface.nearest_face(centre, start)];
     }
   });
+  result.answers.resize(input.faces.size());
+  for (FaceId f(0); f.value < sheet.faces.size(); ++f.value)
+    for (std::uint32_t w = free.witnesses.of_face[f]; w != kNone; w = free.witnesses.all[w].next)
+      result.answers[input.face_before[free.witnesses.all[w].face]] = f;
   for (const VertexId v : free.source) result.source.push_back(v.is_valid() ? input.vertex_before[v] : VertexId());
   result.positions = std::move(free.sheet.positions);
   result.faces = std::move(free.sheet.faces);
@@ -235,7 +242,7 @@ Coarsened coarsen(const FreeForm& free_form, const CoarseningGoals& goals, RunCo
   SheetRules rules{goals.tolerance, std::cos(goals.min_angle_deg * std::numbers::pi / 180), box.diagonal(), 0};
   FreeSheet free;
   free.sheet = make_sheet(input, free.witnesses, control);
-  classify(free.sheet, input.twins, free.witnesses, control);
+  classify(input, free.sheet, free.witnesses, control);
   free.source.reserve(input.positions.size());
   for (VertexId v(0); v.value < input.positions.size(); ++v.value) free.source.push_back(v);
   add_quadrics(free, control);

@@ -193,17 +193,20 @@ void SheetPart::commit_join(VertexId from, VertexId to, const Vec3& place) {
 bool SheetPart::are_chain_witnesses_near(VertexId from, VertexId to, VertexId far) const {
   const Sheet& sheet = free_.sheet;
   const SheetWitnesses& witnesses = free_.witnesses;
-  const double near = kSampleShare * rules_.tolerance;
   const Vec3 &a = sheet.positions[to], &b = sheet.positions[far];
-  const auto is_near = [&](const Vec3& p) { return norm_squared(nearest_on_segment(p, a, b) - p) <= near * near; };
-  if (!is_near(sheet.positions[from])) return false;
+  const auto is_near = [&](std::uint32_t w) {
+    const SheetWitnesses::ChainWitness& witness = witnesses.on_chains[w];
+    const double near = kSampleShare * rules_.tolerance * static_cast<double>(witness.share);
+    return norm_squared(nearest_on_segment(witness.place, a, b) - witness.place) <= near * near;
+  };
+  if (!is_near(witnesses.of_vertex[from])) return false;
   bool are_near = true;
   sheet.for_star(from, [&](std::uint32_t c) {
     for (const std::uint32_t h : {c, Sheet::before(c)})
       if (sheet.chain[h] != kNone)
         for (std::uint32_t w = witnesses.of_chain[sheet.chain[h]]; w != kNone && are_near;
              w = witnesses.on_chains[w].next)
-          are_near = is_near(witnesses.on_chains[w].place);
+          are_near = is_near(w);
   });
   return are_near;
 }

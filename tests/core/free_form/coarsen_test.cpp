@@ -240,6 +240,11 @@ TEST(coarsen, each_face_knows_the_face_of_the_input_nearest_to_its_centroid) {
     for (const Corners3& c : input) least = std::min(least, distance(c));
     EXPECT_NEAR(distance(input[made.nearest[f].value]), least, 1e-12);
   }
+  // The centroid of each face of the input is a sample, so some face answers for it.
+  ASSERT_EQ(made.answers.size(), input.size());
+  for (FaceId f(0); f.value < input.size(); ++f.value) {
+    EXPECT_LT(made.answers[f], FaceId(made.faces.size()));
+  }
 }
 
 TEST(coarsen, the_result_does_not_depend_on_workers_scale_or_numbering) {
