@@ -17,6 +17,7 @@
 #include "core/refinement/adjustment/lifting.h"
 #include "core/refinement/goals/unrefined_reason.h"
 #include "core/refinement/rounds/chords.h"
+#include "core/refinement/rounds/rounds.h"
 #include "core/verify/claim/verdict.h"
 #include "core/verify/detail_check.h"
 

@@ -1,0 +1,265 @@
+#include "core/free_form/coarsen.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+#include <utility>
+
+#include "core/base/blocks.h"
+#include "core/base/stoppable.h"
+#include "core/free_form/input_surface.h"
+#include "core/free_form/ordered_input.h"
+#include "core/free_form/sheet_operators.h"
+#include "core/free_form/sheet_order.h"
+#include "core/free_form/short_features.h"
+
+namespace remesh {
+namespace {
+
+/// Parts have about this many vertices. Smaller ones leave more vertices at their borders, which stay.
+constexpr std::size_t kPartVertices = 4000;
+/// The shares of the tolerance that sweeps may use. What borders of parts leave behind in early sweeps is small.
+constexpr std::array<double, 3> kShares{0.125, 0.25, 0.5};
+/// Sweeps with the whole tolerance end when one has removed less than this share of the vertices.
+constexpr double kFewJoined = 0.01;
+constexpr int kMaxSweeps = 12;
+constexpr int kMaxSteps = 8;
+constexpr std::size_t kSamplesOfFace = 4, kSamplesAlways = 1 << 16;
+/// In a sweep with the whole tolerance, angles are improved so often.
+constexpr int kImprovements = 3;
+/// Samples of faces and edges of the input are this far apart at most, in the root of tolerance times diagonal. That is
+/// in proportion to the edges of the result. A face or an edge has at most kMaxSteps of them in a row. If all together
+/// are more than these, they are farther apart.
+constexpr double kSpacing = 0.25;
+
+/// Returns the vertices that are left, ascending.
+std::vector<VertexId> vertices_of(const Sheet& sheet) {
+  std::vector<VertexId> left;
+  for (VertexId v(0); v.value < sheet.positions.size(); ++v.value)
+    if (sheet.is_alive(v)) left.push_back(v);
+  return left;
+}
+
+/// Makes the sheet of a surface, with its chain edges.
+Sheet make_sheet(const OrderedInput& input, SheetWitnesses& witnesses, RunControl& control) {
+  Sheet sheet;
+  sheet.positions = input.positions;
+  sheet.faces = input.faces;
+  sheet.chain.assign(3 * input.faces.size(), kNone);
+  sheet.kind.assign(input.positions.size(), Sheet::Kind::kFree);
+  sheet.link(control);
+  std::uint32_t chains = 0;
+  StopCheck check(control);
+  for (std::uint32_t h = 0; h < sheet.chain.size(); ++h) {
+    check();
+    const std::uint32_t twin = input.twins[h];
+    if (sheet.chain[h] != kNone || (twin != kNone && input.edges[h] == FreeForm::Edge::kSmooth)) continue;
+    sheet.chain[h] = chains++;
+    if (twin != kNone) sheet.chain[twin] = sheet.chain[h];
+  }
+  witnesses.of_chain.assign(chains, kNone);
+  return sheet;
+}
+
+/// Returns whether the faces around a vertex are one fan, in which they follow each other across edges of two faces.
+bool is_one_fan(const Sheet& sheet, const std::vector<std::uint32_t>& twins, VertexId v) {
+  std::size_t faces = 0, found = 1;
+  sheet.for_star(v, [&](std::uint32_t) { ++faces; });
+  const std::uint32_t first = sheet.first[v];
+  std::uint32_t c = twins[Sheet::before(first)];
+  for (; c != kNone && c != first; c = twins[Sheet::before(c)]) ++found;
+  if (c == first) return found == faces;
+  for (c = twins[first]; c != kNone; c = twins[Sheet::after(c)]) ++found;
+  return found == faces;
+}
+
+/// Finds the vertices on chains, and those at which chains or the surface branch.
+void classify(const OrderedInput& input, Sheet& sheet, SheetWitnesses& witnesses, RunControl& control) {
+  witnesses.of_vertex.assign(sheet.positions.size(), kNone);
+  StopCheck check(control);
+  for (VertexId v(0); v.value < sheet.positions.size(); ++v.value) {
+    check();
+    std::array<VertexId, 2> ends;
+    std::size_t count = 0;
+    const auto add_end = [&](std::uint32_t half_edge, std::uint32_t end) {
+      if (sheet.chain[half_edge] == kNone) return;
+      const VertexId w = sheet.vertex(end);
+      if ((count > 0 && ends[0] == w) || (count > 1 && ends[1] == w)) return;
+      if (count < 2) ends[count] = w;
+      ++count;
+    };
+    sheet.for_star(v, [&](std::uint32_t c) {
+      add_end(c, Sheet::after(c));
+      add_end(Sheet::before(c), Sheet::before(c));
+    });
+    if ((count != 0 && count != 2) || !is_one_fan(sheet, input.twins, v)) {
+      sheet.kind[v] = Sheet::Kind::kFixed;
+    } else if (count == 2) {
+      sheet.kind[v] = Sheet::Kind::kChain;
+      witnesses.of_vertex[v] = static_cast<std::uint32_t>(witnesses.on_chains.size());
+      float share = 1;
+      if (!input.shares.empty())
+        sheet.for_star(v, [&](std::uint32_t c) { share = std::min(share, input.shares[c / 3]); });
+      witnesses.on_chains.push_back({sheet.positions[v], share, kNone});
+    }
+  }
+}
+
+/// Calls take(f, place) for the samples of the faces and edges, and for the vertices. Each edge and each vertex is told
+/// with one of its faces.
+template <class Take>
+void for_samples(const OrderedInput& input, const Sheet& sheet, double spacing, RunControl& control, const Take& take) {
+  const auto steps = [&](double length) {
+    return std::clamp(static_cast<int>(std::ceil(length / spacing)), 1, kMaxSteps);
+  };
+  StopCheck check(control);
+  for (FaceId f(0); f.value < sheet.faces.size(); ++f.value) {
+    check();
+    const Triangle& t = sheet.faces[f];
+    const Vec3 &a = sheet.positions[t[0]], &b = sheet.positions[t[1]], &c = sheet.positions[t[2]];
+    const int n = steps(std::max({norm(b - a), norm(c - b), norm(a - c)}));
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; i + j < n; ++j)
+        take(f, (1.0 / (3 * n)) * ((3.0 * i + 1) * a + (3.0 * j + 1) * b + (3.0 * (n - i - j) - 2) * c));
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const std::uint32_t h = 3 * f.value + k;
+      if (input.twins[h] != kNone && input.twins[h] < h) continue;
+      const Vec3 &p = sheet.positions[t[k]], &q = sheet.positions[t[(k + 1) % 3]];
+      const int pieces = steps(norm(q - p));
+      for (int i = 1; i < pieces; ++i)
+        take(f, (1.0 / pieces) * (static_cast<double>(pieces - i) * p + static_cast<double>(i) * q));
+    }
+  }
+  for (VertexId v(0); v.value < sheet.positions.size(); ++v.value)
+    if (sheet.is_alive(v)) take(Sheet::face_of(sheet.first[v]), sheet.positions[v]);
+}
+
+/// Makes samples of the input the witnesses of its faces. There are no more than a few for each face.
+void add_witnesses(const OrderedInput& input, const Sheet& sheet, double spacing, SheetWitnesses& witnesses,
+                   RunControl& control) {
+  const std::size_t enough = kSamplesOfFace * sheet.faces.size() + kSamplesAlways;
+  std::size_t count = 0;
+  for (;; spacing *= 2) {
+    count = 0;
+    for_samples(input, sheet, spacing, control, [&](FaceId, const Vec3&) { ++count; });
+    if (count <= enough) break;
+  }
+  control.memory().ask_for<SheetWitnesses::Witness>(count);
+  witnesses.all.reserve(count);
+  witnesses.of_face.assign(sheet.faces.size(), kNone);
+  for_samples(input, sheet, spacing, control, [&](FaceId f, const Vec3& place) {
+    witnesses.all.push_back({place, f, witnesses.of_face[f]});
+    witnesses.of_face[f] = static_cast<std::uint32_t>(witnesses.all.size() - 1);
+  });
+}
+
+void add_quadrics(FreeSheet& free, RunControl& control) {
+  const Sheet& sheet = free.sheet;
+  free.quadrics.assign(sheet.positions.size(), {});
+  StopCheck check(control);
+  for (FaceId f(0); f.value < sheet.faces.size(); ++f.value) {
+    check();
+    const Triangle& t = sheet.faces[f];
+    const Vec3 &a = sheet.positions[t[0]], &b = sheet.positions[t[1]], &c = sheet.positions[t[2]];
+    const Vec3 area = cross(b - a, c - a), normal = normalized(area);
+    for (const VertexId v : t) free.quadrics[v].add_plane(normal, a, norm(area));
+    // At chains, a plane across the face keeps vertices near the edge.
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      if (sheet.chain[3 * f.value + k] == kNone) continue;
+      const Vec3 side = sheet.positions[t[(k + 1) % 3]] - sheet.positions[t[k]];
+      const Vec3 across = normalized(cross(side, normal));
+      for (const VertexId v : {t[k], t[(k + 1) % 3]})
+        free.quadrics[v].add_plane(across, sheet.positions[t[k]], norm_squared(side));
+    }
+  }
+}
+
+/// A part may look at witnesses this many times for each witness that it has, and so many times more. Good surfaces
+/// take up to 45 looks.
+constexpr std::uint64_t kLooks = 256, kLooksAlways = 1 << 16;
+
+/// Works on all parts of a sheet.
+/// Output: how many vertices were joined.
+std::uint64_t sweep(FreeSheet& free, const InputSurface& surface, const SheetRules& rules, bool is_last, int turn,
+                    RunControl& control) {
+  if (turn > 0)
+    rearrange(free, order_along_curve(free.sheet.positions, vertices_of(free.sheet), turn, control), control);
+  const std::size_t n = free.sheet.positions.size();
+  const std::size_t parts = std::max<std::size_t>(1, (n + kPartVertices / 2) / kPartVertices);
+  std::vector<std::uint32_t> tried(3 * free.sheet.faces.size(), 0);
+  IdVector<VertexId, std::uint32_t> changed(n, 0);
+  std::vector<std::uint64_t> joined(parts, 0);
+  SheetRules bounded = rules;
+  bounded.max_steps = kLooks * (free.witnesses.all.size() / parts) + kLooksAlways;
+  for_all(std::size_t{0}, parts, [&](std::size_t i) {
+    SheetPart part(free, surface, bounded, VertexId(n * i / parts), VertexId(n * (i + 1) / parts), tried, changed,
+                   control);
+    part.join_vertices();
+    for (int pass = 0; is_last && pass < kImprovements; ++pass) {
+      part.improve_angles();
+      part.join_vertices();
+    }
+    joined[i] = part.joined();
+  });
+  return std::accumulate(joined.begin(), joined.end(), std::uint64_t{0});
+}
+
+/// Numbers what is left by its places, and tells where it comes from.
+Coarsened result_of(FreeSheet&& free, const OrderedInput& input, const InputSurface& surface, RunControl& control) {
+  rearrange(free, order_along_curve(free.sheet.positions, vertices_of(free.sheet), 0, control), control);
+  const Sheet& sheet = free.sheet;
+  Coarsened result;
+  result.nearest.resize(sheet.faces.size());
+  for_blocks(sheet.faces.size(), 64, control, [&](std::size_t begin, std::size_t end) {
+    for (FaceId f(begin); f.value < end; ++f.value) {
+      const Triangle& t = sheet.faces[f];
+      const Vec3 centre = (1.0 / 3) * (sheet.positions[t[0]] + sheet.positions[t[1]] + sheet.positions[t[2]]);
+      const std::uint32_t w = free.witnesses.of_face[f];
+      const FaceId start = w == kNone ? FaceId(0) : free.witnesses.all[w].face;
+      result.nearest[f] = input.face_before[surface.nearest_face(centre, start)];
+    }
+  });
+  result.answers.resize(input.faces.size());
+  for (FaceId f(0); f.value < sheet.faces.size(); ++f.value)
+    for (std::uint32_t w = free.witnesses.of_face[f]; w != kNone; w = free.witnesses.all[w].next)
+      result.answers[input.face_before[free.witnesses.all[w].face]] = f;
+  for (const VertexId v : free.source) result.source.push_back(v.is_valid() ? input.vertex_before[v] : VertexId());
+  result.positions = std::move(free.sheet.positions);
+  result.faces = std::move(free.sheet.faces);
+  return result;
+}
+
+}  // namespace
+
+Coarsened coarsen(const FreeForm& free_form, const CoarseningGoals& goals, RunControl& control) {
+  OrderedInput input = in_order(free_form, control);
+  const std::uint64_t dropped = drop_short_features(input, goals.tolerance, control);
+  const InputSurface surface(input.positions, input.faces, input.twins, input.shares, control);
+  Box3 box;
+  for (const Vec3& p : input.positions) box.add(p);
+  SheetRules rules{goals.tolerance, std::cos(goals.min_angle_deg * std::numbers::pi / 180), box.diagonal(), 0};
+  FreeSheet free;
+  free.sheet = make_sheet(input, free.witnesses, control);
+  classify(input, free.sheet, free.witnesses, control);
+  free.source.reserve(input.positions.size());
+  for (VertexId v(0); v.value < input.positions.size(); ++v.value) free.source.push_back(v);
+  add_quadrics(free, control);
+  add_witnesses(input, free.sheet, kSpacing * std::sqrt(goals.tolerance * rules.diagonal), free.witnesses, control);
+  int turn = 0;
+  for (const double share : kShares) {
+    rules.tolerance = share * goals.tolerance;
+    sweep(free, surface, rules, false, turn++, control);
+  }
+  rules.tolerance = goals.tolerance;
+  for (; turn < kMaxSweeps; ++turn) {
+    const std::uint64_t joined = sweep(free, surface, rules, true, turn, control);
+    if (static_cast<double>(joined) < kFewJoined * static_cast<double>(free.sheet.positions.size())) break;
+  }
+  Coarsened result = result_of(std::move(free), input, surface, control);
+  result.dropped_features = dropped;
+  return result;
+}
+
+}  // namespace remesh

@@ -1,0 +1,42 @@
+/// Makes a surface coarser within a tolerance.
+#pragma once
+
+#include <cstdint>
+
+#include "core/base/ids.h"
+#include "core/base/run_control.h"
+#include "core/base/vec.h"
+#include "core/free_form/free_form.h"
+#include "core/mesh/mesh.h"
+
+namespace remesh {
+
+struct CoarseningGoals {
+  double tolerance;      ///< in local units
+  double min_angle_deg;  ///< no angle below this is made, except where the input's own angles are smaller
+};
+
+/// The surface that coarsen makes.
+struct Coarsened {
+  IdVector<VertexId, Vec3> positions;
+  IdVector<VertexId, VertexId> source;  ///< the input's vertex that is still there; invalid for a vertex that moved
+  IdVector<FaceId, Triangle> faces;
+  IdVector<FaceId, FaceId> nearest;    ///< the input's face nearest to the centroid of each face
+  IdVector<FaceId, FaceId> answers;    ///< per face of the input: a face that has to be near some of its samples
+  std::uint64_t dropped_features = 0;  ///< edges of features that were too short to stay
+};
+
+/// Joins vertices, flips edges and moves vertices of a surface, as long as samples of the old surface are within the
+/// tolerance of the new one, and samples of the new one are within the tolerance of the old one. A proof of the
+/// distance, which may be a little larger, is up to the caller.
+/// Holds:   the topology stays. Edges that stay, and edges that have not exactly two faces, lead through some of the
+///          vertices through which they led before, and all of their vertices with other than two such edges are still
+///          there. The result is the same for any number of threads and any numbering of the input, up to its own
+///          numbering, and scales with the input by powers of two.
+/// Errors:  kCancelled, kTimeout - asked to stop through `control`; kOutOfMemory - see MemoryBound.
+/// Cost:    O(n log n) on most surfaces; in parallel.
+/// Source:  Hu, Yan, Bao, Alliez, Benes, Error-bounded and feature preserving surface remeshing with minimal angle
+///          improvement, 2017, for the operators; blocks, witnesses and the step across the surface are our own.
+Coarsened coarsen(const FreeForm& input, const CoarseningGoals& goals, RunControl& control);
+
+}  // namespace remesh

@@ -1,0 +1,81 @@
+/// A triangulated surface whose vertices can be moved, joined and given other neighbours.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/ids.h"
+#include "core/base/run_control.h"
+#include "core/base/vec.h"
+#include "core/mesh/mesh.h"
+
+namespace remesh {
+
+/// The triangles of a surface as flat arrays. A chain edge is an edge that must stay near an edge of the input: a
+/// feature, a border of labels, or an edge that has not exactly two faces. Both sides of a chain edge know its number.
+/// The corners at a vertex (3 * face + corner) form a list. Changes touch only the vertices and faces around a
+/// place, so threads may change distant places at the same time.
+struct Sheet {
+  enum class Kind : std::uint8_t {
+    kFree,   ///< may move anywhere
+    kChain,  ///< has exactly two chain edges, and may be joined with the vertex at the end of one of them
+    kFixed   ///< stays
+  };
+
+  IdVector<VertexId, Vec3> positions;
+  IdVector<FaceId, Triangle> faces;  ///< the first corner of a removed face is invalid
+  IdVector<VertexId, Kind> kind;
+  std::vector<std::uint32_t> chain;         ///< per half-edge: the number of the chain edge, or kNone
+  IdVector<VertexId, std::uint32_t> first;  ///< the first corner in the list at a vertex; kNone if it is removed
+  std::vector<std::uint32_t> next;          ///< per corner: the next one at the same vertex, or kNone
+
+  static FaceId face_of(std::uint32_t corner) { return FaceId(corner / 3); }
+  static std::uint32_t after(std::uint32_t corner) { return corner % 3 == 2 ? corner - 2 : corner + 1; }
+  static std::uint32_t before(std::uint32_t corner) { return corner % 3 == 0 ? corner + 2 : corner - 1; }
+
+  VertexId vertex(std::uint32_t corner) const { return faces[face_of(corner)][corner % 3]; }
+  bool is_alive(VertexId v) const { return first[v] != kNone; }
+  bool is_alive(FaceId f) const { return faces[f][0].is_valid(); }
+  const Vec3& place(std::uint32_t corner) const { return positions[vertex(corner)]; }
+
+  /// Calls visit(corner) for the corners at a vertex.
+  template <class Visit>
+  void for_star(VertexId v, const Visit& visit) const {
+    for (std::uint32_t c = first[v]; c != kNone; c = next[c]) visit(c);
+  }
+  /// Makes the lists of corners. The faces are there.
+  /// Errors: kCancelled, kTimeout - asked to stop through `control`.
+  void link(RunControl& control);
+
+  /// Joins `from` with `to`, which does not move. Faces with both vertices disappear.
+  /// Input: an edge, of which joining does not change the topology; see can_join.
+  void join(VertexId from, VertexId to);
+  /// Gives the two faces at an edge their other diagonal.
+  /// Input: one corner at the edge in each face, from which the edge starts.
+  void flip(std::uint32_t one, std::uint32_t other);
+
+  /// Returns whether the surface stays what it is when the ends of an edge become one vertex: around the edge are only
+  /// its own faces, and no two chain edges become one.
+  /// Source: Dey, Edelsbrunner, Guha, Nekhayev, Topology preserving edge contraction, 1999.
+  bool can_join(VertexId from, VertexId to) const;
+  /// Returns whether a vertex has few faces. Operators leave others alone, so that each change takes bounded time.
+  bool has_small_star(VertexId v) const {
+    constexpr int kMaxFaces = 64;
+    int count = 0;
+    for (std::uint32_t c = first[v]; c != kNone; c = next[c])
+      if (++count > kMaxFaces) return false;
+    return true;
+  }
+  /// Returns whether there is an edge between two vertices.
+  bool are_joined(VertexId a, VertexId b) const;
+  /// Returns the corner at `from` of a face that has the edge in this direction, or kNone.
+  std::uint32_t corner_at_edge(VertexId from, VertexId to) const;
+
+ private:
+  void unlink(std::uint32_t corner);
+  void push(VertexId v, std::uint32_t corner);
+  void set_chain(VertexId a, VertexId b, std::uint32_t number);
+};
+
+}  // namespace remesh
