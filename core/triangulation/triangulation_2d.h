@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/base/inline_vector.h"
+#include "core/triangulation/inline_vector.h"
 
 namespace remesh {
 

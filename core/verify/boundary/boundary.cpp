@@ -105,6 +105,20 @@ struct OutputPoints {
   Vec3 operator()(VertexId v) const { return numbered.output_point(v); }
 };
 
+/// Calls visit(vertex, patch, result) for all corners of patches that are not kept, with one result for each block of
+/// faces.
+template <class Result, class Visit>
+std::vector<Result> map_corners(const NumberedClaim& numbered, const Faces& faces, RunControl& control,
+                                const Visit& visit) {
+  return map_blocks<Result>(faces.count(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
+    Result result{};
+    for (std::size_t f = begin; f < end; ++f)
+      if (numbered.is_kept[faces.patch[f].value] == 0)
+        for (const VertexId v : faces.face(f)) visit(v, faces.patch[f], result);
+    return result;
+  });
+}
+
 /// Makes a list for the chains of a graph that need not grow. Growing would copy millions of them, and these copies
 /// could not be cancelled.
 std::vector<Chain> list_for(const BoundaryGraph& graph, RunControl& control) {
@@ -268,21 +282,6 @@ class BoundaryCheck {
   /// A new vertex must join the patches along its chain, or be inside one patch.
   void check_new_vertices();
 
-  bool is_kept(PatchId p) const { return numbered_.is_kept[p.value] != 0; }
-
-  /// Calls visit(vertex, patch, result) for all corners of patches that are not kept, with one result for each block of
-  /// faces.
-  template <class Result, class Visit>
-  std::vector<Result> map_corners(const Faces& faces, const Visit& visit) {
-    return map_blocks<Result>(faces.count(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
-      Result result{};
-      for (std::size_t f = begin; f < end; ++f)
-        if (!is_kept(faces.patch[f]))
-          for (const VertexId v : faces.face(f)) visit(v, faces.patch[f], result);
-      return result;
-    });
-  }
-
   const NumberedClaim& numbered_;
   const BoundaryGraph& input_;
   const BoundaryGraph& output_;
@@ -428,21 +427,22 @@ void BoundaryCheck::check_joints() {
   // A kept patch has the same vertices on both sides. So only the other patches at its vertices are recorded.
   for_blocks(numbered_.input.count(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f)
-      if (is_kept(numbered_.input.patch[f]))
+      if (numbered_.is_kept[numbered_.input.patch[f].value] != 0)
         for (const VertexId v : numbered_.input.face(f)) only_patch[v.value].store(kSeveral, std::memory_order_relaxed);
   });
   // The thread that finds a second patch at a vertex records both patches. Every later thread records its own patch.
-  const auto of_input = map_corners<Joints>(numbered_.input, [&](VertexId v, PatchId p, Joints& joints) {
-    std::uint32_t only = of(v);
-    if (only == number(p)) return;
-    if (only == kUnknown && only_patch[v.value].compare_exchange_strong(only, number(p), std::memory_order_relaxed))
-      return;
-    if (only == number(p)) return;
-    joints.push_back(joint(v, p));
-    if (only == kSeveral) return;
-    joints.push_back(joint(v, PatchId(only - 1)));
-    only_patch[v.value].store(kSeveral, std::memory_order_relaxed);
-  });
+  const auto of_input =
+      map_corners<Joints>(numbered_, numbered_.input, control_, [&](VertexId v, PatchId p, Joints& joints) {
+        std::uint32_t only = of(v);
+        if (only == number(p)) return;
+        if (only == kUnknown && only_patch[v.value].compare_exchange_strong(only, number(p), std::memory_order_relaxed))
+          return;
+        if (only == number(p)) return;
+        joints.push_back(joint(v, p));
+        if (only == kSeveral) return;
+        joints.push_back(joint(v, PatchId(only - 1)));
+        only_patch[v.value].store(kSeveral, std::memory_order_relaxed);
+      });
   const auto used =
       map_blocks<std::int64_t>(only_patch.size(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
         return std::count_if(only_patch.begin() + static_cast<std::ptrdiff_t>(begin),
@@ -454,13 +454,14 @@ void BoundaryCheck::check_joints() {
     Joints joints;
     std::vector<FoundFault> foreign;
   };
-  auto of_output = map_corners<OfOutput>(numbered_.output, [&](VertexId v, PatchId p, OfOutput& found) {
-    if (numbered_.is_new(v)) return;
-    if (of(v) == kSeveral)
-      found.joints.push_back(joint(v, p));
-    else if (of(v) != number(p))
-      found.foreign.push_back({p, Fault::kForeignVertex, v.value});
-  });
+  auto of_output =
+      map_corners<OfOutput>(numbered_, numbered_.output, control_, [&](VertexId v, PatchId p, OfOutput& found) {
+        if (numbered_.is_new(v)) return;
+        if (of(v) == kSeveral)
+          found.joints.push_back(joint(v, p));
+        else if (of(v) != number(p))
+          found.foreign.push_back({p, Fault::kForeignVertex, v.value});
+      });
   std::vector<Joints> joints_of_output;
   for (OfOutput& found : of_output) {
     control_.check();

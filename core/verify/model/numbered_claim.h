@@ -88,6 +88,7 @@ struct CurvedSurfaces {
 /// the test of edges.
 ///
 /// Lengths are scaled by a power of two to coordinates of at most 1, so that nothing overflows or underflows.
+/// This class is larger than the bound because it is the list of what all tests read.
 struct NumberedClaim {
   NumberedClaim() = default;
   NumberedClaim(NumberedClaim&&) = default;  // it cannot be copied, because its spans refer to its own members

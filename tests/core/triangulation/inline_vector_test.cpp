@@ -1,4 +1,4 @@
-#include "core/base/inline_vector.h"
+#include "core/triangulation/inline_vector.h"
 
 #include <gtest/gtest.h>
 
