@@ -72,13 +72,13 @@ std::string model(const std::string& resources, const std::string& build,
          "</resources><build>" + build + "</build></model>";
 }
 
-const std::string kVertices =
+const std::string kVerticesOfModel =
     "<vertices><vertex x=\"0\" y=\"0\" z=\"0\"/><vertex x=\"1\" y=\"0\" z=\"0\"/><vertex x=\"0\" y=\"1.1\" "
     "z=\"0\"/></vertices>";
 
 /// An object that is one triangle.
 std::string triangle(const std::string& id, const std::string& attributes = "", const std::string& of_triangle = "") {
-  return "<object id=\"" + id + "\" " + attributes + "><mesh>" + kVertices +
+  return "<object id=\"" + id + "\" " + attributes + "><mesh>" + kVerticesOfModel +
          "<triangles><triangle v1=\"0\" v2=\"1\" v3=\"2\" " + of_triangle + "/></triangles></mesh></object>";
 }
 
@@ -162,9 +162,9 @@ TEST(threemf_reader, what_is_wrong_is_refused) {
       {model(components + "1\"/></components></object>" + triangle("1"), item), Code::kInvalidMesh},
       {model("<object id=\"1\"><mesh><vertices><vertex x=\"0\" y=\"0\"/>", item), Code::kInvalidMesh},
       {model("<object id=\"1\"><mesh><vertices><vertex x=\"0\" y=\"0\" z=\"inf\"/>", item), Code::kNonfiniteCoordinate},
-      {model("<object id=\"1\"><mesh>" + kVertices + "<triangles><triangle v1=\"0\" v2=\"1\" v3=\"3\"/>", item),
+      {model("<object id=\"1\"><mesh>" + kVerticesOfModel + "<triangles><triangle v1=\"0\" v2=\"1\" v3=\"3\"/>", item),
        Code::kIndexOutOfRange},
-      {model("<object id=\"1\"><mesh>" + kVertices + "<triangles><triangle v1=\"0\" v2=\"1\"/>", item),
+      {model("<object id=\"1\"><mesh>" + kVerticesOfModel + "<triangles><triangle v1=\"0\" v2=\"1\"/>", item),
        Code::kInvalidMesh},
   };
   for (const auto& [text, code] : wrong)
