@@ -23,6 +23,9 @@ namespace {
 /// finer than its facets.
 constexpr double kMajority = 0.5;
 
+/// Surfaces of no kind get no angles below this, in degrees, unless another bound is asked for.
+constexpr double kAngleOfFreeSurfaces = 25;
+
 /// The last correction of offsets changes angles by less than this, in degrees, in nearly all triangles.
 constexpr double kAngleMarginOfFit = 0.1;
 
@@ -143,6 +146,7 @@ void Attempts::prepare(const MendingLimits& mending) {
   goals_ = goals_in_proportion();
   made.spent = {};
   made.removed = {};
+  made.coarsening = {};
   made.detail_limits = detail_limits(options(), report.plane_tolerance);
   prepared_for_ = mending;
   replaced_for_.clear();
@@ -177,7 +181,10 @@ double Attempts::step_of_storage() const {
 
 /// Makes the surface that the decisions name, if the last attempt had another one.
 void Attempts::make_surface(const Decisions& decisions) {
-  if (prepared_for_ == decisions.mending && replaced_for_ == decisions.details.replaced) return;
+  const bool is_coarsened = products_->coarsening.is_done();
+  if (prepared_for_ == decisions.mending && replaced_for_ == decisions.details.replaced &&
+      is_coarsened == decisions.details.is_coarsened)
+    return;
   prepare(decisions.mending);
   for (const FaceRungs& rungs : decisions.details.replaced) {
     divide_by(rungs);
@@ -185,6 +192,10 @@ void Attempts::make_surface(const Decisions& decisions) {
     remove_details(decisions.mending.keep_verbatim);
     replaced_for_.push_back(rungs);
   }
+  if (!decisions.details.is_coarsened) return;
+  divide_by({});
+  recognise({}, {});
+  coarsen_surface();
 }
 
 /// Finds the patches of the surface.
@@ -215,6 +226,11 @@ bool Attempts::make_patches(const Decisions& decisions, Outcome& outcome) {
   // Beyond the 2018 report: find curved surfaces, and join their facets as far as that is asked for.
   made.watch.enter(Stage::kSurfaces);
   recognise(decisions.rungs, before);
+  if (is_coarsening_wanted(decisions)) {
+    outcome.is_coarsened = coarsen_surface();
+    if (outcome.is_coarsened) return false;
+    outcome.is_coarsening_in_vain = true;
+  }
   join(decisions.curved);
   divided_for_ = Division{decisions.rungs, decisions.curved};
   return true;
@@ -256,15 +272,46 @@ bool Attempts::remove_details(const FaceMarks& kept) {
                        options().weld_tolerance, kept, made.spent.distance},
                       made.candidate, made.detail_limits, made.removed, made.watch, control());
   if (!replaced) return false;
-  made.spent.add(*replaced);
+  const double plane_tolerance = replaced->plane_tolerance;
+  replace_surface(*std::move(replaced));
+  made.report.plane_tolerance = made.detail_limits.plane_tolerance = plane_tolerance;
+  return true;
+}
+
+void Attempts::replace_surface(Replaced&& replaced) {
+  RunProducts& made = *products_;
+  made.spent.add(replaced);
   made.prepared.change([&](Surface& surface) {
-    surface = std::move(replaced->surface);
+    surface = std::move(replaced.surface);
     return true;
   });
-  made.prepared.without_area = std::move(replaced->without_area);
-  made.report.plane_tolerance = made.detail_limits.plane_tolerance = replaced->plane_tolerance;
+  made.prepared.without_area = std::move(replaced.without_area);
   control().memory().set_input(std::max(counted_faces(made.input), counted_faces(surface())));
   forget_surface();
+}
+
+/// Returns whether free surfaces may become coarser. They stay as they are once the ladder has begun, and where faces
+/// are copied verbatim.
+bool Attempts::is_coarsening_wanted(const Decisions& decisions) const {
+  return curved_goals_.tolerance && *curved_goals_.tolerance > 0 && curved_goals_.may_cut_boundaries &&
+         options().feature_angle_deg > 0 && !decisions.details.is_coarsening_done && !decisions.rungs.are_any() &&
+         decisions.mending.keep_verbatim.empty() && products_->prepared.without_area.empty();
+}
+
+/// Makes the surface coarser, if it is free as a whole.
+/// Output: false if all stays as it is.
+bool Attempts::coarsen_surface() {
+  RunProducts& made = *products_;
+  const FreeContext context{surface(), made.adjacency(), patches(), made.recognised, options().feature_angle_deg};
+  if (!is_free_as_a_whole(context, control())) return false;
+  if (!made.input_intersections) made.find_input_intersections(Triangulated(surface(), control()));
+  if (!made.input_intersections->pairs.empty() || !made.input_intersections->is_complete) return false;
+  const std::size_t faces = surface().face_count();
+  std::optional<Replaced> replaced = coarser_surface(context, *curved_goals_.tolerance,
+                                                     options().min_angle_deg.value_or(kAngleOfFreeSurfaces), control());
+  if (!replaced) return false;
+  made.coarsening = {faces, replaced->distance};
+  replace_surface(*std::move(replaced));
   return true;
 }
 
@@ -274,7 +321,8 @@ void Attempts::recognise(const FaceRungs& rungs, const PatchSet& before) {
   RunProducts& made = *products_;
   if (is_recognised_) return made.recognised.follow(before, patches());
   if (rungs.are_any()) divide_by({});
-  made.recognised = recognise_facets(made.partition, made.prepared, options(), made.report.plane_tolerance, control());
+  made.recognised = recognise_facets(made.partition, made.prepared, options(), made.report.plane_tolerance,
+                                     !made.coarsening.is_done(), control());
   is_recognised_ = true;
   if (!rungs.are_any()) return;
   const PatchSet facets = std::move(made.partition.patches);

@@ -67,6 +67,9 @@ class Attempts {
   bool make_patches(const Decisions& decisions, Outcome& outcome);
   void divide_by(const FaceRungs& rungs);
   bool remove_details(const FaceMarks& kept);
+  void replace_surface(Replaced&& replaced);
+  bool is_coarsening_wanted(const Decisions& decisions) const;
+  bool coarsen_surface();
   void recognise(const FaceRungs& rungs, const PatchSet& before);
   void join(const CurvedChoices& choices);
   void triangulate();

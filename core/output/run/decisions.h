@@ -16,6 +16,9 @@ struct DetailChoices {
   /// last surface.
   std::vector<FaceRungs> replaced;
   bool are_done = false;  ///< details were looked for in vain
+  /// The surface that came of this was made coarser, since it is free as a whole.
+  bool is_coarsened = false;
+  bool is_coarsening_done = false;  ///< it was made coarser, or that was tried in vain
   bool operator==(const DetailChoices&) const = default;
 };
 

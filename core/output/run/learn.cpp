@@ -86,8 +86,11 @@ std::optional<Decisions> after_success(Decisions next) {
 }
 
 /// Goes on with a surface that a stage has put in the place of the last one.
-Decisions on_other_surface(Decisions next) {
-  next.details.replaced.push_back(std::exchange(next.rungs, {}));
+Decisions on_other_surface(Decisions next, const Outcome& outcome) {
+  if (outcome.is_coarsened)
+    next.details.is_coarsened = next.details.is_coarsening_done = next.details.are_done = true;
+  else
+    next.details.replaced.push_back(std::exchange(next.rungs, {}));
   next.curved = {};
   return next;
 }
@@ -97,12 +100,13 @@ Decisions on_other_surface(Decisions next) {
 std::optional<Decisions> learn(const Decisions& now, const Outcome& outcome, const Effort& effort) {
   Decisions next = now;
   next.details.are_done = now.details.are_done || outcome.are_details_done;
+  next.details.is_coarsening_done = now.details.is_coarsening_done || outcome.is_coarsening_in_vain;
   next.curved = after_comparison(std::move(next.curved), outcome.compared, outcome.input_faces);
   RefinementChoices& refinement = next.refinement;
   if (outcome.faces)
     refinement = after_faces(refinement, *outcome.faces, outcome.are_angles_worse, outcome.facts).choices;
   switch (outcome.end) {
-    case Outcome::End::kSurfaceReplaced: return on_other_surface(std::move(next));
+    case Outcome::End::kSurfaceReplaced: return on_other_surface(std::move(next), outcome);
     case Outcome::End::kPatchesFailed: return one_step_up(std::move(next), outcome, effort);
     case Outcome::End::kWorkInVain: refinement.part = RefinedPart::kNothingYet; return next;
     case Outcome::End::kMinEdgeTooShort: refinement.min_edge.record_too_many(); return next;

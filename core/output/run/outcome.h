@@ -19,7 +19,7 @@ namespace remesh {
 struct Outcome {
   /// How an attempt ends, in the order of its steps.
   enum class End : std::uint8_t {
-    kSurfaceReplaced,    ///< details were removed, so there is another surface
+    kSurfaceReplaced,    ///< details were removed, or the surface was made coarser, so there is another one
     kPatchesFailed,      ///< patches could not be triangulated
     kWorkInVain,         ///< too much work was for results that failed the check, so nothing was tried
     kMinEdgeTooShort,    ///< there would surely be more faces than are in proportion
@@ -36,6 +36,8 @@ struct Outcome {
 
   std::size_t input_faces = 0;          ///< the number of all input faces
   bool are_details_done = false;        ///< details were looked for in vain
+  bool is_coarsened = false;            ///< the surface was made coarser
+  bool is_coarsening_in_vain = false;   ///< no coarser surface could be proven
   bool are_elements_automatic = false;  ///< nobody has asked for curved patches; they are the default
   bool are_any_crossing = false;        ///< patches cross or touch each other in the input
   bool are_any_moved = false;           ///< curved surfaces are moved outwards

@@ -14,6 +14,7 @@
 #include "core/output/report/report.h"
 #include "core/output/run/candidate.h"
 #include "core/output/run/detail_stage.h"
+#include "core/output/run/free_stage.h"
 #include "core/output/run/replaced.h"
 #include "core/patches/curved/joined_facets.h"
 #include "core/patches/meshing/partition.h"
@@ -43,6 +44,7 @@ struct RunProducts {
   SpentOnStages spent;  ///< by the stages that have replaced the prepared surface
   DetailLimits detail_limits;
   RemovedDetails removed;
+  Coarsening coarsening;
   std::optional<FoundIntersections> input_intersections;  ///< empty until known
   Partition partition;
   RecognisedSurfaces recognised;  ///< the surfaces of the facets

@@ -20,6 +20,8 @@
 #include "core/output/result/face_labels.h"
 #include "core/output/result/face_source.h"
 #include "core/output/result/round_for_format.h"
+#include "core/output/run/free_stage.h"
+#include "core/patches/curved/curved_goals.h"
 #include "core/refinement/goals/unrefined_reason.h"
 #include "core/refinement/prediction/curved_prediction.h"
 #include "core/refinement/sizes/gap_search.h"
@@ -177,6 +179,12 @@ class RunReporter {
 
   /// Tells which curved surfaces are refined facet by facet.
   void report_curves(const RefinedFaces& refined) {
+    if (run_.coarsening.is_done()) {
+      run_.report.diagnostics.push_back(
+          coarsening(run_.coarsening, run_.surface().face_count(), run_.input.face_count(),
+                     *curved_goals_of(run_.options, run_.report.input.bounding_box.diagonal()).tolerance));
+      return;
+    }
     if (!run_.options.refine) return;
     if (run_.options.feature_angle_deg > 0)
       warn_of_curved_surfaces(run_.surface(), run_.partition.patches, run_.report.surfaces, refined,
@@ -239,8 +247,9 @@ class RunReporter {
   }
 
   void report_removal() {
-    if (run_.spent.stages > 0)
-      run_.report.diagnostics.push_back(removal(run_.removed, run_.detail_limits.size, run_.spent.distance));
+    if (run_.spent.stages > (run_.coarsening.is_done() ? 1 : 0))
+      run_.report.diagnostics.push_back(
+          removal(run_.removed, run_.detail_limits.size, run_.spent.distance - run_.coarsening.distance));
   }
 
   RoundingInput rounding_input_of(const IdVector<VertexId, Vec3>& positions) {

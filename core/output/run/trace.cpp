@@ -132,7 +132,8 @@ std::string about_result(const Decisions& now, const Outcome& outcome) {
 
 std::string shown(const Decisions& now, const Outcome& outcome) {
   switch (outcome.end) {
-    case Outcome::End::kSurfaceReplaced: return "details were removed";
+    case Outcome::End::kSurfaceReplaced:
+      return outcome.is_coarsened ? "the surface was made coarser" : "details were removed";
     case Outcome::End::kPatchesFailed:
     case Outcome::End::kCheckFailed: return about_failures(outcome);
     case Outcome::End::kWorkInVain: return "too much work was spent on results that failed the check";
@@ -157,6 +158,7 @@ std::string difference(const Decisions& now, const Decisions& next) {
     found.add("begin anew");
     return std::move(found).text();
   }
+  if (next.details.is_coarsened && !now.details.is_coarsened) return "divide the coarser surface";
   if (next.details.replaced.size() > now.details.replaced.size()) return "divide the surface without them";
   found.add_faces("divide", count_different(now.rungs.zone, next.rungs.zone),
                   " into smaller patches (step " + std::to_string(next.rungs.steps) + ")");

@@ -13,6 +13,7 @@
 
 #include "core/mesh/adjacency.h"
 #include "core/mesh/quality.h"
+#include "tests/support/free_shapes.h"
 #include "tests/support/hausdorff.h"
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"
@@ -51,26 +52,6 @@ Given given(const PolygonMesh& mesh, double feature_angle_deg = 180) {
     made.edges.push_back(is_sharp ? FreeForm::Edge::kFeature : FreeForm::Edge::kSmooth);
   }
   return made;
-}
-
-/// A ball with waves on it, of 2 * 4^(levels + 1) faces.
-PolygonMesh bumpy_ball(int levels) {
-  PolygonMesh ball = shapes::sphere(levels);
-  for (Vec3& p : ball.positions) {
-    const Vec3 n = normalized(p);
-    p = (0.8 + 0.05 * std::sin(5 * n.x + 1) * std::sin(4 * n.y + 2) * std::cos(6 * n.z)) * n;
-  }
-  return ball;
-}
-
-/// A square of hills with 2 n^2 faces. Its outline is plane, and the hills are up to 0.1 high.
-PolygonMesh hills(int n) {
-  PolygonMesh square = shapes::sheet(1.6, 1.6, n, n);
-  for (Vec3& p : square.positions) {
-    p = p - Vec3{0.8, 0.8, 0};
-    p.z = 0.1 * std::sin(4 * p.x) * std::cos(5 * p.y);
-  }
-  return square;
 }
 
 Coarsened run(const Given& input, double tolerance, double min_angle_deg = 25, int workers = 1) {
@@ -272,7 +253,9 @@ TEST(coarsen, it_stops_soon) {
   const auto seconds = test::time_to_stop(test::Seconds(0.1), [&](RunControl& control) {
     coarsen(ball.form(), {0.001, 25}, control);
   });
-  if (seconds) EXPECT_LT(seconds->count(), 0.1);
+  if (seconds) {
+    EXPECT_LT(seconds->count(), 0.1);
+  }
 }
 
 }  // namespace

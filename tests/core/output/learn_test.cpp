@@ -85,10 +85,13 @@ std::vector<Row> rows() {
   offsets.offsets = IdVector<SurfaceId, double>(1, 0.25);
   Outcome impossible = with_fault(outcome_of(End::kOffsetsImpossible), 3);
   impossible.are_any_moved = true;
+  Outcome coarsened = outcome_of(End::kSurfaceReplaced);
+  coarsened.is_coarsened = true;
   Outcome whole = with_failure(outcome_of(End::kCheckFailed), 2);
   whole.is_whole_wrong = true;
   return {
       {"details", first(), outcome_of(End::kSurfaceReplaced), "divide the surface without them"},
+      {"coarser_surface", first(), coarsened, "divide the coarser surface"},
       {"triangulation", first(), with_failure(outcome_of(End::kPatchesFailed), 2),
        "divide 2 input faces into smaller patches (step 1)"},
       {"in_vain", first(), outcome_of(End::kWorkInVain), "refine nothing until a result passes the check"},
