@@ -13,7 +13,7 @@
 namespace remesh {
 namespace {
 
-using Pairs = std::set<std::pair<std::uint32_t, std::uint32_t>>;
+using EdgePairs = std::set<std::pair<std::uint32_t, std::uint32_t>>;
 
 /// A face at an angle in degrees around the edge along z. A forward one looks towards larger angles.
 struct At {
@@ -21,7 +21,7 @@ struct At {
   bool is_forward;
 };
 
-Pairs pairs_of(const std::vector<At>& places, std::uint64_t seed = 0, bool is_reversed = false) {
+EdgePairs pairs_of(const std::vector<At>& places, std::uint64_t seed = 0, bool is_reversed = false) {
   std::vector<FaceAtEdge> faces;
   for (std::uint32_t i = 0; i < places.size(); ++i) {
     const double angle = places[i].degrees * std::numbers::pi / 180;
@@ -33,7 +33,7 @@ Pairs pairs_of(const std::vector<At>& places, std::uint64_t seed = 0, bool is_re
   std::shuffle(faces.begin(), faces.end(), engine);
   const Vec3 low{0, 0, -1}, high{0, 0, 5};
   RunControl control;
-  Pairs pairs;
+  EdgePairs pairs;
   for (const auto& [begins, ends] :
        pair_faces_around_edge(is_reversed ? high : low, is_reversed ? low : high, faces, control))
     pairs.insert({std::min(begins, ends), std::max(begins, ends)});
@@ -43,7 +43,7 @@ Pairs pairs_of(const std::vector<At>& places, std::uint64_t seed = 0, bool is_re
 TEST(pair_faces_around_edge, faces_with_solid_between_them_are_a_pair) {
   // Solids in [10, 50], [100, 200] and [300, 5].
   const std::vector<At> places{{10, false}, {50, true}, {100, false}, {200, true}, {300, false}, {5, true}};
-  const Pairs right{{0, 1}, {2, 3}, {4, 5}};
+  const EdgePairs right{{0, 1}, {2, 3}, {4, 5}};
   for (std::uint64_t seed = 0; seed < 30; ++seed) {
     EXPECT_EQ(pairs_of(places, seed), right);
     EXPECT_EQ(pairs_of(places, seed, true), right) << "along the edge the other way";
@@ -52,18 +52,18 @@ TEST(pair_faces_around_edge, faces_with_solid_between_them_are_a_pair) {
 
 TEST(pair_faces_around_edge, back_to_back_walls_are_of_two_solids) {
   for (std::uint64_t seed = 0; seed < 10; ++seed)
-    EXPECT_EQ(pairs_of({{0, false}, {90, true}, {90, false}, {180, true}}, seed), (Pairs{{0, 1}, {2, 3}}));
+    EXPECT_EQ(pairs_of({{0, false}, {90, true}, {90, false}, {180, true}}, seed), (EdgePairs{{0, 1}, {2, 3}}));
 }
 
 TEST(pair_faces_around_edge, of_walls_that_look_the_same_way_each_has_its_own_layer) {
   for (std::uint64_t seed = 0; seed < 10; ++seed)
-    EXPECT_EQ(pairs_of({{0, false}, {0, false}, {90, true}, {90, true}}, seed), (Pairs{{0, 2}, {1, 3}}));
+    EXPECT_EQ(pairs_of({{0, false}, {0, false}, {90, true}, {90, true}}, seed), (EdgePairs{{0, 2}, {1, 3}}));
 }
 
 TEST(pair_faces_around_edge, where_one_face_is_too_many_the_nearest_close_and_one_is_left) {
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
-    EXPECT_EQ(pairs_of({{0, false}, {90, false}, {180, true}}, seed), (Pairs{{1, 2}}));
-    EXPECT_EQ(pairs_of({{0, false}, {90, true}, {180, true}}, seed), (Pairs{{0, 1}}));
+    EXPECT_EQ(pairs_of({{0, false}, {90, false}, {180, true}}, seed), (EdgePairs{{1, 2}}));
+    EXPECT_EQ(pairs_of({{0, false}, {90, true}, {180, true}}, seed), (EdgePairs{{0, 1}}));
   }
 }
 
@@ -85,7 +85,7 @@ TEST(pair_faces_around_edge, wedges_at_random_are_found_again) {
     std::sort(cuts.begin(), cuts.end());
     const auto first = static_cast<std::size_t>(random.below(2));  // one of them may be cut by the direction 0
     std::vector<At> places;
-    Pairs right;
+    EdgePairs right;
     for (std::size_t w = 0; w < wedges; ++w) {
       right.insert({static_cast<std::uint32_t>(places.size()), static_cast<std::uint32_t>(places.size() + 1)});
       places.push_back({cuts[2 * w + first], false});
