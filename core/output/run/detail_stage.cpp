@@ -69,11 +69,6 @@ std::vector<Vec3> model_places(const WithoutDetails& without, const Candidate& c
   return places;
 }
 
-bool are_different(std::vector<Vec3> places, const RunControl& control) {
-  sort_stoppable(places.begin(), places.end(), control);
-  return std::adjacent_find(places.begin(), places.end()) == places.end();
-}
-
 /// Returns whether an edge has another length in local units, as it may have if a corner of the model is very far away.
 bool are_edges_distorted(const Candidate& candidate, std::span<const Vec3> local, double unit, RunControl& control) {
   constexpr double kDistorted = 0.25;  // of its length

@@ -73,11 +73,6 @@ std::vector<Vec3> model_places(const Coarsened& made, const Surface& before) {
   return places;
 }
 
-bool are_different(std::vector<Vec3> places, const RunControl& control) {
-  sort_stoppable(places.begin(), places.end(), control);
-  return std::adjacent_find(places.begin(), places.end()) == places.end();
-}
-
 /// The volume under triangles, in cubed local units, with the sum of the sizes of its parts.
 struct Volume {
   double sum = 0, magnitude = 0;

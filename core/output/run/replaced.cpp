@@ -1,10 +1,17 @@
 #include "core/output/run/replaced.h"
 
+#include <algorithm>
 #include <utility>
 
+#include "core/base/stoppable.h"
 #include "core/mesh/face_marks.h"
 
 namespace remesh {
+
+bool are_different(std::vector<Vec3> places, const RunControl& control) {
+  sort_stoppable(places.begin(), places.end(), control);
+  return std::adjacent_find(places.begin(), places.end()) == places.end();
+}
 
 CoveredFaces covers_of_new_faces(const Surface& before, const PatchSet& patches, const IdVector<FaceId, PatchId>& patch,
                                  const FilledIdVector<FaceId, FaceId>& source) {

@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "core/base/ids.h"
+#include "core/base/run_control.h"
+#include "core/base/vec.h"
 #include "core/mesh/surface.h"
 #include "core/patch_types/patch_set.h"
 
@@ -31,6 +33,10 @@ struct SpentOnStages {
     volume += replaced.volume;
   }
 };
+
+/// Returns whether no two places are equal.
+/// Errors: kCancelled, kTimeout - asked to stop through `control`.
+bool are_different(std::vector<Vec3> places, const RunControl& control);
 
 /// Returns the input faces that new faces cover which a stage made of the patches of a surface. The first new face of a
 /// patch covers all input faces that the patch covered; any other covers its source.
