@@ -294,7 +294,8 @@ void Attempts::replace_surface(Replaced&& replaced) {
 /// are copied verbatim.
 bool Attempts::is_coarsening_wanted(const Decisions& decisions) const {
   return curved_goals_.tolerance && *curved_goals_.tolerance > 0 && curved_goals_.may_cut_boundaries &&
-         options().feature_angle_deg > 0 && !decisions.details.is_coarsening_done && !decisions.rungs.are_any() &&
+         !options().keep_boundary_vertices && options().feature_angle_deg > 0 &&
+         !decisions.details.is_coarsening_done && !decisions.rungs.are_any() &&
          decisions.mending.keep_verbatim.empty() && products_->prepared.without_area.empty();
 }
 

@@ -124,14 +124,16 @@ TEST(verify, the_fine_grid_is_decided_exactly_too) {
 
 TEST(verify, plane_coordinates_may_be_off_by_one_of_the_fine_grid_and_by_no_more) {
   for (const int units : {-2, -1, 1, 2}) {
-    const PolygonMesh triangle = shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
-    Example e = example(triangle, triangle);
+    const PolygonMesh square = shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}});
+    Example e = example(square, square);
     Frame& frame = e.frames[PatchId(0)];
     frame.grid = 0x1p-100;
-    frame.origin = e.positions[e.faces[0][0].value];  // there nothing is rounded otherwise
+    const VertexId alone(1);                  // the other triangle does not have this corner
+    frame.origin = e.positions[alone.value];  // there nothing is rounded otherwise
     e.project();
     ASSERT_TRUE(is_verified(e));
-    e.corner_uv[0].y += units * 0x1p-100;
+    for (std::size_t i = 0; i < 6; ++i)
+      if (e.faces[i / 3][i % 3] == alone) e.corner_uv[i].y += units * 0x1p-100;
     EXPECT_EQ(is_verified(e), std::abs(units) == 1) << units;
   }
 }
