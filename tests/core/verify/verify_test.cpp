@@ -124,8 +124,9 @@ TEST(verify, the_fine_grid_is_decided_exactly_too) {
 
 TEST(verify, plane_coordinates_may_be_off_by_one_of_the_fine_grid_and_by_no_more) {
   for (const int units : {-2, -1, 1, 2}) {
-    const PolygonMesh square = shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}});
-    Example e = example(square, square);
+    const PolygonMesh rhombus =
+        shapes::from_lists({{0, -1, 0}, {3, 0, 0}, {0, 1, 0}, {-3, 0, 0}}, {{0, 1, 2}, {0, 2, 3}});
+    Example e = example(rhombus, rhombus);
     Frame& frame = e.frames[PatchId(0)];
     frame.grid = 0x1p-100;
     const VertexId alone(1);                  // the other triangle does not have this corner
