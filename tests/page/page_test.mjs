@@ -202,7 +202,8 @@ onPage("a run that would be large says how many faces are expected, and asks", a
   assert.equal(await page.$eval("#large-run", (button) => button.hidden), true);
   await page.click('#large-advice [data-options="target_faces=100000"]');
   await page.waitForSelector("#large-dialog:not([open])");
-  assert.equal(await page.$eval("#option-target_faces", (input) => input.value), "100000");
+  // The options are set when the browser has told the page that the dialog is closed.
+  await page.waitForFunction(() => document.querySelector("#option-target_faces").value === "100000");
   assert.equal(await page.$eval("#option-max_edge_length", (input) => input.value), "");
   assert.equal(await page.evaluate(() => document.activeElement.id), "run");
   await type("#option-target_faces", "");
