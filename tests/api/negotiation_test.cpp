@@ -54,7 +54,7 @@ TEST(negotiation, a_file_of_another_kind_is_told_what_it_is_unless_a_format_is_n
   EXPECT_EQ(error.code, Code::kUnsupportedMediaType);
   EXPECT_STREQ(error.what(),
                "the content looks like PDF; export the part itself as STL; the formats that can be read are obj, json, "
-               "stl, ply, off, vtu, msh, mesh, glb, 3mf, also compressed by gzip");
+               "stl, ply, off, vtu, msh, mesh, glb, 3mf, inp, bdf, also compressed by gzip");
   EXPECT_EQ(choose_input_format(Format::kObj, "# vtk DataFile of old\nv 0 0 0\n"), Format::kObj);
 }
 
