@@ -14,9 +14,10 @@
 namespace remesh {
 namespace {
 
-/// Samples miss a part of the distance, so the surface is made within this share of the tolerance, and in each further
-/// round within this share of that. Where the surface is made anew, other places may be at fault.
-constexpr double kShareForSamples = 0.95;
+/// Samples miss a part of the distance, so the surface is made within the first share of the tolerance, and in each
+/// further round within that share of the last one; after three rounds, within the second share. Where the surface is
+/// made anew, other places may be at fault: on noisy terrain, two or three of them in each round.
+constexpr double kShareForSamples = 0.95, kShareAfterThree = 0.9;
 /// Where a proof fails, the share of the tolerance that counts is multiplied by this.
 constexpr float kAfterDistance = 0.8F, kAfterIntersection = 0.3F;
 /// The number of rings of faces around a face at fault that get the smaller share as well.
@@ -115,7 +116,7 @@ std::optional<ProvenCoarsening> coarsen_with_proof(const FreeForm& input, const 
   FaceShares shares(input);
   double tolerance = goals.tolerance;
   for (int round = 1; round <= kMaxCoarseningRounds; ++round) {
-    tolerance *= kShareForSamples;
+    tolerance *= round <= 3 ? kShareForSamples : kShareAfterThree;
     FreeForm form = input;
     form.shares = shares.all();
     Coarsened made = coarsen(form, {tolerance, goals.min_angle_deg}, control);
