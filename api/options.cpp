@@ -250,8 +250,8 @@ const std::array<OptionSpec, 36> kTable = in_groups<36>({{
      .type = OptionType::kNumber,
      .field = &Options::surface_tolerance,
      .group = OptionGroup::kCurved,
-     .help = "the largest distance between the curved parts of input and result, in model units; auto: as near as the "
-             "input's own facets; 0: facets stay",
+     .help = "the largest distance between the curved parts of input and result, in model units; above 0, surfaces of "
+             "no kind become coarser as well; auto: as near as the input's own facets; 0: facets stay",
      .unset = "auto",
      .excludes = "surface_tolerance_fraction",
      .example = "0.01"},

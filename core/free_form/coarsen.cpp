@@ -47,6 +47,12 @@ Sheet make_sheet(const OrderedInput& input, SheetWitnesses& witnesses, RunContro
   Sheet sheet;
   sheet.positions = input.positions;
   sheet.faces = input.faces;
+  sheet.origin.reserve(input.faces.size());
+  for (FaceId f(0); f.value < input.faces.size(); ++f.value) sheet.origin.push_back(f);
+  if (input.is_of_plane.empty())
+    sheet.is_of_plane.assign(input.faces.size(), 0);
+  else
+    sheet.is_of_plane.items() = input.is_of_plane;
   sheet.chain.assign(3 * input.faces.size(), kNone);
   sheet.kind.assign(input.positions.size(), Sheet::Kind::kFree);
   sheet.link(control);
@@ -58,6 +64,8 @@ Sheet make_sheet(const OrderedInput& input, SheetWitnesses& witnesses, RunContro
     if (sheet.chain[h] != kNone || (twin != kNone && input.edges[h] == FreeForm::Edge::kSmooth)) continue;
     sheet.chain[h] = chains++;
     if (twin != kNone) sheet.chain[twin] = sheet.chain[h];
+    const bool is_plane = sheet.is_of_plane[Sheet::face_of(h)] != 0;
+    sheet.is_at_plane.push_back(is_plane || (twin != kNone && sheet.is_of_plane[Sheet::face_of(twin)] != 0) ? 1 : 0);
   }
   witnesses.of_chain.assign(chains, kNone);
   return sheet;
@@ -94,7 +102,8 @@ void classify(const OrderedInput& input, Sheet& sheet, SheetWitnesses& witnesses
       add_end(c, Sheet::after(c));
       add_end(Sheet::before(c), Sheet::before(c));
     });
-    if ((count != 0 && count != 2) || !is_one_fan(sheet, input.twins, v)) {
+    const bool is_held = !input.is_held.empty() && input.is_held[v.value] != 0;
+    if (is_held || (count != 0 && count != 2) || !is_one_fan(sheet, input.twins, v)) {
       sheet.kind[v] = Sheet::Kind::kFixed;
     } else if (count == 2) {
       sheet.kind[v] = Sheet::Kind::kChain;
@@ -108,7 +117,7 @@ void classify(const OrderedInput& input, Sheet& sheet, SheetWitnesses& witnesses
 }
 
 /// Calls take(f, place) for the samples of the faces and edges, and for the vertices. Each edge and each vertex is told
-/// with one of its faces.
+/// with one of its faces. Faces of planes have no samples: they stay in their planes, and chains have samples.
 template <class Take>
 void for_samples(const OrderedInput& input, const Sheet& sheet, double spacing, RunControl& control, const Take& take) {
   const auto steps = [&](double length) {
@@ -117,6 +126,7 @@ void for_samples(const OrderedInput& input, const Sheet& sheet, double spacing, 
   StopCheck check(control);
   for (FaceId f(0); f.value < sheet.faces.size(); ++f.value) {
     check();
+    if (sheet.is_of_plane[f] != 0) continue;
     const Triangle& t = sheet.faces[f];
     const Vec3 &a = sheet.positions[t[0]], &b = sheet.positions[t[1]], &c = sheet.positions[t[2]];
     const int n = steps(std::max({norm(b - a), norm(c - b), norm(a - c)}));
@@ -125,15 +135,19 @@ void for_samples(const OrderedInput& input, const Sheet& sheet, double spacing, 
         take(f, (1.0 / (3 * n)) * ((3.0 * i + 1) * a + (3.0 * j + 1) * b + (3.0 * (n - i - j) - 2) * c));
     for (std::uint32_t k = 0; k < 3; ++k) {
       const std::uint32_t h = 3 * f.value + k;
-      if (input.twins[h] != kNone && input.twins[h] < h) continue;
+      const std::uint32_t twin = input.twins[h];
+      if (twin != kNone && twin < h && sheet.is_of_plane[Sheet::face_of(twin)] == 0) continue;
       const Vec3 &p = sheet.positions[t[k]], &q = sheet.positions[t[(k + 1) % 3]];
       const int pieces = steps(norm(q - p));
       for (int i = 1; i < pieces; ++i)
         take(f, (1.0 / pieces) * (static_cast<double>(pieces - i) * p + static_cast<double>(i) * q));
     }
   }
-  for (VertexId v(0); v.value < sheet.positions.size(); ++v.value)
-    if (sheet.is_alive(v)) take(Sheet::face_of(sheet.first[v]), sheet.positions[v]);
+  for (VertexId v(0); v.value < sheet.positions.size(); ++v.value) {
+    std::uint32_t c = sheet.first[v];
+    while (c != kNone && sheet.is_of_plane[Sheet::face_of(c)] != 0) c = sheet.next[c];
+    if (c != kNone) take(Sheet::face_of(c), sheet.positions[v]);
+  }
 }
 
 /// Makes samples of the input the witnesses of its faces. There are no more than a few for each face.
@@ -161,6 +175,7 @@ void add_quadrics(FreeSheet& free, RunControl& control) {
   StopCheck check(control);
   for (FaceId f(0); f.value < sheet.faces.size(); ++f.value) {
     check();
+    if (sheet.is_of_plane[f] != 0) continue;
     const Triangle& t = sheet.faces[f];
     const Vec3 &a = sheet.positions[t[0]], &b = sheet.positions[t[1]], &c = sheet.positions[t[2]];
     const Vec3 area = cross(b - a, c - a), normal = normalized(area);
@@ -179,6 +194,10 @@ void add_quadrics(FreeSheet& free, RunControl& control) {
 /// A part may look at witnesses this many times for each witness that it has, and so many times more. Good surfaces
 /// take up to 45 looks.
 constexpr std::uint64_t kLooks = 256, kLooksAlways = 1 << 16;
+
+bool is_any_at_plane(const Sheet& sheet) {
+  return std::find(sheet.is_at_plane.begin(), sheet.is_at_plane.end(), 1) != sheet.is_at_plane.end();
+}
 
 /// Works on all parts of a sheet.
 /// Output: how many vertices were joined.
@@ -203,6 +222,12 @@ std::uint64_t sweep(FreeSheet& free, const InputSurface& surface, const SheetRul
     }
     joined[i] = part.joined();
   });
+  // A face of a plane may be long, and belong to vertices in several parts. There are few vertices at planes.
+  if (is_any_at_plane(free.sheet)) {
+    SheetPart whole(free, surface, bounded, VertexId(0), VertexId(n), tried, changed, control);
+    whole.join_at_planes();
+    joined.push_back(whole.joined());
+  }
   return std::accumulate(joined.begin(), joined.end(), std::uint64_t{0});
 }
 
@@ -214,13 +239,18 @@ Coarsened result_of(FreeSheet&& free, const OrderedInput& input, const InputSurf
   result.nearest.resize(sheet.faces.size());
   for_blocks(sheet.faces.size(), 64, control, [&](std::size_t begin, std::size_t end) {
     for (FaceId f(begin); f.value < end; ++f.value) {
+      if (sheet.is_of_plane[f] != 0) {
+        result.nearest[f] = input.face_before[sheet.origin[f]];
+        continue;
+      }
       const Triangle& t = sheet.faces[f];
       const Vec3 centre = (1.0 / 3) * (sheet.positions[t[0]] + sheet.positions[t[1]] + sheet.positions[t[2]]);
       const std::uint32_t w = free.witnesses.of_face[f];
-      const FaceId start = w == kNone ? FaceId(0) : free.witnesses.all[w].face;
+      const FaceId start = w == kNone ? sheet.origin[f] : free.witnesses.all[w].face;
       result.nearest[f] = input.face_before[surface.nearest_face(centre, start)];
     }
   });
+  for (const FaceId f : sheet.origin) result.origin.push_back(input.face_before[f]);
   result.answers.resize(input.faces.size());
   for (FaceId f(0); f.value < sheet.faces.size(); ++f.value)
     for (std::uint32_t w = free.witnesses.of_face[f]; w != kNone; w = free.witnesses.all[w].next)

@@ -27,6 +27,11 @@ struct FreeForm {
   std::span<const Edge> edges;
   /// The share of the tolerance that counts at each face, in (0, 1]; empty if all shares are 1.
   std::span<const float> shares = {};
+  /// Per face: whether it is a part of a plane, which stays exactly where it is. Such a face only gets other corners
+  /// along the border of the plane. Empty if there are none. Edges between them and other faces are borders.
+  std::span<const std::uint8_t> is_of_plane = {};
+  /// Per vertex: whether it stays. Empty if any may go.
+  std::span<const std::uint8_t> is_held = {};
 };
 
 }  // namespace remesh

@@ -76,6 +76,7 @@ OrderedInput in_order(const FreeForm& input, RunControl& control) {
   for (const VertexId v : ordered.vertex_before) {
     check();
     number[v] = ordered.positions.push_back(input.positions[v]);
+    if (!input.is_held.empty()) ordered.is_held.push_back(input.is_held[v.value]);
   }
   struct Face {
     Triangle corners;
@@ -107,6 +108,7 @@ OrderedInput in_order(const FreeForm& input, RunControl& control) {
     ordered.faces.push_back(faces[f].corners);
     ordered.face_before.push_back(FaceId(faces[f].first / 3));
     if (!input.shares.empty()) ordered.shares.push_back(input.shares[faces[f].first / 3]);
+    if (!input.is_of_plane.empty()) ordered.is_of_plane.push_back(input.is_of_plane[faces[f].first / 3]);
     for (std::uint32_t k = 0; k < 3; ++k) {
       const std::uint32_t twin = input.twins[before(f, k)];
       ordered.twins.push_back(twin == kNone ? kNone : now[twin]);

@@ -17,7 +17,9 @@ struct OrderedInput {
   IdVector<FaceId, Triangle> faces;
   std::vector<std::uint32_t> twins;
   std::vector<FreeForm::Edge> edges;
-  std::vector<float> shares;
+  std::vector<float> shares;              ///< empty if all are 1
+  std::vector<std::uint8_t> is_of_plane;  ///< per face; empty if there are none
+  std::vector<std::uint8_t> is_held;      ///< per vertex; empty if any may go
   IdVector<VertexId, VertexId> vertex_before;
   IdVector<FaceId, FaceId> face_before;
 };

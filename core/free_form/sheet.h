@@ -25,8 +25,12 @@ struct Sheet {
 
   IdVector<VertexId, Vec3> positions;
   IdVector<FaceId, Triangle> faces;  ///< the first corner of a removed face is invalid
+  /// Per face: the face of the input that it once was. No chain lies between the two.
+  IdVector<FaceId, FaceId> origin;
+  IdVector<FaceId, std::uint8_t> is_of_plane;  ///< see FreeForm
   IdVector<VertexId, Kind> kind;
   std::vector<std::uint32_t> chain;         ///< per half-edge: the number of the chain edge, or kNone
+  std::vector<std::uint8_t> is_at_plane;    ///< per chain edge: whether it is the border of a plane
   IdVector<VertexId, std::uint32_t> first;  ///< the first corner in the list at a vertex; kNone if it is removed
   std::vector<std::uint32_t> next;          ///< per corner: the next one at the same vertex, or kNone
 
@@ -37,6 +41,10 @@ struct Sheet {
   VertexId vertex(std::uint32_t corner) const { return faces[face_of(corner)][corner % 3]; }
   bool is_alive(VertexId v) const { return first[v] != kNone; }
   bool is_alive(FaceId f) const { return faces[f][0].is_valid(); }
+  /// Returns whether the edge from a corner to the next one is the border of a plane.
+  bool is_border_of_plane(std::uint32_t corner) const {
+    return chain[corner] != kNone && is_at_plane[chain[corner]] != 0;
+  }
   const Vec3& place(std::uint32_t corner) const { return positions[vertex(corner)]; }
 
   /// Calls visit(corner) for the corners at a vertex.

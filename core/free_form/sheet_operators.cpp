@@ -57,12 +57,14 @@ Vec3 SheetPart::joint_place(VertexId a, VertexId b) const {
   return sum.optimum(0.5 * (free_.sheet.positions[a] + free_.sheet.positions[b]));
 }
 
-std::vector<SheetPart::Candidate> SheetPart::find_candidates() {
+std::vector<SheetPart::Candidate> SheetPart::find_candidates(const std::vector<VertexId>& vertices,
+                                                             bool are_at_planes) {
   const Sheet& sheet = free_.sheet;
   std::vector<Candidate> candidates;
-  for (VertexId v = begin_; v < end_; ++v.value) {
+  for (const VertexId v : vertices) {
     if (v.value % 1024 == 0) control_.check_and_move();
     sheet.for_star(v, [&](std::uint32_t c) {
+      if (sheet.is_border_of_plane(c) != are_at_planes) return;
       const VertexId w = sheet.vertex(Sheet::after(c));
       if (!is_inside(w) || (w < v && sheet.chain[c] == kNone)) return;
       if (tried_[c] > std::max(changed_[v], changed_[w])) return;
@@ -93,10 +95,29 @@ void SheetPart::record_change(VertexId v) {
 }
 
 void SheetPart::join_vertices() {
+  std::vector<VertexId> vertices;
+  vertices.reserve(end_.value - begin_.value);
+  for (VertexId v = begin_; v < end_; ++v.value) vertices.push_back(v);
+  join(vertices, false);
+}
+
+void SheetPart::join_at_planes() {
+  const Sheet& sheet = free_.sheet;
+  std::vector<VertexId> vertices;
+  for (VertexId v = begin_; v < end_; ++v.value)
+    for (std::uint32_t c = sheet.first[v]; c != kNone; c = sheet.next[c])
+      if (sheet.is_of_plane[Sheet::face_of(c)] != 0) {
+        vertices.push_back(v);
+        break;
+      }
+  join(vertices, true);
+}
+
+void SheetPart::join(const std::vector<VertexId>& vertices, bool are_at_planes) {
   constexpr double kFewMore = 0.0025;
   IdVector<VertexId, std::uint8_t> is_touched;
   for (;;) {
-    const std::vector<Candidate> candidates = find_candidates();
+    const std::vector<Candidate> candidates = find_candidates(vertices, are_at_planes);
     const std::uint64_t before = joined_;
     is_touched.assign(end_.value - begin_.value, 0);
     const auto touched = [&](VertexId v) -> std::uint8_t& { return is_touched[VertexId(v.value - begin_.value)]; };
@@ -114,7 +135,7 @@ void SheetPart::join_vertices() {
         tried_[candidate.corner] = ++clock_;
       }
     }
-    if (static_cast<double>(joined_ - before) <= kFewMore * static_cast<double>(end_.value - begin_.value)) return;
+    if (static_cast<double>(joined_ - before) <= kFewMore * static_cast<double>(vertices.size())) return;
   }
 }
 
@@ -249,7 +270,7 @@ bool SheetPart::try_join_on_chain(VertexId from, VertexId to) {
 
 bool SheetPart::try_flip(std::uint32_t corner) {
   Sheet& sheet = free_.sheet;
-  if (sheet.chain[corner] != kNone) return false;
+  if (sheet.chain[corner] != kNone || sheet.is_of_plane[Sheet::face_of(corner)] != 0) return false;
   const VertexId a = sheet.vertex(corner), b = sheet.vertex(Sheet::after(corner));
   if (!sheet.has_small_star(a) || !sheet.has_small_star(b)) return false;
   const std::uint32_t other = sheet.corner_at_edge(b, a);

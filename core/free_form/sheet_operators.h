@@ -35,14 +35,18 @@ struct SheetRules {
 
 /// Changes the part of a sheet whose vertices are numbered from `begin` to `end` - 1. Vertices with a face outside of
 /// the part stay. So threads may change different parts at the same time.
+/// This class is larger than the bound because all operators share what they know of the part.
 class SheetPart {
  public:
   /// Input: `scratch` has a number per corner, which only this part uses at its own corners.
   SheetPart(FreeSheet& free, const InputSurface& input, const SheetRules& rules, VertexId begin, VertexId end,
             std::vector<std::uint32_t>& tried, IdVector<VertexId, std::uint32_t>& changed, const RunControl& control);
 
-  /// Joins vertices with neighbours, those first that cost least, until hardly any more can be joined.
+  /// Joins vertices with neighbours, those first that cost least, until hardly any more can be joined. Vertices at
+  /// planes stay.
   void join_vertices();
+  /// Joins vertices at planes with neighbours along the planes' borders. The part is the whole sheet.
+  void join_at_planes();
   /// Flips edges and moves vertices where that makes the smallest angles larger.
   void improve_angles();
   std::uint64_t joined() const { return joined_; }
@@ -59,7 +63,8 @@ class SheetPart {
   bool is_inside(VertexId v) const { return v.value >= begin_.value && v.value < end_.value; }
   bool is_inside(FaceId f) const;
   bool is_movable(VertexId v) const;
-  std::vector<Candidate> find_candidates();
+  void join(const std::vector<VertexId>& vertices, bool are_at_planes);
+  std::vector<Candidate> find_candidates(const std::vector<VertexId>& vertices, bool are_at_planes);
   double cost(const Quadric& quadric, const Vec3& place, VertexId a, VertexId b) const;
   Vec3 joint_place(VertexId a, VertexId b) const;
   bool try_join(std::uint32_t corner);

@@ -44,6 +44,8 @@ void rearrange(FreeSheet& free, const std::vector<VertexId>& order, RunControl& 
   for (const Face& face : faces) {
     check();
     after.sheet.faces.push_back(face.corners);
+    after.sheet.origin.push_back(before.origin[Sheet::face_of(face.first)]);
+    after.sheet.is_of_plane.push_back(before.is_of_plane[Sheet::face_of(face.first)]);
     for (std::uint32_t c = face.first, k = 0; k < 3; ++k, c = Sheet::after(c))
       after.sheet.chain.push_back(before.chain[c]);
     std::uint32_t w = free.witnesses.of_face[Sheet::face_of(face.first)];
@@ -55,6 +57,7 @@ void rearrange(FreeSheet& free, const std::vector<VertexId>& order, RunControl& 
       after.witnesses.all.push_back(witness);
     }
   }
+  after.sheet.is_at_plane = std::move(free.sheet.is_at_plane);
   after.witnesses.on_chains = std::move(free.witnesses.on_chains);
   after.witnesses.of_chain = std::move(free.witnesses.of_chain);
   free = std::move(after);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/geometry/exact/predicates.h"
+
 namespace remesh {
 namespace {
 
@@ -10,6 +12,8 @@ namespace {
 constexpr double kMaxTurn = 0.342;
 /// A triangle is a needle if its smallest angle is below the one with this cosine: 5 degrees.
 constexpr double kNeedle = 0.9962;
+/// In a plane, where triangles are made anew later, below the one with this cosine: 1 degree.
+constexpr double kNeedleInPlane = 0.99985;
 
 Corners3 corners_of(const Sheet& sheet, FaceId f) {
   const Triangle& t = sheet.faces[f];
@@ -31,6 +35,7 @@ double max_cosine(const Corners3& t) {
 void SheetTrial::clear() {
   faces_.clear();
   changed_.clear();
+  in_plane_.clear();
   found_.clear();
   cosine_before_ = -1;
 }
@@ -41,8 +46,15 @@ void SheetTrial::add(FaceId f) {
 }
 
 void SheetTrial::add_changed(FaceId f, const Corners3& corners) {
-  // The normal of a needle says little about the surface.
   const Corners3 before = corners_of(sheet_, f);
+  if (sheet_.is_of_plane[f] != 0) {
+    const Vec3 area = area_vector(before);
+    int axis = std::fabs(area.y) > std::fabs(area.x) ? 1 : 0;
+    if (std::fabs(area.z) > std::fabs(area[axis])) axis = 2;
+    in_plane_.push_back({corners, axis, area[axis] < 0, remesh::max_cosine(before)});
+    return;
+  }
+  // The normal of a needle says little about the surface.
   const bool is_needle = remesh::max_cosine(before) > kNeedle;
   changed_.push_back({f, corners, is_needle ? Vec3() : area_vector(before), {}, {}, {}, FaceId(), HUGE_VAL});
   add(f);
@@ -57,7 +69,21 @@ void SheetTrial::gather() {
     }
 }
 
+/// Returns whether a triangle is seen from the side from which it was seen before, and is no needle that was none. So
+/// the triangles of a plane never overlap.
+bool SheetTrial::stays_in_plane(const InPlane& triangle) {
+  const auto seen = [&](const Vec3& p) { return Vec2{p[(triangle.axis + 1) % 3], p[(triangle.axis + 2) % 3]}; };
+  const int side = orient2d(seen(triangle.corners[0]), seen(triangle.corners[1]), seen(triangle.corners[2]));
+  return side == (triangle.is_turned ? -1 : 1) &&
+         remesh::max_cosine(triangle.corners) <= std::max(kNeedleInPlane, triangle.cosine_before);
+}
+
 bool SheetTrial::has_good_shapes(const Vec3& apex, double max_cosine) {
+  if (changed_.empty()) return false;
+  for (InPlane& triangle : in_plane_) {
+    triangle.corners[0] = apex;
+    if (!stays_in_plane(triangle)) return false;
+  }
   cosine_after_ = -1;
   for (Changed& changed : changed_) {
     changed.corners[0] = apex;

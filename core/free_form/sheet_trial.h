@@ -30,11 +30,13 @@ class SheetTrial {
   /// Adds a triangle that stays, with its corners after the change. The first one is the apex.
   void add_changed(FaceId f, const Corners3& corners);
   /// Adds a triangle that disappears.
-  void add_removed(FaceId f) { add(f); }
+  void add_removed(FaceId f) {
+    if (sheet_.is_of_plane[f] == 0) add(f);
+  }
 
   /// Moves the apex.
-  /// Output: whether no new triangle has an angle with a larger cosine than this, and all of them look to the side to
-  ///         which the triangles looked before.
+  /// Output: whether there are new triangles, none has an angle with a larger cosine than this, and all of them look to
+  ///         the side to which the triangles looked before. Triangles of planes only have to stay apart.
   bool has_good_shapes(const Vec3& apex, double max_cosine);
   /// Finds a new triangle for each witness of the triangles.
   /// Output: whether each of them is within the tolerance.
@@ -74,7 +76,16 @@ class SheetTrial {
     double share;  ///< the share of the tolerance that counts at the witness
   };
 
+  /// A triangle of a plane with its corners after the change. The first one is the apex.
+  struct InPlane {
+    Corners3 corners;
+    int axis;              ///< the one along which the plane is seen
+    bool is_turned;        ///< whether the triangle is seen from behind
+    double cosine_before;  ///< the largest of its angles' cosines
+  };
+
   void add(FaceId f);
+  static bool stays_in_plane(const InPlane& triangle);
   void gather();
   bool find(Found& witness, std::size_t first, double tolerance);
   void bound_step(double distance, double share, double tolerance);
@@ -85,6 +96,7 @@ class SheetTrial {
   StopCheck check_;
   std::vector<FaceId> faces_;  ///< those that change or disappear
   std::vector<Changed> changed_;
+  std::vector<InPlane> in_plane_;
   std::vector<Found> found_;  ///< empty until witnesses are needed
   double cosine_before_ = -1, cosine_after_ = -1;
   Vec3 direction_;

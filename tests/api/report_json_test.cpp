@@ -36,8 +36,9 @@ TEST(report_json, what_is_unrefined_has_its_reason_its_count_and_its_places) {
 }
 
 TEST(report_json, every_reason_has_its_name_of_the_contract) {
-  const char* names[] = {"input_angle", "across_input_angle", "size_floor", "min_edge_length",
-                         "budget",      "boundary_locked",    "effort",     "output_rounding"};
+  const char* names[] = {"input_angle",      "across_input_angle", "size_floor", "min_edge_length",
+                         "budget",           "boundary_locked",    "effort",     "output_rounding",
+                         "surface_tolerance"};
   Report report;
   for (int reason = 0; reason < kUnrefinedReasonCount; ++reason)
     report.unrefined.push_back({static_cast<UnrefinedReason>(reason), 1, {{0, 0, 0}}});

@@ -1,7 +1,10 @@
 /// Surfaces of no kind.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <vector>
 
 #include "core/mesh/mesh.h"
 #include "tests/support/shapes.h"
@@ -26,6 +29,45 @@ inline PolygonMesh hills(int n) {
     p.z = 0.1 * std::sin(4 * p.x) * std::cos(5 * p.y);
   }
   return square;
+}
+
+/// A block whose upper side is hills, and whose other sides are planes of many facets.
+inline PolygonMesh relief(int n) {
+  PolygonMesh block = shapes::box({1.6, 1.6, 0.5}, n);
+  double bottom = block.positions[VertexId(0)].z;
+  for (const Vec3& p : block.positions) bottom = std::min(bottom, p.z);
+  for (Vec3& p : block.positions) p.z = bottom + (p.z - bottom) * (1 + 0.2 * std::sin(4 * p.x) * std::cos(5 * p.y));
+  return block;
+}
+
+/// A round boss of this many sides whose top is a surface of no kind.
+inline PolygonMesh wavy_boss(int sides) {
+  std::vector<Vec3> positions{{0, 0, 1.05}};
+  std::vector<std::vector<std::uint32_t>> faces;
+  const auto n = static_cast<std::uint32_t>(sides), rings = n / 6;
+  const auto ring = [&](double radius, double height) {
+    for (std::uint32_t i = 0; i < n; ++i) {
+      const double angle = 2 * 3.14159265358979323846 * i / n;
+      const Vec3 p{radius * std::cos(angle), radius * std::sin(angle), 0};
+      positions.push_back({p.x, p.y, height > 0 ? height + 0.1 * std::sin(4 * p.x + 1) * std::cos(5 * p.y) : 0});
+    }
+  };
+  for (std::uint32_t r = 1; r <= rings; ++r) ring(static_cast<double>(r) / rings, 1);
+  ring(1, 0);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const std::uint32_t j = (i + 1) % n;
+    faces.push_back({0, 1 + i, 1 + j});
+    for (std::uint32_t r = 1; r < rings; ++r) {
+      const std::uint32_t inner = 1 + (r - 1) * n, outer = 1 + r * n;
+      faces.push_back({inner + i, outer + i, outer + j});
+      faces.push_back({inner + i, outer + j, inner + j});
+    }
+    faces.push_back({1 + (rings - 1) * n + i, 1 + rings * n + i, 1 + rings * n + j, 1 + (rings - 1) * n + j});
+  }
+  std::vector<std::uint32_t> bottom;
+  for (std::uint32_t i = n; i-- > 0;) bottom.push_back(1 + rings * n + i);
+  faces.push_back(bottom);
+  return shapes::from_lists(positions, faces);
 }
 
 }  // namespace remesh

@@ -55,10 +55,11 @@ std::string advice(bool is_any_curved, bool is_any_free) {
 
 void warn_of_curved_surfaces(const Surface& surface, const PatchSet& patches, const RecognisedSurfaces& recognised,
                              const RefinedFaces& refined, std::vector<Diagnostic>& diagnostics,
-                             const CurvedPatches* curved) {
+                             const CurvedPatches* curved, bool are_free_told) {
   const auto is_curved = [&](PatchId p) {
     if (curved != nullptr && curved->of(p) != nullptr) return false;
-    return recognised.surfaces[recognised.of_patch[p]].shape.kind != SurfaceKind::kPlane;
+    const SurfaceKind kind = recognised.surfaces[recognised.of_patch[p]].shape.kind;
+    return kind != SurfaceKind::kPlane && (are_free_told || kind != SurfaceKind::kFree);
   };
   std::array<std::uint64_t, kKinds> counts{};
   for (const RecognisedSurface& found : recognised.surfaces) ++counts[static_cast<std::size_t>(found.shape.kind)];

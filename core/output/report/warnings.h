@@ -24,12 +24,13 @@ struct RefinedFaces {
 /// Tells which curved surfaces and free regions were found whose facets stay flat, how many faces these facets
 /// become, and which options help. Each facet is a patch of its own, so that a bound on angles or sizes makes many
 /// faces there.
-/// Input:   the patches that were joined from facets are left out; `curved` is null if there are none.
+/// Input:   the patches that were joined from facets are left out; `curved` is null if there are none. Free regions are
+///          left out unless `are_free_told`.
 /// Holds:   nothing is added if all surfaces are planes, or if there are only free regions of few facets. The
 ///          elements are the input's faces of curved surfaces and free regions.
 void warn_of_curved_surfaces(const Surface& surface, const PatchSet& patches, const RecognisedSurfaces& recognised,
                              const RefinedFaces& refined, std::vector<Diagnostic>& diagnostics,
-                             const CurvedPatches* curved = nullptr);
+                             const CurvedPatches* curved = nullptr, bool are_free_told = true);
 
 /// Tells which surfaces elements_per_circle=auto has remeshed with fewer facets, what that has done to the volume,
 /// and which options avoid it.

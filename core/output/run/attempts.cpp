@@ -293,26 +293,34 @@ void Attempts::replace_surface(Replaced&& replaced) {
 /// Returns whether free surfaces may become coarser. They stay as they are once the ladder has begun, and where faces
 /// are copied verbatim.
 bool Attempts::is_coarsening_wanted(const Decisions& decisions) const {
-  return curved_goals_.tolerance && *curved_goals_.tolerance > 0 && curved_goals_.may_cut_boundaries &&
-         !options().keep_boundary_vertices && options().feature_angle_deg > 0 &&
-         !decisions.details.is_coarsening_done && !decisions.rungs.are_any() &&
+  const bool is_asked =
+      curved_goals_.tolerance ? *curved_goals_.tolerance > 0 : curved_goals_.elements_per_circle.has_value();
+  return is_asked && curved_goals_.may_cut_boundaries && !options().keep_boundary_vertices &&
+         options().feature_angle_deg > 0 && !decisions.details.is_coarsening_done && !decisions.rungs.are_any() &&
          decisions.mending.keep_verbatim.empty() && products_->prepared.without_area.empty();
 }
 
-/// Makes the surface coarser, if it is free as a whole.
+/// Makes the free faces of the surface coarser, if there are any.
 /// Output: false if all stays as it is.
 bool Attempts::coarsen_surface() {
   RunProducts& made = *products_;
-  const FreeContext context{surface(), made.adjacency(), patches(), made.recognised, options().feature_angle_deg};
-  if (!is_free_as_a_whole(context, control())) return false;
+  const auto& surfaces = made.recognised.surfaces;
+  if (std::none_of(surfaces.begin(), surfaces.end(),
+                   [](const RecognisedSurface& s) { return s.shape.kind == SurfaceKind::kFree; }))
+    return false;
   if (!made.input_intersections) made.find_input_intersections(Triangulated(surface(), control()));
-  if (!made.input_intersections->pairs.empty() || !made.input_intersections->is_complete) return false;
-  const std::size_t faces = surface().face_count();
-  std::optional<Replaced> replaced = coarser_surface(context, *curved_goals_.tolerance,
-                                                     options().min_angle_deg.value_or(kAngleOfFreeSurfaces), control());
-  if (!replaced) return false;
-  made.coarsening = {faces, replaced->distance};
-  replace_surface(*std::move(replaced));
+  if (!made.input_intersections->is_complete) return false;
+  const FreeContext context{surface(),
+                            made.adjacency(),
+                            patches(),
+                            made.recognised,
+                            made.input_intersections->pairs,
+                            options().feature_angle_deg};
+  std::optional<Coarser> coarser = coarser_surface(context, curved_goals_.tolerance,
+                                                   options().min_angle_deg.value_or(kAngleOfFreeSurfaces), control());
+  if (!coarser) return false;
+  made.coarsening = std::move(coarser->done);
+  replace_surface(std::move(coarser->replaced));
   return true;
 }
 
@@ -321,10 +329,11 @@ bool Attempts::coarsen_surface() {
 void Attempts::recognise(const FaceRungs& rungs, const PatchSet& before) {
   RunProducts& made = *products_;
   if (is_recognised_) return made.recognised.follow(before, patches());
-  if (rungs.are_any()) divide_by({});
-  made.recognised = recognise_facets(made.partition, made.prepared, options(), made.report.plane_tolerance,
-                                     !made.coarsening.is_done(), control());
   is_recognised_ = true;
+  // Faces became coarser after surfaces were recognised, and these are still there.
+  if (made.coarsening.is_done()) return made.recognised.follow(made.coarsening.surface_of, patches());
+  if (rungs.are_any()) divide_by({});
+  made.recognised = recognise_facets(made.partition, made.prepared, options(), made.report.plane_tolerance, control());
   if (!rungs.are_any()) return;
   const PatchSet facets = std::move(made.partition.patches);
   divide_by(rungs);

@@ -2,16 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 #include <vector>
 
-#include "core/base/blocks.h"
 #include "core/base/grouping.h"
 #include "core/base/number_text.h"
 #include "core/base/stoppable.h"
-#include "core/free_form/free_form.h"
-#include "core/geometry/intersections/self_intersections.h"
+#include "core/free_form/sheet_trial.h"
 #include "core/output/report/surface_words.h"
 #include "core/output/run/proven_coarsening.h"
 #include "core/verify/near_faces/near_faces.h"
@@ -19,205 +16,320 @@
 namespace remesh {
 namespace {
 
-/// A plane with more than this many times the area of the median facet is a plane that somebody has made.
-constexpr double kLargePlane = 20;
 /// The share of the tolerance that rounding to model units may take.
 constexpr double kShareOfRounding = 1e-9;
 
-bool is_of_triangles(const Surface& surface) { return surface.corners.size() == 3 * surface.face_count(); }
-
-Vec3 twice_area(const Surface& surface, FaceId f) {
-  const auto face = surface.face(f);
-  const Vec3& a = surface.local[face[0]];
-  return cross(surface.local[face[1]] - a, surface.local[face[2]] - a);
-}
-
-/// The surface as the engine takes it.
-struct FreeTriangles {
-  FreeTriangles(const FreeContext& context, RunControl& control) {
-    const Surface& surface = context.surface;
-    positions.items().assign(surface.local.items().begin(), surface.local.items().end());
-    faces.resize(surface.face_count());
-    twins.resize(surface.corners.size());
-    edges.assign(surface.corners.size(), FreeForm::Edge::kSmooth);
-    const double least_cosine = std::cos(context.feature_angle_deg * M_PI / 180);
-    for_blocks(faces.size(), kItemsPerBlock, control, [&](std::size_t f, std::size_t end) {
-      for (; f < end; ++f) {
-        const auto face = surface.face(FaceId(f));
-        faces[FaceId(f)] = {face[0], face[1], face[2]};
-        const Vec3 normal = twice_area(surface, FaceId(f));
-        for (auto h = static_cast<std::uint32_t>(3 * f); h < 3 * f + 3; ++h) {
-          twins[h] = context.adjacency.twin(h);
-          if (twins[h] == kNone) continue;
-          const Vec3 other = twice_area(surface, FaceId(twins[h] / 3));
-          if (dot(normal, other) < least_cosine * norm(normal) * norm(other)) edges[h] = FreeForm::Edge::kFeature;
-        }
-      }
-    });
-  }
-  FreeForm form() const { return {positions, faces, twins, edges, {}}; }
-
-  IdVector<VertexId, Vec3> positions;
-  IdVector<FaceId, Triangle> faces;
-  std::vector<std::uint32_t> twins;
-  std::vector<FreeForm::Edge> edges;
-};
-
 /// Returns the places of the new vertices in model units. Vertices that stay have their coordinates bit for bit.
-std::vector<Vec3> model_places(const Coarsened& made, const Surface& before) {
+std::vector<Vec3> model_places(const Coarsened& made, const FreePart& part, const Surface& before) {
   std::vector<Vec3> places;
   places.reserve(made.positions.size());
   for (VertexId v(0); v.value < made.positions.size(); ++v.value)
-    places.push_back(made.source[v].is_valid() ? before.positions[made.source[v]]
+    places.push_back(made.source[v].is_valid() ? before.positions[part.vertex[made.source[v]]]
                                                : before.centre + before.unit * made.positions[v]);
   return places;
 }
 
 /// The volume under triangles, in cubed local units, with the sum of the sizes of its parts.
 struct Volume {
-  double sum = 0, magnitude = 0;
-  void add(const Vec3& a, const Vec3& b, const Vec3& c) {
-    const double part = dot(a, cross(b, c)) / 6;
-    sum += part;
-    magnitude += std::fabs(part);
+  Volume(const IdVector<VertexId, Vec3>& positions, const IdVector<FaceId, Triangle>& faces) {
+    for (const Triangle& t : faces) {
+      const double part = dot(positions[t[0]], cross(positions[t[1]], positions[t[2]])) / 6;
+      sum += part;
+      magnitude += std::fabs(part);
+    }
   }
+  double sum = 0, magnitude = 0;
 };
 
 /// Returns a bound on the change of the volume, in cubed model units.
-double volume_change(const FreeTriangles& before, const Coarsened& made, const Surface& surface) {
-  Volume old_volume, new_volume;
-  for (const Triangle& t : before.faces)
-    old_volume.add(before.positions[t[0]], before.positions[t[1]], before.positions[t[2]]);
-  for (const Triangle& t : made.faces) new_volume.add(made.positions[t[0]], made.positions[t[1]], made.positions[t[2]]);
-  const double rounding = 0x1p-50 * static_cast<double>(before.faces.size() + made.faces.size() + 16) *
-                          (old_volume.magnitude + new_volume.magnitude);
-  return (std::fabs(new_volume.sum - old_volume.sum) + rounding) * surface.unit * surface.unit * surface.unit;
+double volume_change(const FreePart& part, const Coarsened& made, const Surface& surface) {
+  const Volume before(part.positions, part.faces), after(made.positions, made.faces);
+  const double rounding =
+      0x1p-50 * static_cast<double>(part.faces.size() + made.faces.size() + 16) * (before.magnitude + after.magnitude);
+  return (std::fabs(after.sum - before.sum) + rounding) * surface.unit * surface.unit * surface.unit;
 }
 
-/// Returns the input faces that the new faces cover, in the order of these: those for which each answers, or else the
-/// one next to it.
-CoveredFaces covers_of(const Coarsened& made, const std::vector<FaceId>& order, const Surface& before,
-                       RunControl& control) {
-  const std::size_t n = made.faces.size();
-  const Grouping answered = group_by(
-      made.answers.size(), n + 1,
-      [&](std::uint32_t f) {
-        const FaceId by = made.answers[FaceId(f)];
-        return by.is_valid() ? std::size_t{by.value} : n;
-      },
-      control);
-  CoveredFaces covers;
-  covers.begin.push_back(0);
-  const auto add = [&](FaceId f) {
-    const auto covered = before.covered(f);
-    covers.faces.insert(covers.faces.end(), covered.begin(), covered.end());
+/// Returns whether far more free triangles have a small angle than plane patches had before. Needles side by side, as
+/// of twisted strips, may be planes of two triangles each: these have good corners, and their triangles have not.
+bool is_much_sharper(const FreeContext& context, const FreePart& part, const Coarsened& made, double min_angle_deg,
+                     RunControl& control) {
+  constexpr double kShare = 0.1;
+  const double bound = std::cos(min_angle_deg * M_PI / 180);
+  std::size_t sharp = 0, free_faces = 0;
+  for (FaceId f(0); f.value < made.faces.size(); ++f.value) {
+    if (!part.is_free(made.origin[f])) continue;
+    const Triangle& t = made.faces[f];
+    ++free_faces;
+    if (max_cosine({made.positions[t[0]], made.positions[t[1]], made.positions[t[2]]}) > bound) ++sharp;
+  }
+  const double more = kShare * static_cast<double>(free_faces);
+  return static_cast<double>(sharp) > more &&
+         static_cast<double>(sharp) > more + static_cast<double>(sharp_patches(context, part, min_angle_deg, control));
+}
+
+/// Puts the faces that were made in the place of those of the part.
+class SurfaceMaker {
+ public:
+  SurfaceMaker(const FreeContext& context, const FreePart& part, const Coarsened& made,
+               const FilledIdVector<FaceId, FaceRole>& roles, RunControl& control)
+      : context_(context), before_(context.surface), part_(part), made_(made), roles_(roles), control_(control) {}
+
+  Coarser make(std::vector<Vec3>&& places) {
+    find_what_stays();
+    order_faces();
+    add_vertices(std::move(places));
+    add_faces();
+    cover();
+    coarser_.done.is_whole = part_.is_whole();
+    coarser_.done.faces_before = part_.free_faces;
+    return std::move(coarser_);
+  }
+
+ private:
+  /// A face of the new surface: one of the surface before, or one that was made.
+  struct NewFace {
+    FaceId source;  ///< the input's face
+    FaceId face;
+    bool is_made;
   };
-  StopCheck check(control);
-  for (const FaceId f : order) {
-    for (const std::uint32_t g : answered[f.value]) {
-      check();
-      add(FaceId(g));
-    }
-    if (answered[f.value].empty()) add(made.nearest[f]);
-    covers.begin.push_back(covers.faces.size());
-  }
-  return covers;
-}
 
-Surface make_surface(const Coarsened& made, std::vector<Vec3>&& places, const Surface& before, RunControl& control) {
-  Surface after;
-  after.centre = before.centre;
-  after.unit = before.unit;
-  for (const Vec3& p : places) after.local.push_back(before.to_local(p));
-  after.positions = std::move(places);
-  const auto source_of = [&](FaceId f) { return before.face_source[made.nearest[f]]; };
-  std::vector<FaceId> order(made.faces.size());
-  for (std::size_t f = 0; f < order.size(); ++f) order[f] = FaceId(f);
-  std::stable_sort(order.begin(), order.end(), [&](FaceId f, FaceId g) { return source_of(f) < source_of(g); });
-  FaceList faces;
-  after.vertex_source.resize(made.positions.size());
-  for (const FaceId f : order) {
-    faces.add_face(made.faces[f], source_of(f), 0);
-    // A new vertex has the source of a corner of the face that is nearest to one of its faces.
-    const VertexId near = before.vertex_source[before.face(made.nearest[f])[0]];
-    for (const VertexId v : made.faces[f])
-      after.vertex_source[v] = made.source[v].is_valid() ? before.vertex_source[made.source[v]] : near;
+  /// Returns the surface's face from which a made face comes: the nearest one, if that is of the same region.
+  FaceId source_face(FaceId f) const {
+    const FaceId nearest = made_.nearest[f], origin = made_.origin[f];
+    return part_.face[part_.region[nearest] == part_.region[origin] ? nearest : origin];
   }
-  after.take_faces(std::move(faces));
-  after.covers = covers_of(made, order, before, control);
-  return after;
+
+  /// Finds the faces of the surface before that are still there. A face of a plane has changed if it has lost a corner.
+  void find_what_stays() {
+    IdVector<VertexId, std::uint8_t> is_there(part_.positions.size(), 0);
+    for (const VertexId v : made_.source)
+      if (v.is_valid()) is_there[v] = 1;
+    stays_.assign(before_.face_count(), 1);
+    for (FaceId f(0); f.value < part_.faces.size(); ++f.value) {
+      const auto is_gone = [&](VertexId v) { return is_there[v] == 0; };
+      if (part_.is_free(f) || std::any_of(part_.faces[f].begin(), part_.faces[f].end(), is_gone))
+        stays_[part_.face[f]] = 0;
+    }
+  }
+
+  void order_faces() {
+    std::vector<NewFace> kept, made;
+    StopCheck check(control_);
+    for (FaceId f(0); f.value < before_.face_count(); ++f.value) {
+      check();
+      if (stays_[f] != 0) kept.push_back({before_.face_source[f], f, false});
+    }
+    for (FaceId f(0); f.value < made_.faces.size(); ++f.value)
+      if (stays_[part_.face[made_.origin[f]]] == 0) made.push_back({before_.face_source[source_face(f)], f, true});
+    const auto is_before = [](const NewFace& a, const NewFace& b) { return a.source < b.source; };
+    std::stable_sort(made.begin(), made.end(), is_before);
+    order_.resize(kept.size() + made.size());
+    std::merge(kept.begin(), kept.end(), made.begin(), made.end(), order_.begin(), is_before);
+  }
+
+  /// Numbers the vertices: those of the surface before that are still used, then those that were moved.
+  void add_vertices(std::vector<Vec3>&& places) {
+    Surface& after = coarser_.replaced.surface;
+    after.centre = before_.centre;
+    after.unit = before_.unit;
+    number_.resize(before_.vertex_count());
+    std::vector<std::uint8_t> is_used(before_.vertex_count(), 0);
+    for (const NewFace& face : order_) {
+      if (!face.is_made) {
+        for (const VertexId v : before_.face(face.face)) is_used[v.value] = 1;
+        continue;
+      }
+      for (const VertexId v : made_.faces[face.face])
+        if (made_.source[v].is_valid()) is_used[part_.vertex[made_.source[v]].value] = 1;
+    }
+    std::vector<Vec3> positions;
+    for (VertexId v(0); v.value < before_.vertex_count(); ++v.value) {
+      if (is_used[v.value] == 0) continue;
+      number_[v] = VertexId(positions.size());
+      positions.push_back(before_.positions[v]);
+      after.vertex_source.push_back(before_.vertex_source[v]);
+    }
+    for (VertexId v(0); v.value < made_.positions.size(); ++v.value) {
+      const VertexId source = made_.source[v];
+      made_number_.push_back(source.is_valid() ? number_[part_.vertex[source]] : VertexId(positions.size()));
+      if (source.is_valid()) continue;
+      positions.push_back(places[v.value]);
+      after.vertex_source.push_back(VertexId());
+    }
+    for (const Vec3& p : positions) after.local.push_back(before_.to_local(p));
+    after.positions = std::move(positions);
+  }
+
+  void add_faces() {
+    Surface& after = coarser_.replaced.surface;
+    Coarsening& done = coarser_.done;
+    FaceList faces;
+    std::vector<FaceId> caps;
+    std::vector<VertexId> loop;
+    const SurfaceId free = any_free_surface();
+    for (const NewFace& face : order_) {
+      loop.clear();
+      const FaceId origin = face.is_made ? source_face(face.face) : face.face;
+      if (face.is_made) {
+        for (const VertexId v : made_.faces[face.face]) {
+          loop.push_back(made_number_[v]);
+          // A new vertex has the source of a corner of the face that is nearest to one of its faces.
+          VertexId& source = after.vertex_source[loop.back()];
+          if (!source.is_valid()) source = before_.vertex_source[before_.face(origin)[0]];
+        }
+      } else {
+        for (const VertexId v : before_.face(face.face)) loop.push_back(number_[v]);
+        if (std::binary_search(before_.caps.begin(), before_.caps.end(), face.face))
+          caps.push_back(FaceId(faces.face_count()));
+      }
+      faces.add_face(loop, face.source, before_.label(origin));
+      SurfaceId surface = context_.recognised.of_patch[context_.patches.of_face[origin]];
+      const bool is_free = roles_[origin] == FaceRole::kFree;
+      if (is_free && context_.recognised.surfaces[surface].shape.kind != SurfaceKind::kFree) surface = free;
+      done.surface_of.push_back(surface);
+      done.is_new.push_back(face.is_made ? 1 : 0);
+      done.faces_after += is_free ? 1 : 0;
+    }
+    after.take_faces(std::move(faces));
+    after.caps = std::move(caps);
+  }
+
+  SurfaceId any_free_surface() const {
+    const auto& surfaces = context_.recognised.surfaces;
+    for (SurfaceId s(0); s.value < surfaces.size(); ++s.value)
+      if (surfaces[s].shape.kind == SurfaceKind::kFree) return s;
+    return {};
+  }
+
+  /// Tells which input faces the new faces cover: those for which each answers, or else the one next to it.
+  void cover() {
+    Surface& after = coarser_.replaced.surface;
+    const std::size_t n = made_.faces.size();
+    // A face without an answer is covered by the first one of its region.
+    std::vector<FaceId> first_of_region;
+    for (FaceId f(0); f.value < n; ++f.value) {
+      const std::uint32_t region = part_.region[made_.origin[f]];
+      if (region >= first_of_region.size()) first_of_region.resize(region + 1);
+      if (!first_of_region[region].is_valid()) first_of_region[region] = f;
+    }
+    const Grouping answered = group_by(
+        part_.faces.size(), n + 1,
+        [&](std::uint32_t g) -> std::size_t {
+          const FaceId f(g);
+          if (stays_[part_.face[f]] != 0) return n;
+          const FaceId by = made_.answers[f];
+          if (by.is_valid() && part_.region[made_.origin[by]] == part_.region[f]) return by.value;
+          const FaceId first = first_of_region[part_.region[f]];
+          return first.is_valid() ? std::size_t{first.value} : n;
+        },
+        control_);
+    CoveredFaces covers;
+    covers.begin.push_back(0);
+    const auto add = [&](FaceId f) {
+      const auto covered = before_.covered(f);
+      covers.faces.insert(covers.faces.end(), covered.begin(), covered.end());
+    };
+    StopCheck check(control_);
+    for (const NewFace& face : order_) {
+      const std::size_t begin = covers.faces.size();
+      if (face.is_made) {
+        for (const std::uint32_t g : answered[face.face.value]) {
+          check();
+          add(part_.face[FaceId(g)]);
+        }
+        if (covers.faces.size() == begin) add(source_face(face.face));
+      } else {
+        add(face.face);
+      }
+      covers.begin.push_back(covers.faces.size());
+    }
+    after.covers = std::move(covers);
+  }
+
+  const FreeContext& context_;
+  const Surface& before_;
+  const FreePart& part_;
+  const Coarsened& made_;
+  const FilledIdVector<FaceId, FaceRole>& roles_;
+  RunControl& control_;
+  IdVector<FaceId, std::uint8_t> stays_;      ///< per face of the surface before
+  std::vector<NewFace> order_;                ///< the new faces, ascending by source
+  IdVector<VertexId, VertexId> number_;       ///< the new numbers of the vertices before
+  IdVector<VertexId, VertexId> made_number_;  ///< those of the vertices that were made
+  Coarser coarser_;
+};
+
+}  // namespace
+
+namespace {
+
+/// Returns the option that has asked for a coarser surface, with its value.
+std::string option_in_force(const Coarsening& done, const Options& options) {
+  if (options.surface_tolerance || options.surface_tolerance_fraction)
+    return "surface_tolerance=" + number_text(done.tolerance);
+  return "elements_per_circle=" + number_text(*options.elements_per_circle) + " (within " +
+         number_text(done.tolerance) + ", about as far as its own facets are from what they stand for)";
 }
 
 }  // namespace
 
-bool is_free_as_a_whole(const FreeContext& context, RunControl& control) {
-  const Surface& surface = context.surface;
-  if (!is_of_triangles(surface) || !surface.face_label.empty() || surface.face_count() == 0) return false;
-  const auto& surfaces = context.recognised.surfaces;
-  const auto is_kind = [](SurfaceKind kind) {
-    return [kind](const RecognisedSurface& s) { return s.shape.kind == kind; };
-  };
-  if (std::none_of(surfaces.begin(), surfaces.end(), is_kind(SurfaceKind::kFree))) return false;
-  if (!std::all_of(surfaces.begin(), surfaces.end(), [&](const RecognisedSurface& s) {
-        return s.shape.kind == SurfaceKind::kFree || s.shape.kind == SurfaceKind::kPlane;
-      }))
-    return false;
-  std::vector<double> areas(surface.face_count());
-  for_blocks(areas.size(), kItemsPerBlock, control, [&](std::size_t f, std::size_t end) {
-    for (; f < end; ++f) areas[f] = norm(twice_area(surface, FaceId(f)));
-  });
-  std::vector<double> sorted = areas;
-  const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-  std::nth_element(sorted.begin(), middle, sorted.end());
-  StopCheck check(control);
-  for (PatchId p(0); p.value < context.patches.count(); ++p.value) {
-    const auto faces = context.patches.faces_of(p);
-    if (faces.size() == 1) continue;
-    double area = 0;
-    for (const FaceId f : faces) {
-      check();
-      area += areas[f.value];
-    }
-    if (area > kLargePlane * *middle) return false;
-  }
-  return true;
-}
-
-Diagnostic coarsening(const Coarsening& done, std::size_t faces, std::size_t input_faces, double tolerance) {
+Diagnostic coarsening(const Coarsening& done, const Surface& surface, const Options& options) {
+  std::vector<FaceId> replaced;
+  for (FaceId f(0); f.value < done.is_new.size(); ++f.value)
+    if (done.is_new[f] != 0) replaced.insert(replaced.end(), surface.covered(f).begin(), surface.covered(f).end());
+  std::sort(replaced.begin(), replaced.end());
+  replaced.erase(std::unique(replaced.begin(), replaced.end()), replaced.end());
   Diagnostic told{DiagnosticCode::kCurvedSurface, 0, {}, ""};
-  for (FaceId f(0); f.value < input_faces; ++f.value) told.add(f.value);
-  told.message = "the surface is of no kind, so surface_tolerance=" + number_text(tolerance) +
-                 " made it coarser: " + grouped_digits(done.faces_before) + " triangles became " +
-                 grouped_digits(faces) + " before refinement, at most " + number_text(done.distance) +
-                 " apart (proven); surface_tolerance=0 keeps the facets";
+  for (const FaceId f : replaced) told.add(f.value);
+  told.message = std::string(done.is_whole ? "the surface" : "a part of the surface") + " is of no kind, so " +
+                 option_in_force(done, options) + " made it coarser: " + grouped_digits(done.faces_before) +
+                 " triangles became " + grouped_digits(done.faces_after) + " before refinement, at most " +
+                 number_text(done.distance) + " apart (proven)" +
+                 (done.stayed > 0 ? "; " + grouped_digits(done.stayed) +
+                                        " triangles stay, because nothing coarser could be proven there"
+                                  : "") +
+                 "; surface_tolerance=0 keeps the facets";
   return told;
 }
 
-std::optional<Replaced> coarser_surface(const FreeContext& context, double tolerance, double min_angle_deg,
-                                        RunControl& control) {
+std::optional<Coarser> coarser_surface(const FreeContext& context, std::optional<double> asked, double min_angle_deg,
+                                       RunControl& control) {
   const Surface& before = context.surface;
-  const FreeTriangles triangles(context, control);
+  const Triangulated triangles(before, control);
+  const FilledIdVector<FaceId, FaceRole> roles = roles_of(context, triangles, control);
+  const FreePart part(context, triangles, roles, control);
+  if (part.is_empty()) return std::nullopt;
+  const double tolerance = asked ? *asked : before.unit * automatic_tolerance(part, control);
+  if (!(tolerance > 0)) return std::nullopt;
+  const FacesAround around{before.local.items(), part.kept, part.vertex.items()};
   CoarseningFault fault = CoarseningFault::kNone;
   const std::optional<ProvenCoarsening> proven = coarsen_with_proof(
-      triangles.form(), {tolerance / before.unit * (1 - kShareOfRounding), min_angle_deg}, fault, control);
-  if (!proven || proven->surface.faces.size() >= before.face_count()) return std::nullopt;
+      part.form(), around, {tolerance / before.unit * (1 - kShareOfRounding), min_angle_deg}, fault, control);
+  if (!proven || proven->surface.faces.size() >= part.faces.size()) return std::nullopt;
   const Coarsened& made = proven->surface;
-  std::vector<Vec3> places = model_places(made, before);
-  if (!are_different(places, control)) return std::nullopt;
+  if (is_much_sharper(context, part, made, min_angle_deg, control)) return std::nullopt;
+  std::vector<Vec3> places = model_places(made, part, before);
   // The proof is repeated for the coordinates in model units, which were rounded.
+  std::vector<Vec3> old_places;
+  for (const VertexId v : part.vertex) old_places.push_back(before.positions[v]);
   const verification::TwoWayDistance measured = verification::distance_between(
-      {before.positions.items(), triangles.faces.items()}, {places, made.faces.items()}, tolerance, control);
+      {old_places, part.faces.items()}, {places, made.faces.items()}, tolerance, control);
   const double distance = std::max(measured.a_to_b.bound, measured.b_to_a.bound);
   if (!(distance <= tolerance)) return std::nullopt;
-  const SearchLimits limits(SearchLimits::kEnoughPairs, SearchLimits::steps_for(made.faces.size()));
-  const SelfIntersections found = self_intersections(places, made.faces.items(), {}, limits, control);
-  if (!found.pairs.empty() || !found.is_complete) return std::nullopt;
+  const FacesAround in_model{before.positions.items(), part.kept, part.vertex.items()};
+  const auto [crossing, are_all_known] = crossing_faces(part.form(), made, places, in_model, control);
+  if (!crossing.empty() || !are_all_known) return std::nullopt;
 
-  Replaced replaced;
-  replaced.distance = distance;
-  replaced.volume = volume_change(triangles, made, before);
-  replaced.surface = make_surface(made, std::move(places), before, control);
-  return replaced;
+  Coarser coarser = SurfaceMaker(context, part, made, roles, control).make(std::move(places));
+  if (!are_different(std::vector<Vec3>(coarser.replaced.surface.positions.items().begin(),
+                                       coarser.replaced.surface.positions.items().end()),
+                     control))
+    return std::nullopt;
+  coarser.done.tolerance = tolerance;
+  coarser.done.distance = distance;
+  coarser.replaced.volume = volume_change(part, made, before);
+  coarser.done.stayed = proven->stayed;
+  return coarser;
 }
 
 }  // namespace remesh

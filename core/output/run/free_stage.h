@@ -2,53 +2,52 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
-#include <vector>
 
 #include "core/base/diagnostic.h"
+#include "core/base/ids.h"
+#include "core/base/options.h"
 #include "core/base/run_control.h"
-#include "core/mesh/adjacency.h"
 #include "core/mesh/surface.h"
+#include "core/output/run/free_part.h"
 #include "core/output/run/replaced.h"
-#include "core/patch_types/patch_set.h"
-#include "core/patches/recognition/recognised_surfaces.h"
 
 namespace remesh {
 
-/// Tells that a surface was made coarser.
+/// Tells that free faces were made coarser.
 struct Coarsening {
-  std::size_t faces_before = 0;  ///< 0 if it was not
-  double distance = 0;           ///< between the surface before and the one after, in model units
+  std::size_t faces_before = 0;            ///< the number of free triangles before; 0 if nothing was made
+  std::size_t faces_after = 0;             ///< their number afterwards
+  std::size_t stayed = 0;                  ///< so many of them stay, because nothing coarser could be proven there
+  double tolerance = 0;                    ///< the one in force, in model units
+  double distance = 0;                     ///< between the faces before and after, in model units
+  bool is_whole = false;                   ///< whether all faces were free
+  IdVector<FaceId, SurfaceId> surface_of;  ///< the recognised surface of each face afterwards
+  IdVector<FaceId, std::uint8_t> is_new;   ///< whether each face is another one than before
   bool is_done() const { return faces_before > 0; }
 };
 
-/// Holds a surface, with what was recognised of it.
-struct FreeContext {
-  const Surface& surface;
-  const Adjacency& adjacency;
-  const PatchSet& patches;
-  const RecognisedSurfaces& recognised;
-  double feature_angle_deg;  ///< edges that turn by more stay
+/// A surface after its free faces were made coarser.
+struct Coarser {
+  Replaced replaced;
+  Coarsening done;
 };
 
-/// Returns whether a surface is free as a whole, as scans, terrain and isosurfaces are: triangles without labels, of
-/// which none belongs to a curved surface, some belong to none at all, and no plane is much larger than a facet.
-/// Cost: O(n).
-bool is_free_as_a_whole(const FreeContext& context, RunControl& control);
-
-/// Makes a surface that is free as a whole coarser.
-/// Input:   `tolerance` - how far the surfaces may be apart, in model units; no angle below `min_angle_deg` is made,
-///          except where the surface's own angles are smaller. The surface does not intersect itself.
+/// Makes the free faces of a surface coarser. Planes beside them stay in their planes, and all other faces stay.
+/// Input:   `asked` - how far the surfaces may be apart, in model units; empty: as far as the faces probably are
+///          from what they stand for (see automatic_tolerance). No angle below `min_angle_deg` is made, except where
+///          the surface's own angles are smaller.
 /// Output:  nothing, if no coarser surface was proven to be within the tolerance, both ways, to have the same topology,
-///          and not to intersect itself. Otherwise the new surface, with the distance that is proven. Each of its faces
+///          and to intersect nothing. Otherwise the new surface, with the distance that is proven. Each of its faces
 ///          covers the input faces for which it answers.
 /// Errors:  kCancelled, kTimeout - through `control`; kOutOfMemory - see MemoryBound.
 /// Cost:    that of coarsen_with_proof.
-std::optional<Replaced> coarser_surface(const FreeContext& context, double tolerance, double min_angle_deg,
-                                        RunControl& control);
+std::optional<Coarser> coarser_surface(const FreeContext& context, std::optional<double> asked, double min_angle_deg,
+                                       RunControl& control);
 
-/// Tells that the surface was made coarser.
-/// Input: `faces` - the number of its faces afterwards; `input_faces` - that of the input's faces.
-Diagnostic coarsening(const Coarsening& done, std::size_t faces, std::size_t input_faces, double tolerance);
+/// Tells that free faces were made coarser.
+/// Input: the surface afterwards, and the options that decided it.
+Diagnostic coarsening(const Coarsening& done, const Surface& surface, const Options& options);
 
 }  // namespace remesh

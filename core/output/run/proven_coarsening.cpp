@@ -1,12 +1,17 @@
 #include "core/output/run/proven_coarsening.h"
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 #include <utility>
 #include <vector>
 
+#include "core/base/blocks.h"
 #include "core/base/stoppable.h"
 #include "core/geometry/intersections/self_intersections.h"
+#include "core/geometry/trees/box_tree.h"
+#include "core/geometry/trees/triangle_tree.h"
+#include "core/geometry/triangles/distances.h"
 #include "core/mesh/mesh.h"
 #include "core/mesh/quality.h"
 #include "core/verify/near_faces/near_faces.h"
@@ -20,6 +25,11 @@ namespace {
 constexpr double kShareForSamples = 0.95, kShareAfterThree = 0.9;
 /// Where a proof fails, the share of the tolerance that counts is multiplied by this.
 constexpr float kAfterDistance = 0.8F, kAfterIntersection = 0.3F;
+/// After this many rounds, faces stay where a proof fails.
+constexpr int kRoundsWithoutKeeping = 3;
+/// Faces face each other if the cosine of the angle between their normals is below this.
+constexpr double kFacing = -0.2;
+constexpr float kMinShare = 0.01F;
 /// The number of rings of faces around a face at fault that get the smaller share as well.
 constexpr int kRingsAround = 2;
 
@@ -38,22 +48,76 @@ struct Topology {
   bool is_closed = false;
 };
 
-/// The shares of the tolerance that count at the faces of the input.
+/// The shares of the tolerance that count at the faces of the input, and the vertices that stay.
 class FaceShares {
  public:
-  explicit FaceShares(const FreeForm& input) : input_(input) {
-    if (input.shares.empty())
-      shares_.assign(input.faces.size(), 1);
-    else
-      shares_.assign(input.shares.begin(), input.shares.end());
+  explicit FaceShares(const FreeForm& input)
+      : input_(input),
+        is_kept_(input.faces.size(), 0),
+        shares_(input.shares.begin(), input.shares.end()),
+        is_held_(input.is_held.begin(), input.is_held.end()) {
+    if (shares_.empty()) shares_.assign(input.faces.size(), 1);
+    if (is_held_.empty()) is_held_.assign(input.positions.size(), 0);
   }
 
-  std::span<const float> all() const { return shares_; }
+  FreeForm form() const {
+    FreeForm form = input_;
+    form.shares = shares_;
+    form.is_held = is_held_;
+    return form;
+  }
+  std::size_t kept() const { return static_cast<std::size_t>(std::count(is_kept_.begin(), is_kept_.end(), 1)); }
   void lower_all(float factor) {
     for (float& share : shares_) share *= factor;
   }
   /// Lowers the shares of faces, and of the faces around them.
   void lower(const std::vector<FaceId>& faces, float factor, RunControl& control) {
+    const std::vector<std::uint8_t> is_near = with_rings(faces, control);
+    for (std::size_t f = 0; f < is_near.size(); ++f)
+      if (is_near[f] != 0) shares_[f] *= factor;
+  }
+  /// Bounds the shares by a quarter of the gap between faces that face each other, so that these cannot meet.
+  void limit_by_gaps(double tolerance, RunControl& control) {
+    const auto corner = [&](FaceId f, std::size_t k) -> const Vec3& { return input_.positions[input_.faces[f][k]]; };
+    const auto normal = [&](FaceId f) {
+      return normalized(cross(corner(f, 1) - corner(f, 0), corner(f, 2) - corner(f, 0)));
+    };
+    const auto entries = BoxTree<NoTag>::make_entries(shares_.size(), control, [&](std::size_t i, auto& entry) {
+      for (std::size_t k = 0; k < 3; ++k) entry.box.add(corner(FaceId(i), k));
+    });
+    const BoxTree<NoTag> tree(entries, control);
+    for_blocks(shares_.size(), 64, control, [&](std::size_t begin, std::size_t end) {
+      for (FaceId f(begin); f.value < end; ++f.value) {
+        const Vec3 centre = (1.0 / 3) * (corner(f, 0) + corner(f, 1) + corner(f, 2)), up = normal(f);
+        double squared = 16 * tolerance * tolerance;
+        tree.search(
+            squared, [&](const BoxTree<NoTag>::Entry& entry) { return squared_distance(entry.box, centre); },
+            [&](std::size_t slot) {
+              const FaceId g(tree.number(slot));
+              if (dot(up, normal(g)) > kFacing) return;
+              const Triangle &one = input_.faces[f], &other = input_.faces[g];
+              if (std::find_first_of(one.begin(), one.end(), other.begin(), other.end()) != one.end()) return;
+              const Vec3 near = nearest_on_triangle(centre, {corner(g, 0), corner(g, 1), corner(g, 2)});
+              squared = std::min(squared, norm_squared(near - centre));
+            });
+        shares_[f.value] = std::min(shares_[f.value], static_cast<float>(std::sqrt(squared) / (4 * tolerance)));
+      }
+    });
+    // A share has to be positive.
+    for (float& share : shares_) share = std::max(share, kMinShare);
+  }
+  /// Keeps faces as they are, and those around them.
+  void keep(const std::vector<FaceId>& faces, RunControl& control) {
+    const std::vector<std::uint8_t> is_near = with_rings(faces, control);
+    for (FaceId f(0); f.value < is_near.size(); ++f.value) {
+      if (is_near[f.value] == 0) continue;
+      is_kept_[f.value] = 1;
+      for (const VertexId v : input_.faces[f]) is_held_[v.value] = 1;
+    }
+  }
+
+ private:
+  std::vector<std::uint8_t> with_rings(const std::vector<FaceId>& faces, RunControl& control) const {
     std::vector<std::uint8_t> is_face(input_.faces.size(), 0), is_vertex(input_.positions.size(), 0);
     for (const FaceId f : faces) is_face[f.value] = 1;
     StopCheck check(control);
@@ -68,73 +132,127 @@ class FaceShares {
         for (const VertexId v : input_.faces[f]) is_face[f.value] |= is_vertex[v.value];
       }
     }
-    for (std::size_t f = 0; f < is_face.size(); ++f)
-      if (is_face[f] != 0) shares_[f] *= factor;
+    return is_face;
   }
 
- private:
   const FreeForm& input_;
+  std::vector<std::uint8_t> is_kept_;
   std::vector<float> shares_;
+  std::vector<std::uint8_t> is_held_;
 };
 
-/// Lowers the shares of the tolerance where faces meet.
-/// Output: whether none do.
-bool are_no_faces_crossing(const Coarsened& made, FaceShares& shares, RunControl& control) {
-  const SearchLimits limits(SearchLimits::kEnoughPairs, SearchLimits::steps_for(made.faces.size()));
-  const SelfIntersections found = self_intersections(made.positions.items(), made.faces.items(), {}, limits, control);
-  if (found.pairs.empty()) return found.is_complete;
-  IdVector<FaceId, std::uint8_t> is_crossing(made.faces.size(), 0);
-  for (const auto& [f, g] : found.pairs) is_crossing[f] = is_crossing[g] = 1;
-  // All that such a face answers for is at fault, because it is not known where in the face the fault is.
-  std::vector<FaceId> at_fault;
+/// Returns the input faces for which these faces answer: it is not known where in a face the fault is.
+std::vector<FaceId> answered_by(const Coarsened& made, const std::vector<FaceId>& faces) {
+  IdVector<FaceId, std::uint8_t> is_wanted(made.faces.size(), 0);
+  for (const FaceId f : faces) is_wanted[f] = 1;
+  std::vector<FaceId> answered;
   for (FaceId f(0); f.value < made.answers.size(); ++f.value)
-    if (made.answers[f].is_valid() && is_crossing[made.answers[f]] != 0) at_fault.push_back(f);
-  shares.lower(at_fault, kAfterIntersection, control);
-  return false;
+    if (made.answers[f].is_valid() && is_wanted[made.answers[f]] != 0) answered.push_back(f);
+  for (const FaceId f : faces) answered.push_back(made.nearest[f]);
+  return answered;
 }
 
-/// Lowers the shares of the tolerance where the surfaces are too far apart. All are lowered if there are more such
-/// places than are known.
-void lower_where_far(const verification::TwoWayDistance& measured, const Coarsened& made, FaceShares& shares,
-                     RunControl& control) {
+/// Lowers the shares of the tolerance where the surfaces are too far apart, or keeps the faces there. All are lowered
+/// if there are more such places than are known.
+void mend_where_far(const verification::TwoWayDistance& measured, const Coarsened& made, bool is_keeping,
+                    FaceShares& shares, RunControl& control) {
   std::vector<FaceId> far;
   for (const verification::FarFace& face : measured.a_to_b.far_faces) far.push_back(face.face);
   for (const verification::FarFace& face : measured.b_to_a.far_faces) far.push_back(made.nearest[face.face]);
   const bool are_all_known = measured.a_to_b.far_count <= measured.a_to_b.far_faces.size() &&
                              measured.b_to_a.far_count <= measured.b_to_a.far_faces.size();
-  if (are_all_known)
-    shares.lower(far, kAfterDistance, control);
-  else
+  if (!are_all_known)
     shares.lower_all(kAfterDistance);
+  else if (is_keeping)
+    shares.keep(far, control);
+  else
+    shares.lower(far, kAfterDistance, control);
 }
 
 }  // namespace
 
-std::optional<ProvenCoarsening> coarsen_with_proof(const FreeForm& input, const CoarseningGoals& goals,
-                                                   CoarseningFault& fault, RunControl& control) {
+std::pair<std::vector<FaceId>, bool> crossing_faces(const FreeForm& input, const Coarsened& made,
+                                                    std::span<const Vec3> places, const FacesAround& around,
+                                                    RunControl& control) {
+  // Vertices that stay are the same ones for the faces around.
+  std::vector<Vec3> positions(around.positions.begin(), around.positions.end());
+  IdVector<VertexId, VertexId> number;
+  Box3 box;
+  for (VertexId v(0); v.value < made.positions.size(); ++v.value) {
+    box.add(places[v.value]);
+    if (made.source[v].is_valid()) {
+      number.push_back(around.of_vertex[made.source[v].value]);
+    } else {
+      number.push_back(VertexId(positions.size()));
+      positions.push_back(places[v.value]);
+    }
+  }
+  std::vector<Triangle> faces;
+  faces.reserve(made.faces.size());
+  for (const Triangle& t : made.faces) faces.push_back({number[t[0]], number[t[1]], number[t[2]]});
+  StopCheck check(control);
+  for (const Triangle& t : around.faces) {
+    check();
+    Box3 own;
+    for (const VertexId v : t) own.add(positions[v.value]);
+    if (do_meet(box, own)) faces.push_back(t);
+  }
+  const SearchLimits limits(SearchLimits::kEnoughPairs, SearchLimits::steps_for(faces.size()));
+  const SelfIntersections found = self_intersections(positions, faces, {}, limits, control);
+  const auto is_same = [&](FaceId f) {
+    if (f.value >= made.faces.size()) return true;
+    const Triangle& was = input.faces[made.origin[f]];
+    return std::all_of(made.faces[f].begin(), made.faces[f].end(), [&](VertexId v) {
+      return made.source[v].is_valid() && std::find(was.begin(), was.end(), made.source[v]) != was.end();
+    });
+  };
+  std::vector<FaceId> crossing;
+  for (const auto& [f, g] : found.pairs) {
+    if (is_same(f) && is_same(g)) continue;
+    for (const FaceId face : {f, g})
+      if (face.value < made.faces.size()) crossing.push_back(face);
+  }
+  std::sort(crossing.begin(), crossing.end());
+  crossing.erase(std::unique(crossing.begin(), crossing.end()), crossing.end());
+  return {std::move(crossing), found.is_complete};
+}
+
+std::optional<ProvenCoarsening> coarsen_with_proof(const FreeForm& input, const FacesAround& around,
+                                                   const CoarseningGoals& goals, CoarseningFault& fault,
+                                                   RunControl& control) {
   const Topology before(input.positions, input.faces, control);
   FaceShares shares(input);
+  bool are_gaps_known = false;
   double tolerance = goals.tolerance;
   for (int round = 1; round <= kMaxCoarseningRounds; ++round) {
+    const bool is_keeping = round > kRoundsWithoutKeeping;
     tolerance *= round <= 3 ? kShareForSamples : kShareAfterThree;
-    FreeForm form = input;
-    form.shares = shares.all();
-    Coarsened made = coarsen(form, {tolerance, goals.min_angle_deg}, control);
+    Coarsened made = coarsen(shares.form(), {tolerance, goals.min_angle_deg}, control);
     fault = CoarseningFault::kTopology;
     if (Topology(made.positions, made.faces, control) != before) return std::nullopt;
     const verification::TwoWayDistance measured =
         verification::distance_between({input.positions.items(), input.faces.items()},
                                        {made.positions.items(), made.faces.items()}, goals.tolerance, control);
     const double distance = std::max(measured.a_to_b.bound, measured.b_to_a.bound);
-    fault = CoarseningFault::kDistance;
-    if (!(distance <= goals.tolerance)) {
-      lower_where_far(measured, made, shares, control);
-      continue;
-    }
-    fault = CoarseningFault::kIntersections;
-    if (!are_no_faces_crossing(made, shares, control)) continue;
     fault = CoarseningFault::kNone;
-    return ProvenCoarsening{std::move(made), distance, round};
+    if (!(distance <= goals.tolerance)) {
+      fault = CoarseningFault::kDistance;
+      mend_where_far(measured, made, is_keeping, shares, control);
+    }
+    const auto [crossing, are_all_known] = crossing_faces(input, made, made.positions.items(), around, control);
+    if (!crossing.empty()) {
+      fault = CoarseningFault::kIntersections;
+      const std::vector<FaceId> at_fault = answered_by(made, crossing);
+      if (is_keeping)
+        shares.keep(at_fault, control);
+      else
+        shares.lower(at_fault, kAfterIntersection, control);
+      if (!std::exchange(are_gaps_known, true)) shares.limit_by_gaps(goals.tolerance, control);
+    } else if (!are_all_known) {
+      fault = CoarseningFault::kIntersections;
+      return std::nullopt;
+    }
+    if (fault == CoarseningFault::kNone) return ProvenCoarsening{std::move(made), distance, round, shares.kept()};
   }
   return std::nullopt;
 }

@@ -17,7 +17,7 @@ namespace remesh {
 struct Replaced {
   Surface surface;
   std::vector<FaceId> without_area;  ///< the surface's faces without area, which stay as they are
-  double distance = 0;               ///< how far it is from the surface before, in both directions, in model units
+  double distance = 0;               ///< how far all faces may be from the surface before, both ways, in model units
   double plane_tolerance = 0;        ///< the one that counts on this surface, in model units
   double volume = 0;                 ///< by how much the volume has changed at most, in cubed model units
 };

@@ -45,16 +45,28 @@ std::map<int, std::uint64_t> predict_by_circles(const RecognisedFacets& facets, 
 }
 
 /// Takes the distances that were proven into the report.
-/// Input: `of_stages` is the distance that stages have spent which replaced the surface.
-void take_bounds(Report& report, double of_stages) {
-  report.distance_bound = {report.verified.distance_bound.output_to_input + of_stages,
-                           report.verified.distance_bound.input_to_output + of_stages};
+/// Input: `of_stages` is the distance that stages have spent which replaced the whole surface; `unit` is the number of
+///        model units in a local one.
+void take_bounds(Report& report, double of_stages, const Coarsening& coarsening, const PatchSet& patches, double unit) {
+  DistanceBound bound{report.verified.distance_bound.output_to_input + of_stages,
+                      report.verified.distance_bound.input_to_output + of_stages};
   report.verified.deviation += of_stages;
   for (std::size_t p = 0; p < report.patches.size(); ++p) {
     report.patches[p].bound = report.verified.patch_bounds[p] + of_stages;
+    // Faces that were made coarser are farther away by that. They are flat, and their borders were not cut again. (The
+    // border of a plane may have been, but only where it is still that of the input.)
+    const auto faces = patches.faces_of(PatchId(p));
+    if (coarsening.is_done() &&
+        std::any_of(faces.begin(), faces.end(), [&](FaceId f) { return coarsening.is_new[f] != 0; })) {
+      const double coarser = of_stages + coarsening.distance + unit * patches.deviation[PatchId(p)];
+      report.patches[p].bound = std::max(report.patches[p].bound, coarser);
+      bound = {std::max(bound.output_to_input, coarser), std::max(bound.input_to_output, coarser)};
+      report.verified.deviation = std::max(report.verified.deviation, coarser);
+    }
     double& of_surface = report.surfaces.surfaces[report.surfaces.of_patch[PatchId(p)]].bound;
     of_surface = std::max(of_surface, report.patches[p].bound);
   }
+  report.distance_bound = bound;
 }
 
 /// Writes the report of a run.
@@ -109,7 +121,7 @@ class RunReporter {
     run_.candidate.refinement.before.clear();
     summarise();
     run_.report.volume_bound = run_.report.verified.volume_bound + run_.spent.volume;
-    take_bounds(run_.report, run_.spent.distance);
+    take_bounds(run_.report, run_.spent.distance, run_.coarsening, run_.partition.patches, run_.surface().unit);
     report_removal();
     report_details_left(run_.detail_limits, run_.candidate, run_.partition.patches, run_.surface(),
                         run_.report.diagnostics, run_.control);
@@ -179,16 +191,12 @@ class RunReporter {
 
   /// Tells which curved surfaces are refined facet by facet.
   void report_curves(const RefinedFaces& refined) {
-    if (run_.coarsening.is_done()) {
-      run_.report.diagnostics.push_back(
-          coarsening(run_.coarsening, run_.surface().face_count(), run_.input.face_count(),
-                     *curved_goals_of(run_.options, run_.report.input.bounding_box.diagonal()).tolerance));
-      return;
-    }
+    if (run_.coarsening.is_done())
+      run_.report.diagnostics.push_back(coarsening(run_.coarsening, run_.surface(), run_.options));
     if (!run_.options.refine) return;
     if (run_.options.feature_angle_deg > 0)
       warn_of_curved_surfaces(run_.surface(), run_.partition.patches, run_.report.surfaces, refined,
-                              run_.report.diagnostics, run_.joined.curved());
+                              run_.report.diagnostics, run_.joined.curved(), !run_.coarsening.is_done());
     else
       warn_of_curves(run_.surface(), run_.partition.patches, run_.report.diagnostics);
   }
@@ -248,8 +256,23 @@ class RunReporter {
 
   void report_removal() {
     if (run_.spent.stages > (run_.coarsening.is_done() ? 1 : 0))
-      run_.report.diagnostics.push_back(
-          removal(run_.removed, run_.detail_limits.size, run_.spent.distance - run_.coarsening.distance));
+      run_.report.diagnostics.push_back(removal(run_.removed, run_.detail_limits.size, run_.spent.distance));
+  }
+
+  /// Where a surface was made coarser, its sharp corners are not those of the input.
+  void excuse_by_tolerance(UnrefinedFaces& unrefined) const {
+    if (!run_.coarsening.is_done()) return;
+    const auto& surfaces = run_.report.surfaces;
+    for (std::size_t i = 0; i < unrefined.faces.size(); ++i) {
+      UnrefinedReason& reason = unrefined.reasons[i];
+      if (reason != UnrefinedReason::kInputAngle && reason != UnrefinedReason::kAcrossInputAngle) continue;
+      const PatchId p = run_.candidate.assembled.face_patch[unrefined.faces[i]];
+      const auto faces = run_.partition.patches.faces_of(p);
+      const bool is_new =
+          std::any_of(faces.begin(), faces.end(), [&](FaceId f) { return run_.coarsening.is_new[f] != 0; });
+      if (is_new && surfaces.surfaces[surfaces.of_patch[p]].shape.kind == SurfaceKind::kFree)
+        reason = UnrefinedReason::kSurfaceTolerance;
+    }
   }
 
   RoundingInput rounding_input_of(const IdVector<VertexId, Vec3>& positions) {
@@ -264,6 +287,7 @@ class RunReporter {
     basis.is_refined = run_.has_asked_goals();
     basis.goals = run_.goals();
     basis.unrefined = std::move(run_.candidate.unrefined);
+    excuse_by_tolerance(basis.unrefined);
     basis.intersections =
         patches_that_still_intersect(run_.intersections(), run_.report.verified, run_.candidate.assembled.face_patch);
     basis.patch_labels = labels_of_patches(run_.input.labels, run_.surface(), run_.partition.patches, run_.control);

@@ -209,7 +209,7 @@ class FacetJoiner {
 }  // namespace
 
 RecognisedSurfaces recognise_facets(const Partition& partition, Prepared& prepared, const Options& options,
-                                    double plane_tolerance, bool are_kinds_wanted, RunControl& control) {
+                                    double plane_tolerance, RunControl& control) {
   const Surface& surface = prepared.surface();
   const Adjacency& adjacency = prepared.adjacency(control);
   std::optional<EssentialVertices> unforced;
@@ -217,12 +217,11 @@ RecognisedSurfaces recognise_facets(const Partition& partition, Prepared& prepar
     unforced = essential_vertices(surface, adjacency, partition.loops,
                                   IdVector<VertexId, std::uint8_t>(surface.vertex_count(), 0),
                                   prepared.pinched(control), plane_tolerance / surface.unit, control);
-  return recognise_surfaces(
-      {surface, adjacency, partition.patches, partition.loops, unforced ? *unforced : partition.essential,
-       partition.summaries.patches},
-      {options.feature_angle_deg, kRecognitionTolerance * prepared.rounding_tolerance,
-       std::max(kPrintedSteps * prepared.printed_step, options.plane_tolerance.value_or(0)), are_kinds_wanted},
-      control);
+  return recognise_surfaces({surface, adjacency, partition.patches, partition.loops,
+                             unforced ? *unforced : partition.essential, partition.summaries.patches},
+                            {options.feature_angle_deg, kRecognitionTolerance * prepared.rounding_tolerance,
+                             std::max(kPrintedSteps * prepared.printed_step, options.plane_tolerance.value_or(0))},
+                            control);
 }
 
 JoinedFacets join_facets(Partition& partition, Prepared& prepared, const RecognisedSurfaces& recognised,

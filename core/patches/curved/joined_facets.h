@@ -36,11 +36,11 @@ struct JoiningMeasures {
 };
 
 /// Finds what the facets of a surface were made from.
-/// Input:  a partition in which no patch stands on a rung; `are_kinds_wanted` - see RecognitionRules.
+/// Input:  a partition in which no patch stands on a rung.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:   O(n log n).
 RecognisedSurfaces recognise_facets(const Partition& partition, Prepared& prepared, const Options& options,
-                                    double plane_tolerance, bool are_kinds_wanted, RunControl& control);
+                                    double plane_tolerance, RunControl& control);
 
 /// The patches of a surface after facets were joined.
 struct JoinedFacets {

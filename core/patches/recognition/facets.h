@@ -34,8 +34,6 @@ struct RecognitionRules {
   /// The distance that the printed digits explain alone, proven or not. Where the facets' chord height is much larger
   /// than this distance, corners may be off by as much.
   double printed = 0;
-  /// If this is false, all facets that are no planes are taken for free.
-  bool are_kinds_wanted = true;
 };
 
 }  // namespace remesh

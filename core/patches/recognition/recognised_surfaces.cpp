@@ -20,16 +20,30 @@ RecognisedSurfaces RecognisedSurfaces::copy(RunControl& control) const {
   return copied;
 }
 
-void RecognisedSurfaces::follow(const PatchSet& before, const PatchSet& now) {
+namespace {
+
+/// Gives each patch the surface of its first face.
+template <class SurfaceOf>
+void follow_first_faces(RecognisedSurfaces& recognised, const PatchSet& now, const SurfaceOf& surface_of) {
   IdVector<PatchId, SurfaceId> followed;
   followed.reserve(now.count());
-  for (RecognisedSurface& s : surfaces) s.patches = 0;
-  for (std::size_t p = 0; p < now.count(); ++p) {
-    const SurfaceId s = of_patch[before.of_face[now.faces_of(PatchId(p)).front()]];
+  for (RecognisedSurface& s : recognised.surfaces) s.patches = 0;
+  for (PatchId p(0); p.value < now.count(); ++p.value) {
+    const SurfaceId s = surface_of(now.faces_of(p).front());
     followed.push_back(s);
-    ++surfaces[s].patches;
+    ++recognised.surfaces[s].patches;
   }
-  of_patch = std::move(followed);
+  recognised.of_patch = std::move(followed);
+}
+
+}  // namespace
+
+void RecognisedSurfaces::follow(const PatchSet& before, const PatchSet& now) {
+  follow_first_faces(*this, now, [&](FaceId f) { return of_patch[before.of_face[f]]; });
+}
+
+void RecognisedSurfaces::follow(const IdVector<FaceId, SurfaceId>& of_face, const PatchSet& now) {
+  follow_first_faces(*this, now, [&](FaceId f) { return of_face[f]; });
 }
 
 void RecognisedSurfaces::join_bands() {

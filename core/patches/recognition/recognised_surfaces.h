@@ -90,6 +90,8 @@ struct RecognisedSurfaces {
 
   /// Moves the surfaces to other patches of the same faces. Each new patch belongs to the surface of its first face.
   void follow(const PatchSet& before, const PatchSet& now);
+  /// Moves the surfaces to the patches of other faces, of which each belongs to a surface.
+  void follow(const IdVector<FaceId, SurfaceId>& of_face, const PatchSet& now);
 
   /// Removes the bands. Then their patches, tolerances and bounds belong to the surfaces of revolution.
   void join_bands();

@@ -517,8 +517,7 @@ class Recogniser {
 RecognisedSurfaces recognise_surfaces(const Facets& facets, const RecognitionRules& rules, RunControl& control) {
   const FacetGraph graph(facets, rules.feature_angle_deg, control);
   std::vector<SurfaceClaim> claims;
-  if (rules.are_kinds_wanted && graph.has_smooth_edges())
-    claims = Recogniser(graph, rules, facets.surface.unit, control).run();
+  if (graph.has_smooth_edges()) claims = Recogniser(graph, rules, facets.surface.unit, control).run();
   return make_recognised_list(facets, graph, std::move(claims), rules, control);
 }
 

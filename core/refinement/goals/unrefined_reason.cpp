@@ -12,6 +12,7 @@ std::string_view unrefined_name(UnrefinedReason reason) {
     case UnrefinedReason::kBoundaryLocked: return "boundary_locked";
     case UnrefinedReason::kEffort: return "effort";
     case UnrefinedReason::kOutputRounding: return "output_rounding";
+    case UnrefinedReason::kSurfaceTolerance: return "surface_tolerance";
   }
   return "";
 }

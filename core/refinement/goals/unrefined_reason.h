@@ -30,8 +30,11 @@ enum class UnrefinedReason : std::uint8_t {
   kEffort,
   /// The triangle met the bounds until its vertices were rounded to coordinates that the output format can hold.
   kOutputRounding,
+  /// The triangle belongs to a surface of no kind that was made coarser. The surface tolerance, or an edge that stays,
+  /// allows no better one.
+  kSurfaceTolerance,
 };
-inline constexpr int kUnrefinedReasonCount = 8;
+inline constexpr int kUnrefinedReasonCount = 9;
 
 /// The triangles that miss the bounds of refinement for one reason. `places` holds the centroids of the first 100.
 struct Unrefined {

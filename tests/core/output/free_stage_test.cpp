@@ -8,6 +8,7 @@
 
 #include "tests/support/free_shapes.h"
 #include "tests/support/hausdorff.h"
+#include "tests/support/random.h"
 #include "tests/support/remeshed.h"
 #include "tests/support/shapes.h"
 
@@ -82,9 +83,9 @@ TEST(free_stage, every_input_face_has_a_patch_and_every_output_face_a_source) {
 
 TEST(free_stage, facets_stay_where_nobody_allows_a_distance) {
   const PolygonMesh mesh = bumpy_ball(3);
-  Options by_turn;
-  by_turn.elements_per_circle = 16;
-  for (const Options& options : {Options(), within(0), by_turn}) {
+  Options none_by_turn = within(0);
+  none_by_turn.elements_per_circle = 16;
+  for (const Options& options : {Options(), within(0), none_by_turn}) {
     const Result result = remeshed(mesh, options);
     EXPECT_FALSE(is_told_coarser(result));
     EXPECT_GE(result.mesh.faces.size(), mesh.face_count());
@@ -94,7 +95,119 @@ TEST(free_stage, facets_stay_where_nobody_allows_a_distance) {
   EXPECT_FALSE(is_told_coarser(remeshed(mesh, rigid)));
 }
 
-TEST(free_stage, parts_with_planes_or_curved_surfaces_are_left_to_other_stages) {
+/// Without a tolerance, the facets' own distance from what they stand for counts.
+TEST(free_stage, a_number_of_elements_allows_what_the_facets_themselves_are_off) {
+  Options options;
+  options.elements_per_circle = 16;
+  // The chord height of most edges of a ball with a radius r is r (1 - cos(turn / 2)), about length times turn over 8.
+  const PolygonMesh ball = bumpy_ball(5);
+  const Result result = remeshed(ball, options);
+  EXPECT_TRUE(is_told_coarser(result));
+  EXPECT_LT(result.mesh.faces.size(), ball.face_count());
+  const double own =
+      std::max(result.report.distance_bound->output_to_input, result.report.distance_bound->input_to_output);
+  EXPECT_GT(own, 5e-5);
+  EXPECT_LT(own, 5e-4);
+  // Noise is allowed as well, twice as much as there is.
+  PolygonMesh noisy = ball;
+  Random random(7);
+  const double sigma = 4e-4;
+  for (Vec3& p : noisy.positions) {
+    double sum = 0;
+    for (int i = 0; i < 12; ++i) sum += random.uniform(-0.5, 0.5);
+    p = p + sigma * sum * normalized(p);
+  }
+  const Result with_noise = remeshed(noisy, options);
+  const double allowed =
+      std::max(with_noise.report.distance_bound->output_to_input, with_noise.report.distance_bound->input_to_output);
+  EXPECT_GT(allowed, sigma);
+  EXPECT_LT(allowed, 4 * sigma);
+}
+
+/// Returns the triangles of the result whose corners are all in a plane across an axis.
+std::size_t triangles_in_plane(const TriangleMesh& mesh, int axis, double at) {
+  return static_cast<std::size_t>(std::count_if(mesh.faces.begin(), mesh.faces.end(), [&](const Triangle& t) {
+    return std::all_of(t.begin(), t.end(), [&](VertexId v) { return mesh.positions[v][axis] == at; });
+  }));
+}
+
+TEST(free_stage, planes_beside_a_free_surface_keep_their_planes) {
+  const PolygonMesh mesh = relief(32);
+  const double tolerance = 1e-3 * diagonal_of(mesh);
+  Options options = within(1e-3);
+  for (const bool refine : {false, true}) {
+    options.refine = refine;
+    const Result result = remeshed(mesh, options);
+    const Report& report = result.report;
+    EXPECT_TRUE(report.verified.all_true());
+    EXPECT_TRUE(is_told_coarser(result));
+    EXPECT_LT(result.mesh.faces.size(), mesh.face_count() / 4);
+    EXPECT_EQ(report.output.euler, 2);
+    EXPECT_TRUE(report.output.closed);
+    Box3 box;
+    for (const Vec3& p : mesh.positions) box.add(p);
+    // Four sides and the bottom; each vertex that is left there is exactly in its plane.
+    for (const int axis : {0, 1}) {
+      EXPECT_GT(triangles_in_plane(result.mesh, axis, box.min[axis]), 0u);
+      EXPECT_GT(triangles_in_plane(result.mesh, axis, box.max[axis]), 0u);
+    }
+    EXPECT_GT(triangles_in_plane(result.mesh, 2, box.min.z), 0u);
+    for (const RecognisedSurface& surface : report.surfaces.surfaces)
+      EXPECT_LE(surface.bound, tolerance + report.plane_tolerance);
+    const double bound = std::max(report.distance_bound->output_to_input, report.distance_bound->input_to_output);
+    EXPECT_LE(bound, tolerance + report.plane_tolerance);
+    EXPECT_LE(test::hausdorff(corners_of(shapes::as_triangles(shapes::fan_triangulated(mesh))), corners_of(result.mesh),
+                              0.05 * tolerance),
+              bound);
+  }
+}
+
+TEST(free_stage, curved_surfaces_beside_a_free_one_are_remeshed_as_before) {
+  const PolygonMesh mesh = wavy_boss(48);
+  Options options = within(1e-3);
+  options.elements_per_circle = 16;
+  const Result result = remeshed(mesh, options);
+  const Report& report = result.report;
+  EXPECT_TRUE(report.verified.all_true());
+  EXPECT_TRUE(is_told_coarser(result));
+  EXPECT_GE(report.output.quality.min_angle_deg, 20);
+  const auto& surfaces = report.surfaces.surfaces;
+  EXPECT_TRUE(std::any_of(surfaces.begin(), surfaces.end(), [](const RecognisedSurface& s) {
+    return s.shape.kind == SurfaceKind::kCylinder && s.is_remeshed;
+  }));
+  const double bound = std::max(report.distance_bound->output_to_input, report.distance_bound->input_to_output);
+  EXPECT_LE(bound, 1e-3 * diagonal_of(mesh) + report.plane_tolerance);
+  EXPECT_LE(test::hausdorff(corners_of(shapes::as_triangles(shapes::fan_triangulated(mesh))), corners_of(result.mesh),
+                            0.05 * bound),
+            bound);
+}
+
+TEST(free_stage, faces_with_other_labels_stay_apart) {
+  PolygonMesh mesh = bumpy_ball(4);
+  mesh.labels.material.names = {"left", "right"};
+  for (FaceId f(0); f.value < mesh.face_count(); ++f.value) {
+    Vec3 sum;
+    for (const VertexId v : mesh.face(f)) sum += mesh.positions[v];
+    mesh.labels.material.of_face.push_back(sum.x > 0 ? 1 : 0);
+  }
+  const double tolerance = 2e-3 * diagonal_of(mesh);
+  const Result result = remeshed(mesh, within(2e-3));
+  EXPECT_TRUE(is_told_coarser(result));
+  EXPECT_LT(result.mesh.faces.size(), mesh.face_count() / 2);
+  // Each label covers what it covered, within the tolerance.
+  for (const std::uint32_t label : {0u, 1u}) {
+    std::vector<Corners3> before, now;
+    const auto before_all = corners_of(shapes::as_triangles(mesh)), now_all = corners_of(result.mesh);
+    for (FaceId f(0); f.value < before_all.size(); ++f.value)
+      if (mesh.labels.material.of_face[f] == label) before.push_back(before_all[f.value]);
+    for (FaceId f(0); f.value < now_all.size(); ++f.value)
+      if (result.mesh.labels.material.of_face[f] == label) now.push_back(now_all[f.value]);
+    ASSERT_FALSE(now.empty());
+    EXPECT_LE(test::hausdorff(before, now, 0.05 * tolerance), tolerance * (1 + 1e-9));
+  }
+}
+
+TEST(free_stage, parts_without_free_faces_are_left_to_other_stages) {
   for (const PolygonMesh& mesh : {shapes::cylinder(48, 1, 2), shapes::box({1, 2, 3}, 4), shapes::sphere(3)}) {
     const Result result = remeshed(mesh, within(3e-3));
     EXPECT_FALSE(is_told_coarser(result));

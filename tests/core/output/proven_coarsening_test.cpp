@@ -26,7 +26,10 @@ class proven_coarsening : public testing::Test {
     edges_.assign(mesh.corners.size(), FreeForm::Edge::kSmooth);
   }
   std::optional<ProvenCoarsening> run(double tolerance) {
-    return coarsen_with_proof({positions_, faces_, twins_, edges_}, {tolerance, 25}, fault_, control_);
+    std::vector<VertexId> itself;
+    for (VertexId v(0); v.value < positions_.size(); ++v.value) itself.push_back(v);
+    return coarsen_with_proof({positions_, faces_, twins_, edges_}, {positions_.items(), around_, itself},
+                              {tolerance, 25}, fault_, control_);
   }
   template <class Surface>
   static std::vector<Corners3> corners_of(const Surface& positions, const IdVector<FaceId, Triangle>& faces) {
@@ -48,6 +51,7 @@ class proven_coarsening : public testing::Test {
   IdVector<FaceId, Triangle> faces_;
   std::vector<std::uint32_t> twins_;
   std::vector<FreeForm::Edge> edges_;
+  std::vector<Triangle> around_;
   CoarseningFault fault_ = CoarseningFault::kNone;
 };
 

@@ -52,6 +52,8 @@ const kUnrefined: Record<string, string> = {
   boundary_locked: "It needs a new point on a boundary that must not be split.",
   effort: "Refinement ended before it met the bound, because its work is limited in proportion to the result.",
   output_rounding: "It met the bounds until the output format rounded its corners.",
+  surface_tolerance:
+    "The surface was made coarser here, and the tolerance, or an edge that stays, allows no better triangle.",
 };
 
 export function findingsOf(report: Report, drawables: Drawables): Finding[] {

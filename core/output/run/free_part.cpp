@@ -1,0 +1,280 @@
+#include "core/output/run/free_part.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "core/base/blocks.h"
+#include "core/base/stoppable.h"
+#include "core/mesh/triangle_corners.h"
+
+namespace remesh {
+namespace {
+
+/// A plane with more than this many times the area of the median free facet is a plane that somebody has made.
+constexpr double kLargePlane = 20;
+/// Unless it is smooth all around, and its triangles are not larger than this many median free facets.
+constexpr double kLargeFacet = 4;
+
+/// The normals of faces, as long as twice the faces' areas.
+class FaceNormals {
+ public:
+  FaceNormals(const Surface& surface, const Triangulated& triangles, double feature_angle_deg, RunControl& control)
+      : least_cosine_(std::cos(feature_angle_deg * M_PI / 180)) {
+    of_face_.assign(surface.face_count(), Vec3());
+    StopCheck check(control);
+    for (std::size_t t = 0; t < triangles.size(); ++t) {
+      check();
+      const Triangle corners = triangles.triangle(t);
+      const Vec3& a = surface.local[corners[0]];
+      of_face_[triangles.face(t)] += cross(surface.local[corners[1]] - a, surface.local[corners[2]] - a);
+    }
+  }
+  double area(FaceId f) const { return norm(of_face_[f]) / 2; }
+  bool are_smooth(FaceId f, FaceId g) const {
+    return dot(of_face_[f], of_face_[g]) >= least_cosine_ * norm(of_face_[f]) * norm(of_face_[g]);
+  }
+
+ private:
+  double least_cosine_;
+  IdVector<FaceId, Vec3> of_face_;
+};
+
+SurfaceKind kind_of(const FreeContext& context, PatchId p) {
+  return context.recognised.surfaces[context.recognised.of_patch[p]].shape.kind;
+}
+
+/// Returns the median area of the faces of free surfaces; 0 if there are none.
+double median_area(const FreeContext& context, const FaceNormals& normals) {
+  std::vector<double> areas;
+  for (PatchId p(0); p.value < context.patches.count(); ++p.value)
+    if (kind_of(context, p) == SurfaceKind::kFree)
+      for (const FaceId f : context.patches.faces_of(p)) areas.push_back(normals.area(f));
+  if (areas.empty()) return 0;
+  const auto middle = areas.begin() + static_cast<std::ptrdiff_t>(areas.size() / 2);
+  std::nth_element(areas.begin(), middle, areas.end());
+  return *middle;
+}
+
+/// Returns whether a plane is a part of the free surface around it.
+bool is_plane_free(const FreeContext& context, const FaceNormals& normals, PatchId p, double median, StopCheck& check) {
+  const auto faces = context.patches.faces_of(p);
+  double area = 0;
+  std::size_t triangles = 0;
+  bool is_any_smooth = false, is_any_other = false;
+  for (const FaceId f : faces) {
+    check();
+    area += normals.area(f);
+    const std::uint32_t begin = context.surface.face_begin[f.value], end = context.surface.face_begin[f.value + 1];
+    triangles += end - begin - 2;
+    for (std::uint32_t h = begin; h < end; ++h) {
+      if (!is_patch_boundary(context.adjacency, context.patches, h)) continue;
+      const std::uint32_t twin = context.adjacency.twin(h);
+      const FaceId g = twin == kNone ? FaceId() : context.adjacency.face_of(twin);
+      const bool is_smooth = g.is_valid() && kind_of(context, context.patches.of_face[g]) == SurfaceKind::kFree &&
+                             context.surface.label(f) == context.surface.label(g) && normals.are_smooth(f, g);
+      (is_smooth ? is_any_smooth : is_any_other) = true;
+    }
+  }
+  if (!is_any_smooth) return false;
+  return area <= kLargePlane * median ||
+         (!is_any_other && area <= kLargeFacet * median * static_cast<double>(triangles));
+}
+
+}  // namespace
+
+FilledIdVector<FaceId, FaceRole> roles_of(const FreeContext& context, const Triangulated& triangles,
+                                          RunControl& control) {
+  FilledIdVector<FaceId, FaceRole> roles(context.surface.face_count());
+  std::fill(roles.begin(), roles.end(), FaceRole::kStays);
+  const auto& surfaces = context.recognised.surfaces;
+  if (std::none_of(surfaces.begin(), surfaces.end(),
+                   [](const RecognisedSurface& s) { return s.shape.kind == SurfaceKind::kFree; }))
+    return roles;
+  const FaceNormals normals(context.surface, triangles, context.feature_angle_deg, control);
+  const double median = median_area(context, normals);
+  StopCheck check(control);
+  for (PatchId p(0); p.value < context.patches.count(); ++p.value) {
+    FaceRole role = FaceRole::kStays;
+    switch (kind_of(context, p)) {
+      case SurfaceKind::kFree: role = FaceRole::kFree; break;
+      case SurfaceKind::kPlane:
+        role = is_plane_free(context, normals, p, median, check) ? FaceRole::kFree : FaceRole::kPlane;
+        break;
+      default: break;
+    }
+    for (const FaceId f : context.patches.faces_of(p)) roles[f] = role;
+  }
+  for (const auto& [f, g] : context.crossing) roles[f] = roles[g] = FaceRole::kStays;
+  for (const FaceId f : context.surface.caps) roles[f] = FaceRole::kStays;
+  return roles;
+}
+
+std::size_t sharp_patches(const FreeContext& context, const FreePart& part, double min_angle_deg, RunControl& control) {
+  std::vector<FaceId> faces;
+  for (FaceId f(0); f.value < part.faces.size(); ++f.value)
+    if (part.is_free(f)) faces.push_back(f);
+  const auto patch = [&](FaceId f) { return context.patches.of_face[part.face[f]]; };
+  std::stable_sort(faces.begin(), faces.end(), [&](FaceId f, FaceId g) { return patch(f) < patch(g); });
+  std::size_t sharp = 0;
+  std::vector<std::pair<VertexId, double>> angles;
+  StopCheck check(control);
+  for (std::size_t begin = 0, end = 0; begin < faces.size(); begin = end) {
+    check();
+    angles.clear();
+    for (end = begin; end < faces.size() && patch(faces[end]) == patch(faces[begin]); ++end) {
+      const Triangle& t = part.faces[faces[end]];
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3 ahead = part.positions[t[(k + 1) % 3]] - part.positions[t[k]];
+        const Vec3 back = part.positions[t[(k + 2) % 3]] - part.positions[t[k]];
+        angles.emplace_back(t[k], std::atan2(norm(cross(ahead, back)), dot(ahead, back)));
+      }
+    }
+    std::sort(angles.begin(), angles.end());
+    double least = M_PI;
+    for (std::size_t i = 0; i < angles.size();) {
+      double sum = 0;
+      for (const VertexId v = angles[i].first; i < angles.size() && angles[i].first == v; ++i) sum += angles[i].second;
+      least = std::min(least, sum);
+    }
+    sharp += least * 180 / M_PI < min_angle_deg ? 1 : 0;
+  }
+  return sharp;
+}
+
+double automatic_tolerance(const FreePart& part, RunControl& control) {
+  constexpr double kShareOfEdges = 0.9, kLargest = 1e-3;
+  // The share of values that borders and features leave alone, and the value of a normal distribution below which it
+  // lies. Second differences of independent noise are larger than the noise by the last number, on vertices with six
+  // neighbours.
+  constexpr double kInside = 0.4, kNormalAtInside = 0.524, kGainOfDifferences = 1.359;
+  struct Chord {
+    double height, length;
+  };
+  std::vector<Chord> chords;
+  double total = 0;
+  IdVector<VertexId, Vec3> sum(part.positions.size()), normal(part.positions.size());
+  IdVector<VertexId, double> count(part.positions.size(), 0), height(part.positions.size(), 0);
+  IdVector<VertexId, double> heights(part.positions.size(), 0);
+  IdVector<VertexId, std::uint8_t> is_border(part.positions.size(), 0);
+  Box3 box;
+  StopCheck check(control);
+  const auto area = [&](FaceId f) {
+    const Triangle& t = part.faces[f];
+    return cross(part.positions[t[1]] - part.positions[t[0]], part.positions[t[2]] - part.positions[t[0]]);
+  };
+  for (FaceId f(0); f.value < part.faces.size(); ++f.value) {
+    check();
+    const Triangle& t = part.faces[f];
+    const Vec3 own = area(f);
+    for (std::uint32_t k = 0; k < 3; ++k) {
+      const VertexId v = t[k], w = t[(k + 1) % 3];
+      const std::uint32_t h = 3 * f.value + k, twin = part.twins[h];
+      box.add(part.positions[v]);
+      normal[v] += own;
+      sum[v] += part.positions[w];
+      count[v] += 1;
+      if (twin == kNone || part.edges[h] != FreeForm::Edge::kSmooth) is_border[v] = is_border[w] = 1;
+      if (twin == kNone || twin < h || part.edges[h] != FreeForm::Edge::kSmooth || !part.is_free(f)) continue;
+      const Vec3 other = area(FaceId(twin / 3));
+      const double length = norm(part.positions[w] - part.positions[v]);
+      chords.push_back({length * std::atan2(norm(cross(own, other)), dot(own, other)) / 8, length});
+      total += length;
+    }
+  }
+  std::sort(chords.begin(), chords.end(), [](const Chord& a, const Chord& b) { return a.height < b.height; });
+  double chord = 0, passed = 0;
+  for (std::size_t i = 0; i < chords.size() && passed < kShareOfEdges * total; ++i) {
+    chord = chords[i].height;
+    passed += chords[i].length;
+  }
+  // The height of a vertex over its neighbours, and that over those of the neighbours: a curved surface has little of
+  // the latter, and noise has much.
+  for (VertexId v(0); v.value < sum.size(); ++v.value)
+    height[v] = dot(part.positions[v] - (1 / count[v]) * sum[v], normalized(normal[v]));
+  for (FaceId f(0); f.value < part.faces.size(); ++f.value)
+    for (std::size_t k = 0; k < 3; ++k) heights[part.faces[f][k]] += height[part.faces[f][(k + 1) % 3]];
+  std::vector<double> differences;
+  for (VertexId v(0); v.value < sum.size(); ++v.value)
+    if (is_border[v] == 0) differences.push_back(std::fabs(height[v] - heights[v] / count[v]));
+  double noise = 0;
+  if (!differences.empty()) {
+    const auto at =
+        differences.begin() + static_cast<std::ptrdiff_t>(kInside * static_cast<double>(differences.size()));
+    std::nth_element(differences.begin(), at, differences.end());
+    noise = *at / (kNormalAtInside * kGainOfDifferences);
+  }
+  return std::min(std::max(chord, 2 * noise), kLargest * box.diagonal());
+}
+
+FreePart::FreePart(const FreeContext& context, const Triangulated& triangles,
+                   const FilledIdVector<FaceId, FaceRole>& roles, RunControl& control) {
+  const Surface& surface = context.surface;
+  StopCheck check(control);
+  IdVector<VertexId, std::uint8_t> is_free_vertex(surface.vertex_count(), 0), is_at_other(surface.vertex_count(), 0);
+  for (FaceId f(0); f.value < roles.size(); ++f.value) {
+    check();
+    if (roles[f] == FaceRole::kPlane) continue;
+    for (const VertexId v : surface.face(f)) (roles[f] == FaceRole::kFree ? is_free_vertex : is_at_other)[v] = 1;
+  }
+  const auto is_part = [&](FaceId f) {
+    const auto corners = surface.face(f);
+    return std::any_of(corners.begin(), corners.end(), [&](VertexId v) { return is_free_vertex[v] != 0; });
+  };
+  IdVector<VertexId, VertexId> number(surface.vertex_count());
+  // Free faces with different labels are different regions, and so are planes.
+  std::map<std::pair<FaceRole, std::uint32_t>, std::uint32_t> regions;
+  std::vector<VertexId> corners;
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    check();
+    const FaceId f = triangles.face(t);
+    const Triangle triangle = triangles.triangle(t);
+    if (roles[f] != FaceRole::kFree && !is_part(f)) {
+      kept.push_back(triangle);
+      continue;
+    }
+    Triangle own;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const VertexId v = triangle[k];
+      if (!number[v].is_valid()) {
+        number[v] = positions.push_back(surface.local[v]);
+        vertex.push_back(v);
+        is_held.push_back(is_free_vertex[v] == 0 || is_at_other[v] != 0 ? 1 : 0);
+      }
+      own[k] = number[v];
+      corners.push_back(own[k]);
+    }
+    faces.push_back(own);
+    face.push_back(f);
+    const bool is_free_face = roles[f] == FaceRole::kFree;
+    free_faces += is_free_face ? 1 : 0;
+    is_of_plane.push_back(is_free_face ? 0 : 1);
+    const std::pair key(roles[f], is_free_face ? surface.label(f) : context.patches.of_face[f].value);
+    region.push_back(regions.emplace(key, static_cast<std::uint32_t>(regions.size())).first->second);
+  }
+  const auto begins = triangle_begins(faces.size(), control);
+  const Adjacency adjacency(positions.size(), begins, corners, control);
+  twins.resize(corners.size());
+  edges.assign(corners.size(), FreeForm::Edge::kSmooth);
+  const double least_cosine = std::cos(context.feature_angle_deg * M_PI / 180);
+  const auto normal = [&](FaceId f) {
+    const Triangle& t = faces[f];
+    return cross(positions[t[1]] - positions[t[0]], positions[t[2]] - positions[t[0]]);
+  };
+  for_blocks(faces.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
+    for (FaceId f(begin); f.value < end; ++f.value)
+      for (std::uint32_t h = 3 * f.value; h < 3 * f.value + 3; ++h) {
+        twins[h] = adjacency.twin(h);
+        if (twins[h] == kNone) continue;
+        const FaceId g(twins[h] / 3);
+        if (region[f] != region[g]) {
+          edges[h] = FreeForm::Edge::kBorder;
+        } else if (is_of_plane[f.value] == 0) {
+          const Vec3 one = normal(f), other = normal(g);
+          if (dot(one, other) < least_cosine * norm(one) * norm(other)) edges[h] = FreeForm::Edge::kFeature;
+        }
+      }
+  });
+}
+
+}  // namespace remesh
