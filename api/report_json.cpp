@@ -6,6 +6,7 @@
 #include <string>
 #include <type_traits>
 
+#include "api/quoting.h"
 #include "core/base/error.h"
 #include "core/io/format_spec.h"
 

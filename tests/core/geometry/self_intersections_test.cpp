@@ -20,6 +20,7 @@
 #include "tests/support/sanitizer.h"
 #include "tests/support/shapes.h"
 #include "tests/support/shared_meshes.h"
+#include "tests/support/time_limit.h"
 
 namespace remesh {
 namespace {
@@ -129,8 +130,8 @@ TEST(self_intersections, several_vertices_of_very_many_faces_count_each_pair_onc
   Random random(3);
   TriangleMesh mesh;
   for (int i = 0; i < 200; ++i) mesh.positions.push_back({random.unit(), random.unit(), random.unit()});
-  const int faces = unless_sanitized(450, 300);  // the oracle takes all pairs
-  for (int i = 0; i < faces; ++i)
+  constexpr int kFaces = 300;  // the oracle takes all pairs
+  for (int i = 0; i < kFaces; ++i)
     mesh.faces.push_back(
         {VertexId(i % 3), VertexId(random.below(2) ? 3 + i % 197 : (i + 1) % 3), VertexId(3 + (7 * i + 1) % 197)});
   const CgalIntersection oracle(mesh.positions.items());
@@ -271,10 +272,16 @@ TEST(self_intersections, among_needles_whose_boxes_all_meet_the_pairs_are_those_
 }
 
 TEST(self_intersections, needles_whose_boxes_all_meet_do_not_take_quadratic_time) {
-  constexpr int kMany = 30'000;  // 4.5e8 pairs of boxes and more
-  EXPECT_TRUE(find(needles(kMany)).pairs.empty());
-  EXPECT_TRUE(find(double_cone(kMany)).pairs.empty());
-  EXPECT_TRUE(find(waisted_tube(kMany)).pairs.empty());
+  constexpr int kFew = 250, kTimes = 16;  // 256 times as many pairs of boxes
+  for (const auto& shape : {needles, double_cone, waisted_tube}) {
+    const auto time_of = [&](int n) {
+      const test::Seconds start = test::processor_time();
+      EXPECT_TRUE(find(shape(n)).pairs.empty());
+      return test::processor_time() - start;
+    };
+    const test::Seconds few = time_of(kFew), many = time_of(kTimes * kFew);
+    test::expect_sooner_than(kTimes * kTimes / 2 * few, many);
+  }
 }
 
 TEST(self_intersections, a_fan_of_a_hundred_thousand_needles_does_not_take_quadratic_time) {
