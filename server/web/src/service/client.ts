@@ -13,7 +13,7 @@ export class ServiceProblem extends Error {
 
 export interface Post {
   /** Relative, as all paths here are, so that the page works below any path that a proxy gives it. */
-  path: "v1/remesh" | "v1/analyze";
+  path: "v1/remesh" | "v1/analyze" | "v1/jobs";
   query: [string, string][];
   body: Blob;
 }
@@ -44,10 +44,17 @@ export class ServiceClient {
   }
 
   async capabilities(): Promise<Capabilities> {
+    return (await (await this.ask("v1/capabilities")).json()) as Capabilities;
+  }
+
+  /** A request without a body. What is refused is thrown as a `ServiceProblem`. */
+  async ask(path: string, method: "GET" | "DELETE" = "GET"): Promise<Response> {
     return this.withKey(async () => {
-      const response = await fetch("v1/capabilities", { headers: this.headers() });
+      const response = await fetch(path, { method, headers: this.headers() }).catch(() => {
+        throw unreachable();
+      });
       if (!response.ok) throw await problemOf(response.status, response.statusText, await response.text());
-      return (await response.json()) as Capabilities;
+      return response;
     });
   }
 
@@ -91,7 +98,8 @@ export class ServiceClient {
       request.onprogress = (event) => watching.onReceived(event.loaded);
       request.onload = async () => {
         const blob = request.response as Blob;
-        if (request.status === 200) resolve(blob);
+        // 202: a job was accepted.
+        if (request.status === 200 || request.status === 202) resolve(blob);
         else reject(await problemOf(request.status, request.statusText, await blob.text()));
       };
       request.onerror = () => reject(unreachable());
