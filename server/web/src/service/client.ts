@@ -49,11 +49,18 @@ export class ServiceClient {
 
   /** A request without a body. What is refused is thrown as a `ServiceProblem`. */
   async ask(path: string, method: "GET" | "DELETE" = "GET"): Promise<Response> {
+    const response = await this.send(path, { method });
+    if (!response.ok) throw await problemOf(response.status, response.statusText, await response.text());
+    return response;
+  }
+
+  /** Any request, with the key. All answers are given, but the one that asks for a key. */
+  async send(path: string, init: RequestInit & { headers?: Record<string, string> }): Promise<Response> {
     return this.withKey(async () => {
-      const response = await fetch(path, { method, headers: this.headers() }).catch(() => {
+      const response = await fetch(path, { ...init, headers: { ...this.headers(), ...init.headers } }).catch(() => {
         throw unreachable();
       });
-      if (!response.ok) throw await problemOf(response.status, response.statusText, await response.text());
+      if (response.status === 401) throw await problemOf(401, response.statusText, await response.text());
       return response;
     });
   }
@@ -64,7 +71,7 @@ export class ServiceClient {
     let isCancelled = false;
     const answer = this.withKey(() => {
       if (isCancelled) throw cancelled();
-      attempt = this.send(post, watching);
+      attempt = this.sendMesh(post, watching);
       return attempt.answer;
     });
     return {
@@ -80,7 +87,7 @@ export class ServiceClient {
     };
   }
 
-  private send({ path, query, body }: Post, watching: Watching): Running {
+  private sendMesh({ path, query, body }: Post, watching: Watching): Running {
     const id = crypto
       .getRandomValues(new Uint8Array(16))
       .reduce((text, byte) => text + byte.toString(16).padStart(2, "0"), "");
