@@ -1,5 +1,5 @@
-// A mesh that is written in one format, read back, written in another one and read back again is the same mesh, with the
-// labels that both can hold: every pair of formats that are read and written.
+// A mesh that is written in one format, read back, written in another one and read back again is the same mesh, with
+// the labels that both can hold: every pair of formats that are read and written.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -94,7 +94,8 @@ TriangleMesh read_back(const std::string& file, Format format) {
   return mesh;
 }
 
-/// The faces of a mesh, whatever the order of its vertices and faces: the corners, beginning with the smallest, and names.
+/// The faces of a mesh, whatever the order of its vertices and faces: the corners, beginning with the smallest, and
+/// names.
 using Faces = std::map<std::array<Vec3, 3>, std::vector<std::string>>;
 
 Faces faces_of(const TriangleMesh& mesh, bool are_floats, const std::vector<const LabelSet*>& labels) {
