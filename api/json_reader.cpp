@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <string>
 #include <unordered_map>
 #include <utility>
@@ -54,10 +55,24 @@ enum class Arrays { kByEvents, kPlain };
 /// Says whether the mesh is built or its text is only checked.
 enum class Building { kMesh, kNothing };
 
-enum class Place { kRoot, kMesh, kVertices, kVertex, kFaces, kFace, kFaceGroups, kOptions, kOptionList };
+enum class Place {
+  kRoot,
+  kMesh,
+  kVertices,
+  kVertex,
+  kFaces,
+  kFace,
+  kFaceGroups,
+  kLabels,
+  kLabelSet,
+  kLabelNames,
+  kLabelFaces,
+  kOptions,
+  kOptionList
+};
 
-enum class Key { kMesh, kOptions, kVertices, kFaces, kFaceGroups, kUnknown };
-constexpr std::array<std::string_view, 5> kKeyNames{"mesh", "options", "vertices", "faces", "face_groups"};
+enum class Key { kMesh, kOptions, kVertices, kFaces, kFaceGroups, kLabels, kUnknown };
+constexpr std::array<std::string_view, 6> kKeyNames{"mesh", "options", "vertices", "faces", "face_groups", "labels"};
 
 /// A number from the parser. `token` is empty for integers.
 struct Number {
@@ -131,8 +146,13 @@ class Handler final : public nlohmann::json_sax<Json> {
   void close_face();
   void add_corner(const Number& number);
   void add_face_group(const Number& number);
+  bool label_key(const std::string& name);
+  void add_label_name(std::string_view text);
+  void add_label_face(const Number& number);
   void add_list_item(std::string_view text);
+  void skip_key(const std::string& name);
   void check_indices() const;
+  void check_labels(std::string_view kind, const LabelSet& labels) const;
   void tick();
 
   std::uint64_t vertex_count() const { return mesh_.positions.size(); }
@@ -169,6 +189,10 @@ class Handler final : public nlohmann::json_sax<Json> {
   std::array<double, 3> coordinates_{};
   std::size_t coordinate_count_ = 0;
   std::unordered_map<std::string, std::uint32_t> group_index_;
+  LabelSet* label_set_ = nullptr;  // the one that is being read
+  std::string label_kind_;
+  bool is_label_names_ = false;            // its names or else its numbers
+  std::set<std::string> seen_labels_;      // such as "group" and "group.names"
   std::vector<std::string> unknown_keys_;  // only the first few
   std::uint64_t unknown_key_count_ = 0;
   std::uint32_t ticks_ = 0;
@@ -206,6 +230,11 @@ void Handler::fail_value() const {
       fail_at(Code::kInvalidMesh, face_count(),
               "face " + std::to_string(face_count()) + " must be an array of vertex numbers");
     case Place::kFaceGroups: fail_shape("face_groups must be an array of whole numbers");
+    case Place::kLabels:
+    case Place::kLabelSet:
+    case Place::kLabelNames:
+    case Place::kLabelFaces:
+      fail_shape(R"(labels must be as {"group": {"names": ["wall", ...], "of_face": [0, ...]}, ...})");
     case Place::kOptions:
     case Place::kOptionList: break;
   }
@@ -213,7 +242,9 @@ void Handler::fail_value() const {
   fail_shape("an option must be a single value");
 }
 
-std::string_view Handler::expected_of_key() const { return key_ == Key::kMesh ? "an object" : "an array"; }
+std::string_view Handler::expected_of_key() const {
+  return key_ == Key::kMesh || key_ == Key::kLabels ? "an object" : "an array";
+}
 
 // Checks for cancellation and updates the progress every few thousand events.
 void Handler::tick() {
@@ -229,6 +260,7 @@ bool Handler::key(std::string& name) {
     option_name_ = name;
     return true;
   }
+  if (stack_.back() == Place::kLabels || stack_.back() == Place::kLabelSet) return label_key(name);
   const auto* known = std::find(kKeyNames.begin(), kKeyNames.end(), name);
   key_ = static_cast<Key>(known - kKeyNames.begin());
   if (stack_.back() == Place::kMesh && key_ == Key::kMesh) key_ = Key::kUnknown;
@@ -237,14 +269,40 @@ bool Handler::key(std::string& name) {
       throw Error(Code::kInvalidOption, Stage::kRead,
                   "the option " + name + " stands beside the mesh; it belongs into \"options\": {...}")
           .for_option(name);
-    ++unknown_key_count_;
-    if (unknown_keys_.size() < kMaxNamedKeys) unknown_keys_.push_back(shortened(name));
+    skip_key(name);
     return true;
   }
   if (seen_[static_cast<std::size_t>(key_)]) {
     fail_json("the key " + in_quotes(name) + " occurs twice, or both inside and outside of \"mesh\"");
   }
   seen_[static_cast<std::size_t>(key_)] = true;
+  return true;
+}
+
+void Handler::skip_key(const std::string& name) {
+  key_ = Key::kUnknown;
+  ++unknown_key_count_;
+  if (unknown_keys_.size() < kMaxNamedKeys) unknown_keys_.push_back(shortened(name));
+}
+
+/// Takes a key of `labels`, which is a kind of label, or one of the two parts of such a kind.
+bool Handler::label_key(const std::string& name) {
+  const bool is_kind = stack_.back() == Place::kLabels;
+  if (is_kind) {
+    label_set_ = name == "object"     ? &mesh_.labels.object
+                 : name == "group"    ? &mesh_.labels.group
+                 : name == "material" ? &mesh_.labels.material
+                                      : nullptr;
+    label_kind_ = name;
+  }
+  if (is_kind ? label_set_ == nullptr : name != "names" && name != "of_face") {
+    skip_key(name);
+    return true;
+  }
+  key_ = Key::kLabels;
+  is_label_names_ = name == "names";
+  if (!seen_labels_.insert(is_kind ? name : label_kind_ + "." + name).second)
+    fail_json("the key " + in_quotes(name) + " of labels occurs twice");
   return true;
 }
 
@@ -261,7 +319,13 @@ bool Handler::scalar(ValueKind kind, std::string_view text) {
       add_list_item(text);
       return true;
     }
-    if ((place == Place::kRoot || place == Place::kMesh) && key_ == Key::kUnknown) return true;
+    if (place == Place::kLabelNames && kind == ValueKind::kString) {
+      add_label_name(text);
+      return true;
+    }
+    const bool has_keys =
+        place == Place::kRoot || place == Place::kMesh || place == Place::kLabels || place == Place::kLabelSet;
+    if (has_keys && key_ == Key::kUnknown) return true;
   }
   fail_value();
 }
@@ -275,6 +339,7 @@ bool Handler::number(const Number& number) {
         return true;
       case Place::kFace: add_corner(number); return true;
       case Place::kFaceGroups: add_face_group(number); return true;
+      case Place::kLabelFaces: add_label_face(number); return true;
       case Place::kOptionList: add_list_item(number.text()); return true;
       default: break;
     }
@@ -306,11 +371,22 @@ void Handler::enter_child(bool is_object) {
         skipped_depth_ = 1;
         return;
       }
-      if (is_object != (key_ == Key::kMesh || key_ == Key::kOptions)) fail_value();
-      constexpr std::array kPlaceOfKey{Place::kMesh, Place::kOptions, Place::kVertices, Place::kFaces,
-                                       Place::kFaceGroups};
+      if (is_object != (key_ == Key::kMesh || key_ == Key::kOptions || key_ == Key::kLabels)) fail_value();
+      constexpr std::array kPlaceOfKey{Place::kMesh,  Place::kOptions,    Place::kVertices,
+                                       Place::kFaces, Place::kFaceGroups, Place::kLabels};
       stack_.push_back(kPlaceOfKey[static_cast<std::size_t>(key_)]);
       if (arrays_ == Arrays::kPlain) read_plain_array();
+      return;
+    }
+    case Place::kLabels:
+    case Place::kLabelSet: {
+      const bool is_set = stack_.back() == Place::kLabels;
+      if (key_ == Key::kUnknown) {
+        skipped_depth_ = 1;
+        return;
+      }
+      if (is_object != is_set) fail_value();
+      stack_.push_back(is_set ? Place::kLabelSet : is_label_names_ ? Place::kLabelNames : Place::kLabelFaces);
       return;
     }
     case Place::kVertices:
@@ -330,6 +406,8 @@ void Handler::enter_child(bool is_object) {
     case Place::kVertex:
     case Place::kFace:
     case Place::kFaceGroups:
+    case Place::kLabelNames:
+    case Place::kLabelFaces:
     case Place::kOptionList: fail_value();
   }
 }
@@ -422,6 +500,20 @@ void Handler::add_face_group(const Number& read) {
   groups.of_face.push_back(group->second);
 }
 
+void Handler::add_label_name(std::string_view text) {
+  if (building_ == Building::kMesh) label_set_->names.emplace_back(text);
+}
+
+void Handler::add_label_face(const Number& read) {
+  tick();
+  const Number number = read.as_integer();
+  if (!number.is_integer || number.is_negative || number.magnitude > kMaxIndex) fail_value();
+  if (building_ == Building::kNothing) return;
+  if (label_set_->of_face.size() >= limits_.max_faces)
+    fail_shape("the labels have more entries than a mesh may have faces");
+  label_set_->of_face.push_back(static_cast<std::uint32_t>(number.magnitude));
+}
+
 void Handler::add_list_item(std::string_view text) {
   if (!option_list_is_empty_) option_list_ += ',';
   option_list_ += text;
@@ -463,16 +555,60 @@ void Handler::check_indices() const {
   }
 }
 
+void Handler::check_labels(std::string_view kind, const LabelSet& labels) const {
+  const std::string name = "labels." + std::string(kind);
+  if (labels.of_face.size() != face_count()) {
+    fail_shape(name + ".of_face has " + std::to_string(labels.of_face.size()) + " entries for " +
+               std::to_string(face_count()) + " faces");
+  }
+  for (std::size_t f = 0; f < face_count(); ++f) {
+    const std::uint32_t label = labels.of_face[FaceId(f)];
+    if (label < labels.names.size()) continue;
+    throw Error(Code::kIndexOutOfRange, Stage::kRead,
+                name + ".of_face has " + std::to_string(label) + " for face " + std::to_string(f) + "; there are " +
+                    std::to_string(labels.names.size()) + " names, counted from 0")
+        .at_element(f);
+  }
+}
+
+/// Numbers labels anew, so that equal names have one number, and each name has a face.
+void join_equal_names(LabelSet& labels) {
+  std::unordered_map<std::string, std::uint32_t> known;
+  std::vector<std::string> names;
+  std::vector<std::uint32_t> number_of(labels.names.size(), UINT32_MAX);
+  for (std::uint32_t& label : labels.of_face.items()) {
+    std::uint32_t& number = number_of[label];
+    if (number == UINT32_MAX) {
+      std::string& name = labels.names[label];
+      const auto [at, is_new] = known.try_emplace(name, static_cast<std::uint32_t>(names.size()));
+      number = at->second;
+      if (is_new) names.push_back(std::move(name));
+    }
+    label = number;
+  }
+  labels.names = std::move(names);
+}
+
 ReadResult Handler::take_mesh() {
   const auto has = [&](Key key) { return seen_[static_cast<std::size_t>(key)]; };
   if (!has(Key::kVertices)) fail_shape("the mesh has no \"vertices\"");
   if (!has(Key::kFaces)) fail_shape("the mesh has no \"faces\"");
   if (face_count() == 0) throw Error(Code::kEmptyMesh, Stage::kRead, "the mesh has no face");
+  if (has(Key::kFaceGroups) && seen_labels_.contains("group")) {
+    fail_shape("face_groups and the groups of labels exclude each other");
+  }
   if (has(Key::kFaceGroups) && mesh_.labels.group.of_face.size() != face_count()) {
     fail_shape("face_groups has " + std::to_string(mesh_.labels.group.of_face.size()) + " entries for " +
                std::to_string(face_count()) + " faces");
   }
   check_indices();
+  FaceLabels& labels = mesh_.labels;
+  for (const auto& [kind, set] : {std::pair("object", &labels.object), std::pair("group", &labels.group),
+                                  std::pair("material", &labels.material)}) {
+    if (!seen_labels_.contains(kind)) continue;
+    check_labels(kind, *set);
+    join_equal_names(*set);
+  }
 
   ReadResult result;
   result.mesh = std::move(mesh_);

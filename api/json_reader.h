@@ -11,8 +11,9 @@ namespace remesh::api {
 
 /// Reads a bare mesh, {"vertices": [[x,y,z],...], "faces": [[i,j,k,...],...], "face_groups": [g,...]}, or a mesh
 /// together with options, {"mesh": {...}, "options": {...}}. The keys may be in any order.
-/// Output:  the polygons in their order. `face_groups` become group labels whose names are the numbers. Options go to
-///          `options`. Unknown keys are skipped and counted as `attribute_dropped`.
+/// Output:  the polygons in their order. `face_groups` become group labels whose names are the numbers. `labels` are
+///          those of an answer: {"group": {"names": [...], "of_face": [...]}, ...}. Options go to `options`. Unknown
+///          keys are skipped and counted as `attribute_dropped`.
 /// Holds:   no document tree is built; memory is bounded by `limits` and the length of the text.
 /// Errors:  kMalformedJson - with the line: not JSON, nested too deeply, a known key given twice; kInvalidMesh - JSON
 ///          of another shape; kIndexOutOfRange, kNonfiniteCoordinate - with the face or vertex, from 0; kEmptyMesh -

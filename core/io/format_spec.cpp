@@ -167,7 +167,7 @@ const std::array<FormatSpec, kFormats.size()> kSpecs{{
      .media_type = "application/json",
      .storage = Storage::kDouble,
      .labels = LabelsHeld::kAll,
-     .reads = "vertices, faces of any number of corners, `face_groups`; indices from 0",
+     .reads = "vertices, faces of any number of corners, `face_groups` or `labels`; indices from 0",
      .about = "the mesh by patches, with the report",
      .programs = kJsonPrograms,
      .mark =

@@ -260,7 +260,7 @@ class Verification::Tests {
     // the run.
     do_all([&] { look_at(numbered.output, {}, output_edges_, seams_after); },
            [&] { look_at(numbered.input, claim_.surface_edge_order, edges_before, seams_before); });
-    seams_.emplace(*std::move(seams_before), *std::move(seams_after));
+    seams_ = Seams{*std::move(seams_before), *std::move(seams_after)};
     check_caps(claim_, numbered, *edges_before, faults_, control_);
     control_.progress(0.2);
 

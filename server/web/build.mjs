@@ -24,13 +24,13 @@ function add(name, extension, type, bytes) {
   return link;
 }
 
-async function bundle(entry, define = {}) {
+async function bundle(entry, define = {}, format = "iife") {
   const result = await build({
     entryPoints: [join(here, "src", entry)],
     bundle: true,
     minify: true,
     write: false,
-    format: "iife",
+    format,
     target: "es2022",
     legalComments: "none",
     define,
@@ -43,19 +43,38 @@ async function bundle(entry, define = {}) {
 const text = "text/javascript; charset=utf-8";
 const worker = add("worker", "js", text, await bundle("worker.ts"));
 const app = add("app", "js", text, await bundle("main.ts", { WORKER_FILE: JSON.stringify(worker) }));
-const css = await build({ entryPoints: [join(here, "style.css")], minify: true, write: false, target: "es2022" });
-const style = add("style", "css", "text/css; charset=utf-8", css.outputFiles[0].contents);
-const favicon = add("favicon", "svg", "image/svg+xml", readFileSync(join(here, "favicon.svg")));
-const html = readFileSync(join(here, "index.html"), "utf8")
-  .replace("APP_FILE", app)
-  .replace("STYLE_FILE", style)
-  .replace("FAVICON_FILE", favicon);
-files.unshift({ path: "/", type: "text/html; charset=utf-8", bytes: Buffer.from(html), isFixed: false });
+const docs = add("docs", "js", text, await bundle("docs/main.ts", {}, "esm"));
+async function addStyle(name) {
+  const css = await build({
+    entryPoints: [join(here, `${name}.css`)],
+    bundle: true,
+    minify: true,
+    write: false,
+    target: "es2022",
+  });
+  return add(name, "css", "text/css; charset=utf-8", css.outputFiles[0].contents);
+}
+const links = {
+  APP_FILE: app,
+  DOCS_FILE: docs,
+  STYLE_FILE: await addStyle("style"),
+  DOCS_STYLE_FILE: await addStyle("docs"),
+  FAVICON_FILE: add("favicon", "svg", "image/svg+xml", readFileSync(join(here, "favicon.svg"))),
+  "<!-- KEY_DIALOG -->": readFileSync(join(here, "key_dialog.html"), "utf8").trim(),
+};
+function addPage(path, name) {
+  const html = readFileSync(join(here, name), "utf8").replace(/"\w+_FILE"|<!-- KEY_DIALOG -->/g, (word) =>
+    word[0] === '"' ? `"${links[word.slice(1, -1)]}"` : links[word],
+  );
+  files.unshift({ path, name, type: "text/html; charset=utf-8", bytes: Buffer.from(html), isFixed: false });
+}
+addPage("/docs", "docs.html");
+addPage("/", "index.html");
 for (const file of files) file.packed = gzipSync(file.bytes, { level: 9 });
 
 rmSync(folder, { recursive: true, force: true });
 mkdirSync(join(folder, "assets"), { recursive: true });
-for (const { path, bytes } of files) writeFileSync(join(folder, path === "/" ? "index.html" : path), bytes);
+for (const { path, name, bytes } of files) writeFileSync(join(folder, name ?? path), bytes);
 
 const total = files.reduce((sum, { packed }) => sum + packed.length, 0);
 for (const { path, bytes, packed } of files) console.log(`${path}: ${bytes.length} bytes, ${packed.length} packed`);

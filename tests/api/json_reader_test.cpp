@@ -117,6 +117,41 @@ TEST(json_reader, face_groups_become_group_labels) {
   EXPECT_THAT(mesh.labels.group.of_face.items(), ElementsAre(0u, 1u, 0u));
 }
 
+TEST(json_reader, labels_of_an_answer_are_read) {
+  const std::string faces = "[[0,1,2],[0,2,1],[1,2,0]]";
+  const auto with = [&](const std::string& labels) { return mesh(kVertices, faces, ",\"labels\":" + labels); };
+  // Names that no face has are dropped, and equal ones are one.
+  const Read got = read(with(R"({"material":{"of_face":[3,1.0,0],"names":["b","\u00e4","unused","b"],"colour":1},)"
+                             R"("object":{"names":["part"],"of_face":[0,0,0]},"layer":[{"names":[0]}]})"));
+  const FaceLabels& labels = got.result.mesh.labels;
+  EXPECT_THAT(labels.material.names, ElementsAre("b", "ä"));
+  EXPECT_THAT(labels.material.of_face.items(), ElementsAre(0u, 1u, 0u));
+  EXPECT_THAT(labels.object.names, ElementsAre("part"));
+  EXPECT_FALSE(labels.group.is_used());
+  ASSERT_EQ(got.result.diagnostics.size(), 1u);
+  EXPECT_THAT(got.result.diagnostics[0].message, HasSubstr(R"("colour" "layer")"));
+
+  const std::string group = R"({"names":["a"],"of_face":[0,0,0]})";
+  const std::map<std::string, std::pair<Code, std::string>> wrong{
+      {with("[1]"), {Code::kInvalidMesh, "labels must be an object"}},
+      {with(R"({"group":["a"]})"), {Code::kInvalidMesh, "labels must be as"}},
+      {with(R"({"group":{"names":[1],"of_face":[0,0,0]}})"), {Code::kInvalidMesh, "labels must be as"}},
+      {with(R"({"group":{"names":["a"],"of_face":[0,0.5,0]}})"), {Code::kInvalidMesh, "labels must be as"}},
+      {with(R"({"group":{"names":["a"],"of_face":[0,-1,0]}})"), {Code::kInvalidMesh, "labels must be as"}},
+      {with(R"({"group":{"names":["a"],"of_face":{}}})"), {Code::kInvalidMesh, "labels must be as"}},
+      {with(R"({"group":{"names":["a"],"of_face":[0,0]}})"), {Code::kInvalidMesh, "group.of_face has 2 entries for 3"}},
+      {with(R"({"group":{}})"), {Code::kInvalidMesh, "group.of_face has 0 entries for 3"}},
+      {with(R"({"group":{"names":["a"],"of_face":[0,0,1]}})"), {Code::kIndexOutOfRange, "1 for face 2; there are 1"}},
+      {with("{\"group\":" + group + "},\"face_groups\":[1,1,1]"), {Code::kInvalidMesh, "exclude each other"}},
+      {with("{\"group\":" + group + ",\"group\":" + group + "}"),
+       {as_code(RequestCode::kMalformedJson), "occurs twice"}}};
+  for (const auto& [text, expected] : wrong) {
+    const Error error = error_of(text);
+    EXPECT_EQ(error.code, expected.first) << text;
+    EXPECT_THAT(error.what(), HasSubstr(expected.second)) << text;
+  }
+}
+
 TEST(json_reader, whole_numbers_are_integers_however_they_are_written) {
   const PolygonMesh got =
       read(mesh(kVertices, "[[0.0,1e0,20e-1],[-0.0,1,2]]", R"(,"face_groups":[-7,-7.0])")).result.mesh;

@@ -226,7 +226,7 @@ def typed():
 
 
 def large(remeshd, client):
-    """100 MB of a flat sheet come through, as binary PLY and as JSON."""
+    """100 MB of a flat sheet come through, as binary PLY."""
     import numpy
 
     n = 1700

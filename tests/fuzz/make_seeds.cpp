@@ -183,7 +183,8 @@ int main(int argc, char** argv) {
        {"BEGIN BULK\nGRID,1,,0.,0.,0.\nGRID           2              1.      0.    1.-3\nGRID*                  3      "
         "                        0.              1.\n*                     0.\nCTRIA3,4,5,1,2,3\nENDDATA\n"}},
       {"json",
-       {R"({"mesh":{"vertices":[[0,0,0],[1,0,0],[0,1,1e-3]],"faces":[[0,1,2]],"face_groups":[3]},"options":{"refine":false,"barriers":["group"]}})",
+       {R"({"vertices":[[0,0,0],[1,0,0],[0,1,0]],"faces":[[0,1,2]],"labels":{"group":{"names":["a"],"of_face":[0]}}})",
+        R"({"mesh":{"vertices":[[0,0,0],[1,0,0],[0,1,1e-3]],"faces":[[0,1,2]],"face_groups":[3]},"options":{"refine":false,"barriers":["group"]}})",
         R"({"vertices":[[0,0,0],[1,0,0],[1,1,0],[0,1,0]],"faces":[[0,1,2,3]],"what":{"ever":[null,true,"\u00e9"]}})"}},
       {"gzip", {gzip(written(Format::kObj), control), gzip("", control) + gzip("abc", control), "plain"}},
       {"pipeline",

@@ -3,4 +3,5 @@ import "./page_test.mjs";
 import "./surfaces_test.mjs";
 import "./points_test.mjs";
 import "./accessibility_test.mjs";
+import "./docs_test.mjs";
 import "./pictures_test.mjs";

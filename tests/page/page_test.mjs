@@ -1,6 +1,6 @@
 // The page as a person uses it, in a real browser against the real daemon.
 import assert from "node:assert/strict";
-import { readFileSync } from "node:fs";
+import { readFileSync, rmSync } from "node:fs";
 import { join } from "node:path";
 import { after, test } from "node:test";
 import {
@@ -18,6 +18,7 @@ import {
   stage,
   startDaemon,
   stripedPart,
+  violations,
 } from "./support.mjs";
 
 const set = stage();
@@ -493,6 +494,57 @@ onPage(
 );
 let keyed;
 after(() => keyed?.stop());
+
+let withJobs;
+after(() => withJobs?.stop());
+
+onPage(
+  "jobs are kept in the browser, followed, saved, forgotten and deleted",
+  async ({ page, open, text, waitForText }) => {
+    const send = async (count) => {
+      await page.click("#send-job");
+      await waitForText("#tab-jobs", new RegExp(`^Jobs ${count}$`));
+      assert.match(await text("#status"), /^bracket\.obj is job [0-9a-f]{32}$/);
+      return (await text("#status")).slice(-32);
+    };
+    const statusOfResult = async (id) => (await fetch(`${withJobs.origin}/v1/jobs/${id}/result`)).status;
+    const press = (id, name) => page.click(`[data-job="${id}"] button[aria-label^="${name}"]`);
+    const listed = () => page.$$eval("[data-job]", (rows) => rows.map((row) => row.dataset.job));
+    await open(bracket, /^4,800 faces$/);
+    const first = await send(1);
+    const second = await send(2);
+    await waitForText(`[data-job="${first}"]`, /Succeeded/);
+    await waitForText(`[data-job="${second}"]`, /Succeeded/);
+    assert.deepEqual(await violations(page), []);
+    // They are there after a reload, and lead to what the service says of them.
+    await page.reload();
+    await page.waitForSelector("#option-refine");
+    assert.equal(await text("#tab-jobs"), "Jobs 2");
+    await page.click("#tab-jobs");
+    assert.deepEqual(await listed(), [second, first]);
+    const link = await page.$eval(`[data-job="${first}"] a`, ({ href }) => href);
+    assert.equal(JSON.parse(await (await fetch(link)).text()).id, first);
+    await waitForText(`[data-job="${first}"]`, /Succeeded/);
+    rmSync(join(folder.path, "bracket-remeshed.obj"), { force: true });
+    await press(first, "Save");
+    await waitForText("#jobs", /Saved as bracket-remeshed\.obj/);
+    const expected = Buffer.from(await (await fetch(`${link}/result`)).arrayBuffer());
+    await eventually(() => assert.ok(readFileSync(join(folder.path, "bracket-remeshed.obj")).equals(expected)));
+    await press(first, "Forget");
+    assert.deepEqual(await listed(), [second]);
+    assert.equal(await statusOfResult(first), 200);
+    await press(second, "Delete");
+    await waitForText("#jobs", /is then listed here/);
+    assert.equal(await statusOfResult(second), 410);
+    assert.equal(await page.evaluate(() => localStorage.length), 0);
+    // Without a key there is no list but this one, and the service says why.
+    assert.match(await (await fetch(`${withJobs.origin}/v1/jobs`)).text(), /no API keys.*the only secret/);
+  },
+  async () => {
+    withJobs = await startDaemon("--state-dir", join(folder.path, "jobs"));
+    return { origin: withJobs.origin };
+  },
+);
 
 test("the page is small, comes from one place, and may load nothing else", async () => {
   const index = await fetch(set.daemon.origin);

@@ -217,7 +217,7 @@ onAll("what is reported is marked completely, with a legend, and gone through", 
   await openGroup("Open boundary");
   assert.match(
     await text(".mark-legend"),
-    new RegExp(`^All ${kOpenEdges} are marked in this colour in the view before`),
+    new RegExp(`^All ${kOpenEdges} open edges are marked in this colour in the view before`),
   );
   await view("before", (png) => assert.ok(marked(png) > 0.0005, `marked: ${marked(png)}`));
   await press(".steps button:last-of-type");
@@ -228,14 +228,17 @@ onAll("what is reported is marked completely, with a legend, and gone through", 
 
   await openGroup("Self intersection");
   // One pair of squares, each of which is drawn as two triangles; the line where they cross is 3 long.
-  assert.match(await text(".mark-legend"), /^All \d are marked/);
+  assert.match(await text(".mark-legend"), /^All \d lines where two faces cross are marked in this colour/);
   await press(".steps button:last-of-type");
   await view("before", (png) => assert.ok(marked(png) + chosenPart(png) > 0.0005, "the crossing is not marked"));
 
   await openGroup("Triangles below 25°");
   const { report } = JSON.parse(await set.daemon.remesh(join(folder.path, "everything.obj"), { format: "json" }));
   const missed = report.unrefined.reduce((sum, { count }) => sum + count, 0);
-  assert.match(await text(".mark-legend"), new RegExp(`^All ${missed} are marked in this colour in the view after`));
+  assert.match(
+    await text(".mark-legend"),
+    new RegExp(`^All ${missed} triangles are marked in this colour in the view after`),
+  );
   await press(".steps button:last-of-type");
   assert.ok(Number.parseFloat(await text("#after-numbers dl dd")) < 25);
   assert.deepEqual(await violations(page), []);

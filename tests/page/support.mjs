@@ -184,8 +184,22 @@ async function newTab(browser) {
   return tab;
 }
 
-/** A tab of the page, with everything that a person does there. `faults` gathers what must not be in any console. */
-export async function openPage(browser, origin, { width = kWidth, height = 800, scheme = "light", downloads } = {}) {
+/**
+ * A tab of the page, with everything that a person does there. `faults` gathers what must not be in any console; `path`
+ * is another page, which is there once it has `ready`.
+ */
+export async function openPage(
+  browser,
+  origin,
+  {
+    width = kWidth,
+    height = 800,
+    scheme = "light",
+    downloads,
+    path = "/",
+    ready = "#option-refine, #key-dialog[open]",
+  } = {},
+) {
   if (!leftTabs.has(browser)) leftTabs.set(browser, []);
   const tab = leftTabs.get(browser).pop() ?? (await newTab(browser));
   const { page, context, session } = tab;
@@ -205,8 +219,8 @@ export async function openPage(browser, origin, { width = kWidth, height = 800, 
       downloadPath: downloads,
       browserContextId: context.id,
     });
-  await page.goto(origin, { waitUntil: "load" });
-  await page.waitForFunction(() => document.querySelector("#option-refine, #key-dialog[open]"));
+  await page.goto(origin + path, { waitUntil: "load" });
+  await page.waitForFunction((selector) => document.querySelector(selector), {}, ready);
 
   const text = (selector) => page.$eval(selector, (element) => element.textContent);
   const self = {

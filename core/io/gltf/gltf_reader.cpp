@@ -275,7 +275,9 @@ class GltfReader {
     if (primitives == nullptr || !primitives->is_array()) throw gltf_error("a mesh without primitives");
     // Primitives share vertices by their accessor. This is the first vertex of each.
     std::map<std::uint64_t, std::uint64_t> first_vertex;
-    objects_.name(name.empty() && member(mesh, "name") == nullptr ? "mesh_" + std::to_string(index) : name);
+    // A mesh that is alone and has no name is no object beside others.
+    const bool has_name = member(mesh, "name") != nullptr;
+    if (has_name || document_.at("meshes").size() > 1) objects_.name(has_name ? name : "mesh_" + std::to_string(index));
     for (const Json& primitive : *primitives) {
       // Nodes may use a mesh again and again that has nothing but lines.
       if (++primitives_ > limits_.max_faces) throw too_large_error(Place::byte(0), "primitives", limits_.max_faces);

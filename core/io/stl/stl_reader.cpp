@@ -11,6 +11,7 @@
 #include "core/io/common/number_parsing.h"
 #include "core/io/common/text_lines.h"
 #include "core/io/stl/stl.h"
+#include "core/mesh/equal_places.h"
 
 namespace remesh {
 namespace {
@@ -22,41 +23,18 @@ constexpr std::size_t kVector = 3 * sizeof(float);
 /// Number of faces between two checks for cancellation.
 constexpr std::size_t kTriangleStep = 1 << 14;
 
-struct Corner {
-  Vec3 position;
-  std::uint32_t index;
-
-  friend bool operator<(const Corner& a, const Corner& b) {
-    return a.position != b.position ? a.position < b.position : a.index < b.index;
-  }
-};
-
 /// Makes a mesh from the corners of its triangles. Equal positions become one vertex, numbered by first appearance.
 PolygonMesh joined(std::vector<Vec3> positions, const ReadLimits& limits, RunControl& control) {
   if (positions.empty()) throw Error(Code::kEmptyMesh, Stage::kRead, "the file has no facet");
   const std::size_t n = positions.size();
   PolygonMesh mesh;
   mesh.corners.resize(n);
-  {
-    std::vector<Corner> sorted(n);
-    StopCheck check(control);
-    for (std::uint32_t i = 0; i < n; ++i) {
-      check();
-      sorted[i] = {positions[i], i};
-    }
-    sort_stoppable(sorted.begin(), sorted.end(), control);
-    // For now the id of each corner is the index of the first corner with its position.
-    for (std::size_t k = 0; k < n; ++k) {
-      check();
-      const bool is_first = k == 0 || sorted[k].position != sorted[k - 1].position;
-      mesh.corners[sorted[k].index] = is_first ? VertexId(sorted[k].index) : mesh.corners[sorted[k - 1].index];
-    }
-  }
+  std::vector<std::uint32_t> first(n);
+  if (!find_equal_by_hash(positions, {}, first, control)) find_equal_by_sort(positions, {}, first, control);
   StopCheck check(control);
   for (std::uint32_t i = 0; i < n; ++i) {
     check();
-    VertexId& vertex = mesh.corners[i];
-    vertex = vertex.value == i ? mesh.positions.push_back(positions[i]) : mesh.corners[vertex.value];
+    mesh.corners[i] = first[i] == i ? mesh.positions.push_back(positions[i]) : mesh.corners[first[i]];
   }
   if (mesh.vertex_count() > limits.max_vertices) {
     throw Error(Code::kMeshTooLarge, Stage::kRead,

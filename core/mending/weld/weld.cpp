@@ -15,83 +15,13 @@
 #include "core/base/parallel.h"
 #include "core/base/stoppable.h"
 #include "core/mending/common/body_labels.h"
+#include "core/mesh/equal_places.h"
 
 namespace remesh {
 namespace {
 
-struct Indexed {
-  Vec3 position;
-  std::uint32_t index;
-
-  friend bool operator<(const Indexed& a, const Indexed& b) {
-    return a.position != b.position ? a.position < b.position : a.index < b.index;
-  }
-};
-
 /// One entry per input vertex. The entries of vertices that no face uses are not set.
 using Numbers = std::vector<std::uint32_t, DefaultInit<std::uint32_t>>;
-
-/// Finds, for each vertex that is used, the first one with its coordinates.
-/// Output: false if that takes too long, because someone has chosen coordinates that collide. Sorting always takes a
-///         bounded time.
-bool find_equal_by_hash(const IdVector<VertexId, Vec3>& positions, const std::vector<std::uint8_t>& is_used,
-                        Numbers& stands_for, RunControl& control) {
-  constexpr std::uint64_t kFree = 0xffffffffffffffffu;
-  constexpr std::size_t kMaxLooks = 16;  // per vertex, on average
-  // Adding 0 turns -0 into 0, because both are equal.
-  const auto hash = [](const Vec3& p) {
-    std::uint64_t h = 0;
-    for (const double c : {p.x, p.y, p.z}) {
-      h = (h ^ std::bit_cast<std::uint64_t>(c + 0.0)) * 0x9e3779b97f4a7c15u;
-      h ^= h >> 32;
-    }
-    return h;
-  };
-  // All threads fill one table. An entry is a vertex and the upper half of its hash, which distinguishes it from most
-  // other vertices; comparing coordinates would read memory far away. The slot that a place gets depends on the
-  // threads. But the slot always ends up with the first vertex at the place.
-  std::vector<std::uint64_t, DefaultInit<std::uint64_t>> table(std::bit_ceil(2 * positions.size() + 1));
-  for_blocks(table.size(), kItemsPerBlock, control,
-             [&](std::size_t begin, std::size_t end) { std::fill_n(&table[begin], end - begin, kFree); });
-  const std::size_t mask = table.size() - 1;
-  std::atomic<bool> is_colliding = false;
-  constexpr int kHalf = 32;
-  const auto enter = [&](std::uint32_t i, std::uint64_t of_place, std::size_t& looks) {
-    const Vec3 p = positions[VertexId(i)];
-    const std::uint64_t own = of_place >> kHalf << kHalf | i;
-    for (std::size_t slot = of_place & mask;; slot = (slot + 1) & mask, ++looks) {
-      const std::atomic_ref entry(table[slot]);
-      std::uint64_t other = entry.load(std::memory_order_relaxed);
-      if (other == kFree && entry.compare_exchange_strong(other, own, std::memory_order_relaxed)) return slot;
-      if ((other ^ own) >> kHalf != 0 || positions[VertexId(static_cast<std::uint32_t>(other))] != p) continue;
-      while (own < other && !entry.compare_exchange_weak(other, own, std::memory_order_relaxed)) continue;
-      return slot;
-    }
-  };
-  for_blocks(positions.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
-    std::size_t looks = 0;
-    // Several vertices are handled at once, because the table is large, and it takes time until a slot arrives from
-    // memory.
-    std::array<std::uint64_t, 16> hashes;
-    for (std::size_t i = begin; i < end && !is_colliding; begin = i) {
-      const std::size_t stop = std::min(end, begin + hashes.size());
-      for (std::size_t k = begin; k < stop; ++k) {
-        hashes[k - begin] = hash(positions[VertexId(k)]);
-        __builtin_prefetch(&table[hashes[k - begin] & mask], 1);
-      }
-      for (; i < stop; ++i)
-        if (is_used[i])
-          stands_for[i] = static_cast<std::uint32_t>(enter(static_cast<std::uint32_t>(i), hashes[i - begin], looks));
-      if (looks > kMaxLooks * kItemsPerBlock) is_colliding = true;
-    }
-  });
-  if (is_colliding) return false;
-  for_blocks(positions.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i)
-      if (is_used[i]) stands_for[i] = static_cast<std::uint32_t>(table[stands_for[i]]);
-  });
-  return true;
-}
 
 /// A grid of cells that are twice as wide as the weld tolerance. Each axis of a cell is a whole number. If a coordinate
 /// is so large that no other one is within the tolerance, it is the coordinate itself.
@@ -171,10 +101,10 @@ class SortedCells {
  public:
   static constexpr bool kMayCollide = false;
 
-  SortedCells(std::span<const Indexed> places, const Grid& grid, RunControl& control) {
+  SortedCells(std::span<const IndexedPlace> places, const Grid& grid, RunControl& control) {
     cells_.reserve(places.size());
     StopCheck check(control);
-    for (const Indexed& place : places) {
+    for (const IndexedPlace& place : places) {
       check();
       cells_.push_back(grid.cell_of(place.position));
     }
@@ -199,7 +129,7 @@ template <class Cells>
 class NearWelding {
  public:
   /// Input:  places, pairwise different, in lexicographic order.
-  NearWelding(std::span<const Indexed> places, double tolerance, const Grid& grid, const Cells& cells,
+  NearWelding(std::span<const IndexedPlace> places, double tolerance, const Grid& grid, const Cells& cells,
               RunControl& control)
       : places_(places), tolerance_(tolerance), grid_(grid), cells_(cells), check_(control) {
     heads_.assign(cells.count(), kNone);
@@ -256,7 +186,7 @@ class NearWelding {
 
   bool has_too_many_looks() const { return Cells::kMayCollide && looks_ > kFewLooks + kMaxLooks * places_.size(); }
 
-  std::span<const Indexed> places_;
+  std::span<const IndexedPlace> places_;
   double tolerance_;
   const Grid& grid_;
   const Cells& cells_;
@@ -269,7 +199,7 @@ class NearWelding {
 };
 
 /// Welds places within a tolerance. They are pairwise different and in lexicographic order.
-void weld_near(std::span<const Indexed> places, double tolerance, Numbers& stands_for, Diagnostic& wide,
+void weld_near(std::span<const IndexedPlace> places, double tolerance, Numbers& stands_for, Diagnostic& wide,
                RunControl& control) {
   const Grid grid(tolerance);
   Diagnostic found = wide;
@@ -280,7 +210,7 @@ void weld_near(std::span<const Indexed> places, double tolerance, Numbers& stand
   }
   // The welds of the first attempt are undone.
   StopCheck check(control);
-  for (const Indexed& place : places) {
+  for (const IndexedPlace& place : places) {
     check();
     stands_for[place.index] = place.index;
   }
@@ -436,25 +366,14 @@ Surface weld(const PolygonMesh& input, const Barriers& barriers, std::vector<Dia
   for (const VertexId v : select_ids<VertexId>(n, kItemsPerBlock, control, [&](std::size_t v) { return !is_used[v]; }))
     unused.add(v.value);
   Numbers stands_for(n);
-  std::vector<Indexed> sorted;
-  if (tolerance > 0 || !find_equal_by_hash(input.positions, is_used, stands_for, control)) {
-    sorted.reserve(n);
-    StopCheck check(control);
-    for (std::uint32_t i = 0; i < n; ++i) {
-      check();
-      if (is_used[i]) sorted.push_back({input.positions[VertexId(i)], i});
-    }
-    sort_stoppable(sorted.begin(), sorted.end(), control);
-    for (std::size_t k = 0; k < sorted.size(); ++k) {
-      check();
-      const bool is_first = k == 0 || sorted[k].position != sorted[k - 1].position;
-      stands_for[sorted[k].index] = is_first ? sorted[k].index : stands_for[sorted[k - 1].index];
-    }
-  }
+  std::vector<IndexedPlace> sorted;
+  const std::vector<Vec3>& positions = input.positions.items();
+  if (tolerance > 0 || !find_equal_by_hash(positions, is_used, stands_for, control))
+    sorted = find_equal_by_sort(positions, is_used, stands_for, control);
   if (tolerance > 0) {
     duplicate.message = "vertices within `weld_tolerance` of another vertex were merged with it";
     StopCheck check(control);
-    const auto is_repeated = [&](const Indexed& v) {
+    const auto is_repeated = [&](const IndexedPlace& v) {
       check();
       return stands_for[v.index] != v.index;
     };

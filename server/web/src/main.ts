@@ -8,7 +8,7 @@ import { UnreadableMesh } from "./mesh/surface.ts";
 import { pictureOf } from "./picture.ts";
 import { kSamples } from "./samples.ts";
 import { type Post, type Running, ServiceClient, ServiceProblem } from "./service/client.ts";
-import type { Capabilities, Problem, Report } from "./service/types.ts";
+import type { Capabilities, Job, Problem, Report } from "./service/types.ts";
 import { pairsOf, wordsOf } from "./ui/advice.ts";
 import { askForKey } from "./ui/key_dialog.ts";
 import { askAboutLarge, kLargeResult } from "./ui/large_dialog.ts";
@@ -16,6 +16,7 @@ import { byId, h } from "./ui/dom.ts";
 import { SurfaceChoice } from "./surface_choice.ts";
 import { DownloadPanel, saveBlob } from "./ui/download_panel.ts";
 import { FindingsPanel, findingsOf } from "./ui/findings.ts";
+import { JobsPanel } from "./ui/jobs_panel.ts";
 import { OptionsForm } from "./ui/options_form.ts";
 import { ProgressCard } from "./ui/progress_card.ts";
 import { qualityPanel, reportTables } from "./ui/report_panel.ts";
@@ -79,6 +80,8 @@ class Page {
   );
   private readonly findings: FindingsPanel;
   private readonly downloads: DownloadPanel;
+  private readonly jobs: JobsPanel;
+  private readonly tabs: Tabs;
   private options: OptionsForm | null = null;
   private file: File | null = null;
   /** Whether the page could read the file; what the service alone can read is not sent before it is asked for. */
@@ -99,8 +102,10 @@ class Page {
       (options) => this.applyAdvice(options),
     );
     this.downloads = new DownloadPanel(byId("download"), this.service);
-    new Tabs(document.querySelector("[role=tablist]")!, (panel) => {
+    this.jobs = new JobsPanel(byId("jobs"), this.service);
+    this.tabs = new Tabs(document.querySelector("[role=tablist]")!, (panel) => {
       this.viewer.showsFindings = panel === "findings";
+      this.jobs.isShown = panel === "jobs";
       // A surface that was chosen in its tab is let go with it.
       if (panel !== "surfaces" && this.surfaces.hasChosen && !this.inspection.hasCard) this.inspection.clear();
     });
@@ -122,6 +127,7 @@ class Page {
       void this.remesh();
     });
     byId("analyze").addEventListener("click", () => void this.run("v1/analyze"));
+    byId("send-job").addEventListener("click", () => void this.run("v1/jobs"));
     byId("reset").addEventListener("click", () => this.options?.reset());
     this.clearResults();
   }
@@ -321,6 +327,8 @@ class Page {
     this.begin({ path, query: isRemesh ? [...query, ["format", "json"]] : query, body: file });
     try {
       const body = await this.running!.answer;
+      // A job is there, whatever was opened meanwhile.
+      if (path === "v1/jobs") return this.takeJob(file, JSON.parse(await body.text()) as Job);
       if (this.file !== file) return;
       this.progress.enter("draw", null);
       if (isRemesh) {
@@ -335,6 +343,13 @@ class Page {
     } finally {
       this.end();
     }
+  }
+
+  private takeJob(file: File, { id }: Job): void {
+    this.jobs.add({ id, file: file.name, sent: Date.now() });
+    this.tabs.open(byId("tab-jobs"));
+    this.bringToSight("jobs");
+    this.say(`${file.name} is job ${id}`);
   }
 
   private async showResult(file: File, query: [string, string][], body: Blob): Promise<void> {
@@ -523,8 +538,7 @@ class Page {
 
   private enableActions(): void {
     const isReady = this.file !== null && this.options !== null && this.running === null;
-    byId<HTMLButtonElement>("run").disabled = !isReady;
-    byId<HTMLButtonElement>("analyze").disabled = !isReady;
+    for (const id of ["run", "analyze", "send-job"]) byId<HTMLButtonElement>(id).disabled = !isReady;
   }
 
   private say(text: string): void {

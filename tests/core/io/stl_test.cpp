@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cfloat>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -67,6 +69,29 @@ TEST(stl_reader, zeros_of_both_signs_are_one_place_and_the_first_one_stays) {
       read_as_stl(binary_stl({{{{-0.0f, 0, 0}, {1, 0, 0}, {1, 1, 0}}}, {{{0, 0, 0}, {1, 1, 0}, {0, 1, 0}}}})).mesh;
   EXPECT_EQ(mesh.vertex_count(), 4u);
   EXPECT_TRUE(std::signbit(mesh.positions[VertexId(0)].x));
+}
+
+TEST(stl_reader, corners_chosen_to_collide_are_joined_all_the_same_and_soon) {
+  // Heights whose hashes have the lower half 0, as in the test of welding.
+  constexpr std::uint64_t kFactor = 0x9e3779b97f4a7c15u;
+  std::uint64_t inverse = kFactor;
+  for (int i = 0; i < 6; ++i) inverse *= 2 - kFactor * inverse;
+  std::vector<std::string> heights;
+  for (std::uint64_t i = 1; heights.size() < 60'000; ++i) {
+    const auto z = std::bit_cast<double>((i << 32 | i) * inverse);
+    if (!(std::fabs(z) < 1e100 && std::fabs(z) > 1e-100)) continue;
+    std::array<char, 32> text;
+    heights.emplace_back(text.data(), std::to_chars(text.data(), text.data() + text.size(), z).ptr);
+  }
+  std::string content = "solid\n";
+  for (int pass = 0; pass < 2; ++pass)
+    for (std::size_t i = 0; i < heights.size(); i += 3)
+      content += text_facet("vertex 0 0 " + heights[i] + "\nvertex 0 0 " + heights[i + 1] + "\nvertex -0 0 " +
+                            heights[i + 2] + "\n");
+  const ReadResult result = read_as_stl(content + "endsolid\n");
+  ASSERT_EQ(result.mesh.vertex_count(), heights.size());
+  for (std::uint32_t c = 0; c < result.mesh.corners.size(); ++c)
+    ASSERT_EQ(result.mesh.corners[c].value, c % heights.size());
 }
 
 TEST(stl_reader, a_binary_file_may_begin_with_solid) {

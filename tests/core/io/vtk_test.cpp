@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "core/io/common/base64.h"
 #include "core/io/common/bytes.h"
 #include "core/io/mesh_files.h"
 #include "core/io/vtu/vtu.h"
@@ -34,6 +35,22 @@ std::string grid(const std::string& cell_data = "", const std::string& field_dat
          array("Points", "0 0 0  1 0 0  0 1 0\n1 1 0.1  0.5 0 0  1 0.5 0", "NumberOfComponents=\"3\"") +
          "</Points><Cells>" + array("connectivity", "0 1 2 0 1 0 1 2 3 0 1 3 4 5 4") + array("offsets", "3 5 9 15") +
          array("types", "5 3 8 22") + "</Cells><PointData/>" + cell_data + "</Piece></UnstructuredGrid></VTKFile>";
+}
+
+TEST(base64, blanks_may_stand_anywhere_and_a_new_text_begins_behind_padding) {
+  const std::string digits = "AAECAwQFBgcICQoLDA0ODw==/+8=";  // the bytes 0 to 15, and 255 239 by itself
+  std::string bytes;
+  for (char c = 0; c < 16; ++c) bytes += c;
+  bytes += "\xff\xef";
+  EXPECT_EQ(from_base64(digits, 100), bytes);
+  for (std::size_t at = 0; at <= digits.size(); ++at) {
+    std::string broken = digits;
+    EXPECT_EQ(from_base64(broken.insert(at, "\n  "), 100), bytes) << at;
+    EXPECT_EQ(from_base64(digits, at), bytes.substr(0, at)) << at;
+    // A character that is no digit ends the text.
+    broken[at] = '<';
+    EXPECT_EQ(from_base64(broken, 100), from_base64(digits.substr(0, at), 100)) << at;
+  }
 }
 
 TEST(vtk_reader, cells_that_are_faces_come_in_their_order_with_their_labels_and_names) {

@@ -8,10 +8,18 @@ export interface LineSet {
   segments: Float32Array;
   segmentsPerItem: number;
   triangle: Uint32Array;
+  /** What an item is, as a word and its plural. */
+  item: [one: string, many: string];
+  /** How many of what the report counts have items: of pairs of faces that cross, for example. */
+  shown: number;
 }
 
 /** The edges across from the corners that `holds` names, each as an item. */
-function edgesWhere({ positions, values }: Drawable, holds: (flags: number, k: number) => boolean): LineSet {
+function edgesWhere(
+  { positions, values }: Drawable,
+  item: LineSet["item"],
+  holds: (flags: number, k: number) => boolean,
+): LineSet {
   const found: number[] = [];
   for (let t = 0; 9 * t < positions.length; ++t) {
     const flags = values[kValue.count * t + kValue.flags]!;
@@ -25,17 +33,20 @@ function edgesWhere({ positions, values }: Drawable, holds: (flags: number, k: n
       segments.set(positions.subarray(corner, corner + 3), 6 * i + 3 * end);
     });
   });
-  return { segments, segmentsPerItem: 1, triangle: Uint32Array.from(found, (half) => Math.floor(half / 3)) };
+  const triangle = Uint32Array.from(found, (half) => Math.floor(half / 3));
+  return { segments, segmentsPerItem: 1, triangle, item, shown: found.length };
 }
 
 export function openEdges(drawable: Drawable): LineSet {
   return edgesWhere(
     drawable,
+    ["open edge", "open edges"],
     (flags, k) => (flags & (kFlag.open << k)) !== 0 && (flags & (kFlag.nonManifold << k)) === 0,
   );
 }
 export function nonManifoldEdges(drawable: Drawable): LineSet {
-  return edgesWhere(drawable, (flags, k) => (flags & (kFlag.nonManifold << k)) !== 0);
+  const isNonManifold = (flags: number, k: number): boolean => (flags & (kFlag.nonManifold << k)) !== 0;
+  return edgesWhere(drawable, ["edge of more than two faces", "edges of more than two faces"], isNonManifold);
 }
 
 /** Angles are kept as floats, so that one that holds a bound exactly may be this part of it below. */
@@ -58,14 +69,23 @@ function outlines({ positions }: Drawable, triangles: readonly number[]): LineSe
       segments.set(positions.subarray(corner, corner + 3), 18 * i + 3 * end);
     });
   });
-  return { segments, segmentsPerItem: 3, triangle: Uint32Array.from(triangles) };
+  const shown = triangles.length;
+  return {
+    segments,
+    segmentsPerItem: 3,
+    triangle: Uint32Array.from(triangles),
+    item: ["triangle", "triangles"],
+    shown,
+  };
 }
 
 /** Where pairs of faces cross: a line for each pair; none where they only touch or lie in one plane. */
 export function crossings(drawable: Drawable, pairs: readonly [number, number][]): LineSet {
   const segments: number[] = [];
   const triangle: number[] = [];
+  let shown = 0;
   for (const [f, g] of pairs) {
+    const before = triangle.length;
     const [begin, end] = trianglesOfFace(drawable, f);
     const [otherBegin, otherEnd] = trianglesOfFace(drawable, g);
     for (let t = begin; t < end; ++t) {
@@ -76,8 +96,15 @@ export function crossings(drawable: Drawable, pairs: readonly [number, number][]
         triangle.push(t);
       }
     }
+    if (triangle.length > before) ++shown;
   }
-  return { segments: Float32Array.from(segments), segmentsPerItem: 1, triangle: Uint32Array.from(triangle) };
+  return {
+    segments: Float32Array.from(segments),
+    segmentsPerItem: 1,
+    triangle: Uint32Array.from(triangle),
+    item: ["line where two faces cross", "lines where two faces cross"],
+    shown,
+  };
 }
 
 function cornersOf({ positions }: Drawable, triangle: number): [Vector, Vector, Vector] {

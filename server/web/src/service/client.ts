@@ -13,7 +13,7 @@ export class ServiceProblem extends Error {
 
 export interface Post {
   /** Relative, as all paths here are, so that the page works below any path that a proxy gives it. */
-  path: "v1/remesh" | "v1/analyze";
+  path: "v1/remesh" | "v1/analyze" | "v1/jobs";
   query: [string, string][];
   body: Blob;
 }
@@ -44,10 +44,24 @@ export class ServiceClient {
   }
 
   async capabilities(): Promise<Capabilities> {
+    return (await (await this.ask("v1/capabilities")).json()) as Capabilities;
+  }
+
+  /** A request without a body. What is refused is thrown as a `ServiceProblem`. */
+  async ask(path: string, method: "GET" | "DELETE" = "GET"): Promise<Response> {
+    const response = await this.send(path, { method });
+    if (!response.ok) throw await problemOf(response.status, response.statusText, await response.text());
+    return response;
+  }
+
+  /** Any request, with the key. All answers are given, but the one that asks for a key. */
+  async send(path: string, init: RequestInit & { headers?: Record<string, string> }): Promise<Response> {
     return this.withKey(async () => {
-      const response = await fetch("v1/capabilities", { headers: this.headers() });
-      if (!response.ok) throw await problemOf(response.status, response.statusText, await response.text());
-      return (await response.json()) as Capabilities;
+      const response = await fetch(path, { ...init, headers: { ...this.headers(), ...init.headers } }).catch(() => {
+        throw unreachable();
+      });
+      if (response.status === 401) throw await problemOf(401, response.statusText, await response.text());
+      return response;
     });
   }
 
@@ -57,7 +71,7 @@ export class ServiceClient {
     let isCancelled = false;
     const answer = this.withKey(() => {
       if (isCancelled) throw cancelled();
-      attempt = this.send(post, watching);
+      attempt = this.sendMesh(post, watching);
       return attempt.answer;
     });
     return {
@@ -73,7 +87,7 @@ export class ServiceClient {
     };
   }
 
-  private send({ path, query, body }: Post, watching: Watching): Running {
+  private sendMesh({ path, query, body }: Post, watching: Watching): Running {
     const id = crypto
       .getRandomValues(new Uint8Array(16))
       .reduce((text, byte) => text + byte.toString(16).padStart(2, "0"), "");
@@ -91,7 +105,8 @@ export class ServiceClient {
       request.onprogress = (event) => watching.onReceived(event.loaded);
       request.onload = async () => {
         const blob = request.response as Blob;
-        if (request.status === 200) resolve(blob);
+        // 202: a job was accepted.
+        if (request.status === 200 || request.status === 202) resolve(blob);
         else reject(await problemOf(request.status, request.statusText, await blob.text()));
       };
       request.onerror = () => reject(unreachable());

@@ -190,6 +190,12 @@ export interface RequestState {
   left_s: number | null;
   elapsed_s: number;
 }
+export interface Job {
+  id: string;
+  state: "queued" | "running" | "succeeded" | "failed" | "cancelled" | "expired";
+  fraction: number;
+  problem: Problem | null;
+}
 export interface Problem {
   title: string;
   status: number;

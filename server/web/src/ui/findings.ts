@@ -6,7 +6,7 @@ import type { Side } from "../view/viewer.ts";
 import { adviceList } from "./advice.ts";
 import { h } from "./dom.ts";
 import { angleBound } from "./report_panel.ts";
-import { label, real, sentence, whole } from "./words.ts";
+import { count, label, real, sentence, whole } from "./words.ts";
 
 export type Target =
   | { kind: "place"; at: Point }
@@ -251,7 +251,12 @@ export class FindingsPanel {
     this.targets.replaceChildren(
       h("p", {}, finding.text),
       ...(finding.remedies.length > 0 ? [adviceList(finding.remedies, this.onAdvice)] : []),
-      h("p", { class: "mark-legend" }, h("span", { class: "mark-key", "aria-hidden": "true" }), legendOf(finding)),
+      h(
+        "p",
+        { class: "mark-legend" },
+        h("span", { class: finding.lines ? "mark-key line" : "mark-key", "aria-hidden": "true" }),
+        legendOf(finding),
+      ),
       ...(stops > 1 ? [h("p", { class: "steps" }, step("Previous", -1), step("Next", 1), place)] : []),
       h("ul", { "aria-label": `Places: ${finding.title}` }, ...buttons.map((item) => h("li", {}, item))),
     );
@@ -260,12 +265,17 @@ export class FindingsPanel {
 }
 
 /** What is marked in the views, and whether that is all. */
-function legendOf({ lines, faces, targets, count, side }: Finding): string {
-  const where = `in the view ${side}`;
-  const shown = faces?.length ?? (lines ? lines.triangle.length : targets.length);
+function legendOf({ lines, faces, targets, count: counted, side }: Finding): string {
+  const where = `marked in this colour in the view ${side}, while this tab is open.`;
+  const shown = lines?.shown ?? faces?.length ?? targets.length;
   if (shown === 0) return "Nothing of it is marked in the views.";
-  const isAll = faces !== null || shown >= count || (lines !== null && lines.segmentsPerItem === 3);
-  const which = isAll ? `All ${whole(shown)}` : `The first ${whole(shown)} of ${whole(count)}`;
-  const chosen = lines ? " The chosen one is yellow, also behind others." : "";
-  return `${which} ${shown === 1 ? "is" : "are"} marked in this colour ${where}, while this tab is open.${chosen}`;
+  // Bounds are judged in doubles by the service and in floats here, so that one triangle may be missing.
+  const isAll = faces !== null || shown >= counted || lines?.segmentsPerItem === 3;
+  const part = isAll ? "" : `, for ${whole(shown)} of the ${whole(counted)} that are reported,`;
+  if (lines) {
+    const marked = count(lines.triangle.length, ...lines.item);
+    return `${isAll ? "All " : ""}${marked}${part} ${lines.triangle.length === 1 ? "is" : "are"} ${where} The chosen one is yellow, also behind others.`;
+  }
+  const which = isAll ? `All ${whole(shown)}` : `The first ${whole(shown)} of ${whole(counted)}`;
+  return `${which} ${shown === 1 ? "is" : "are"} ${where}`;
 }
