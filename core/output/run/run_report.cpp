@@ -247,9 +247,12 @@ class RunReporter {
   }
 
   void report_removal() {
-    if (run_.spent.stages > (run_.coarsening.is_done() ? 1 : 0))
+    report_arrangement(run_.arranged, run_.report.diagnostics);
+    const int others = (run_.coarsening.is_done() ? 1 : 0) + (run_.arranged.is_done ? 1 : 0);
+    if (run_.spent.stages > others)
       run_.report.diagnostics.push_back(
-          removal(run_.removed, run_.detail_limits.size, run_.spent.distance - run_.coarsening.distance));
+          removal(run_.removed, run_.detail_limits.size,
+                  run_.spent.distance - run_.coarsening.distance - run_.arranged.distance));
   }
 
   RoundingInput rounding_input_of(const IdVector<VertexId, Vec3>& positions) {
