@@ -18,13 +18,15 @@ namespace {
 template <class T>
 using Word = std::pair<std::string_view, bool T::*>;
 
-constexpr std::array<Word<Repair>, 7> kRepairWords{{{"duplicates", &Repair::duplicates},
+constexpr std::array<Word<Repair>, 9> kRepairWords{{{"duplicates", &Repair::duplicates},
                                                     {"degenerate", &Repair::degenerate},
                                                     {"t_junctions", &Repair::t_junctions},
                                                     {"winding", &Repair::winding},
                                                     {"seams", &Repair::seams},
                                                     {"inside_out", &Repair::inside_out},
-                                                    {"holes", &Repair::holes}}};
+                                                    {"holes", &Repair::holes},
+                                                    {"self_intersections", &Repair::self_intersections},
+                                                    {"union", &Repair::make_union}}};
 constexpr std::array<Word<Barriers>, 3> kBarrierWords{
     {{"object", &Barriers::object}, {"group", &Barriers::group}, {"material", &Barriers::material}}};
 

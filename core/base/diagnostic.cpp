@@ -30,6 +30,9 @@ std::string_view diagnostic_name(DiagnosticCode code) {
     case DiagnosticCode::kSmallDetail: return "small_detail";
     case DiagnosticCode::kOutputAsText: return "output_as_text";
     case DiagnosticCode::kRenamedLabels: return "renamed_labels";
+    case DiagnosticCode::kCutIntersections: return "cut_intersections";
+    case DiagnosticCode::kSharedFaces: return "shared_faces";
+    case DiagnosticCode::kDroppedPieces: return "dropped_pieces";
   }
   return "";
 }

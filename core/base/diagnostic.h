@@ -38,6 +38,9 @@ enum class DiagnosticCode {
   kSmallDetail,
   kOutputAsText,
   kRenamedLabels,
+  kCutIntersections,
+  kSharedFaces,
+  kDroppedPieces,
 };
 
 /// Options that would help, and what they would do.

@@ -25,6 +25,8 @@ struct Repair {
   bool seams = true;
   bool inside_out = false;
   bool holes = false;
+  bool self_intersections = false;
+  bool make_union = false;  ///< includes self_intersections
   friend bool operator==(const Repair&, const Repair&) = default;
 };
 

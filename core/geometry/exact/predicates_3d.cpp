@@ -7,6 +7,7 @@
 #include "core/base/largest_coordinate.h"
 #include "core/base/prefault_pages.h"
 #include "core/geometry/exact/expansion.h"
+#include "core/geometry/exact/twofold.h"
 
 namespace remesh {
 namespace {
@@ -16,24 +17,7 @@ constexpr std::size_t kPredicateBlock = 1 << 14;
 /// An axis along which coordinates are smaller by more than this power of two is stretched until they are not.
 constexpr int kMaxNarrower = 10;
 
-/// A number of twice the usual precision, as the sum of a double and its rounding error.
-/// Source: Joldes, Muller and Popescu, Tight and rigorous error bounds for basic building blocks of double-word
-///         arithmetic, 2017. The relative error is hardly more than 3 u^2 for sums (algorithm 6, AccurateDWPlusDW) and
-///         at most 7 u^2 for products (algorithm 10, DWTimesDW1), where u is 2^-53.
-using Twofold = exact::Rounded;
-
-Twofold sum(Twofold a, Twofold b) {
-  const Twofold high = exact::two_sum(a.value, b.value), low = exact::two_sum(a.error, b.error);
-  const Twofold most = exact::fast_two_sum(high.value, high.error + low.value);
-  return exact::fast_two_sum(most.value, low.error + most.error);
-}
-
-Twofold product(Twofold a, Twofold b) {
-  const Twofold high = exact::two_product(a.value, b.value, exact::split(b.value));
-  return exact::fast_two_sum(high.value, high.error + (a.value * b.error + a.error * b.value));
-}
-
-Twofold negative(Twofold a) { return {-a.value, -a.error}; }
+using exact::Twofold;
 
 /// The sign of orient3d if numbers of twice the usual precision are sure of it, otherwise 0. Nearly all points that lie
 /// within the rounding of one plane are told apart by it, in a sixth of the time of expansions.

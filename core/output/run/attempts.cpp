@@ -145,10 +145,12 @@ void Attempts::prepare(const MendingLimits& mending) {
   curved_goals_ = curved_goals_of(options(), diagonal);
   goals_ = goals_in_proportion();
   made.spent = {};
+  made.arranged = {};
   made.removed = {};
   made.coarsening = {};
   made.detail_limits = detail_limits(options(), report.plane_tolerance);
   prepared_for_ = mending;
+  arranged_for_.reset();
   replaced_for_.clear();
   forget_surface();
 }
@@ -182,10 +184,16 @@ double Attempts::step_of_storage() const {
 /// Makes the surface that the decisions name, if the last attempt had another one.
 void Attempts::make_surface(const Decisions& decisions) {
   const bool is_coarsened = products_->coarsening.is_done();
-  if (prepared_for_ == decisions.mending && replaced_for_ == decisions.details.replaced &&
-      is_coarsened == decisions.details.is_coarsened)
+  if (prepared_for_ == decisions.mending && arranged_for_ == decisions.details.arranged &&
+      replaced_for_ == decisions.details.replaced && is_coarsened == decisions.details.is_coarsened)
     return;
   prepare(decisions.mending);
+  if (decisions.details.arranged) {
+    divide_by(*decisions.details.arranged);
+    triangulate();
+    arrange_faces();
+    arranged_for_ = decisions.details.arranged;
+  }
   for (const FaceRungs& rungs : decisions.details.replaced) {
     divide_by(rungs);
     triangulate();
@@ -199,7 +207,7 @@ void Attempts::make_surface(const Decisions& decisions) {
 }
 
 /// Finds the patches of the surface.
-/// Output: false if details were removed, so that there is another surface.
+/// Output: false if a stage has put another surface in the place of this one.
 bool Attempts::make_patches(const Decisions& decisions, Outcome& outcome) {
   RunProducts& made = *products_;
   made.candidate.clear();
@@ -209,6 +217,18 @@ bool Attempts::make_patches(const Decisions& decisions, Outcome& outcome) {
   made.joined = {};
   // Sections 2 to 4 of the 2018 report: find coplanar faces, their patches, edge loops and essential vertices.
   divide_by(decisions.rungs);
+  const Repair& repair = options().repair;
+  if ((repair.self_intersections || repair.make_union) && !decisions.details.is_arranging_done) {
+    triangulate();
+    is_triangulated_ = false;
+    // The ladder comes first, and changes the patches.
+    if (find_failed_patches(made.candidate.triangulated.meshes).empty()) {
+      outcome.is_arranged = arrange_faces();
+      outcome.is_arranging_in_vain = !outcome.is_arranged;
+      if (outcome.is_arranged) arranged_for_ = decisions.rungs;
+      if (outcome.is_arranged) return false;
+    }
+  }
   const bool are_details_wanted = made.detail_limits.size > 0 && !decisions.details.are_done &&
                                   decisions.details.replaced.size() < kMaxDetailPasses;
   if (are_details_wanted) {
@@ -259,6 +279,22 @@ void Attempts::divide_by(const FaceRungs& rungs) {
       make_partition(made.prepared, made.report.plane_tolerance, options(), rungs_, regions, made.watch, control());
 }
 
+/// Cuts faces that intersect, before details are looked for.
+/// Output: false if all stays as it is.
+bool Attempts::arrange_faces() {
+  RunProducts& made = *products_;
+  if (!made.input_intersections) made.find_input_intersections(Triangulated(surface(), control()));
+  std::optional<Replaced> replaced =
+      arranged_surface({made.read_input(), surface(), patches(), made.input.labels, made.report.plane_tolerance,
+                        options().weld_tolerance, options().repair.make_union},
+                       made.candidate, made.arranged, made.watch, control());
+  if (!replaced) return false;
+  made.report.plane_tolerance = replaced->plane_tolerance;
+  made.detail_limits = detail_limits(options(), made.report.plane_tolerance);
+  replace_surface(*std::move(replaced));
+  return true;
+}
+
 /// Looks for details in the triangles of the patches, before facets are joined, and makes the triangles without them
 /// the surface.
 /// Output: false if all stays as it is.
@@ -269,7 +305,7 @@ bool Attempts::remove_details(const FaceMarks& kept) {
   if (!made.input_intersections) made.find_input_intersections(Triangulated(surface(), control()));
   std::optional<Replaced> replaced =
       without_details({made.read_input(), surface(), patches(), made.intersections(), made.report.plane_tolerance,
-                       options().weld_tolerance, kept, made.spent.distance},
+                       options().weld_tolerance, kept, made.spent.distance - made.arranged.distance},
                       made.candidate, made.detail_limits, made.removed, made.watch, control());
   if (!replaced) return false;
   const double plane_tolerance = replaced->plane_tolerance;

@@ -66,6 +66,7 @@ class Attempts {
   /// Returns false if details were removed, so that there is another surface.
   bool make_patches(const Decisions& decisions, Outcome& outcome);
   void divide_by(const FaceRungs& rungs);
+  bool arrange_faces();
   bool remove_details(const FaceMarks& kept);
   void replace_surface(Replaced&& replaced);
   bool is_coarsening_wanted(const Decisions& decisions) const;
@@ -94,6 +95,7 @@ class Attempts {
   Goals goals_;               ///< those that are asked for
   // The products were made for these decisions.
   std::optional<MendingLimits> prepared_for_;
+  std::optional<FaceRungs> arranged_for_;
   std::vector<FaceRungs> replaced_for_;
   std::optional<Division> divided_for_;
   // The following is needed to divide the surface again.

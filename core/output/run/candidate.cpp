@@ -7,6 +7,9 @@
 #include "core/base/parallel_free.h"
 #include "core/base/stoppable.h"
 #include "core/mending/polygons/triangulated.h"
+#include "core/refinement/adjustment/lifting.h"
+#include "core/refinement/goals/unrefined_reason.h"
+#include "core/refinement/rounds/chords.h"
 #include "core/verify/verify.h"
 
 namespace remesh {
@@ -174,6 +177,21 @@ Verdict check(Candidate& candidate, const CheckedAgainst& against, RunControl& c
     refined->reasons = candidate.unrefined.reasons;
   }
   return verification.finish();
+}
+
+Verdict check_triangles(Candidate& candidate, const CheckedAgainst& against, Stopwatch& watch, RunControl& control) {
+  watch.enter(Stage::kAssembly);
+  TriangulatedPatches& triangulated = candidate.triangulated;
+  Refinement& refinement = candidate.refinement;
+  candidate.has_chords = !flip_chords(triangulated.meshes, against.surface.vertex_count(), control);
+  if (candidate.has_chords) {
+    split_chords(against.surface, triangulated, refinement, {}, UnrefinedReason::kSizeFloor, control);
+    lift_new_vertices(against.surface, against.patches, triangulated, refinement.first_inner, against.plane_tolerance,
+                      refinement.new_positions, control);
+  }
+  assemble(candidate, against.surface, nullptr, control);
+  watch.enter(Stage::kVerify);
+  return check(candidate, against, control);
 }
 
 InputIntersections intersecting_patches(const FoundIntersections& found, const PatchSet& patches) {

@@ -8,6 +8,7 @@
 
 #include "core/base/ids.h"
 #include "core/base/run_control.h"
+#include "core/base/stopwatch.h"
 #include "core/base/vec.h"
 #include "core/mesh/mesh.h"
 #include "core/mesh/surface.h"
@@ -109,6 +110,11 @@ struct CheckedAgainst {
 /// Input: the candidate lists the triangles that miss the goals, except those that `measure_sizes` finds. These are
 ///        added to its list.
 Verdict check(Candidate& candidate, const CheckedAgainst& against, RunControl& control);
+
+/// Makes one mesh of patches that were triangulated and not refined, and checks it. So a stage can take these triangles
+/// for the surface.
+/// Input: a candidate that has been triangulated without failures, and no more.
+Verdict check_triangles(Candidate& candidate, const CheckedAgainst& against, Stopwatch& watch, RunControl& control);
 
 /// The pairs of patches that intersect in the input.
 InputIntersections intersecting_patches(const FoundIntersections& found, const PatchSet& patches);

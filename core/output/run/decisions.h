@@ -1,6 +1,7 @@
 /// All that a run decides about how its surface is remeshed. There is no geometry here.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/mending/preparation.h"
@@ -12,6 +13,9 @@ namespace remesh {
 
 /// The decisions about stages that put another surface in the place of the prepared one.
 struct DetailChoices {
+  /// The faces of the surface that was divided with these rungs were cut along their intersections. This comes first.
+  std::optional<FaceRungs> arranged;
+  bool is_arranging_done = false;  ///< faces were cut, or that was tried in vain
   /// The surface that was divided with these rungs has lost its details, and so on. All other choices are about the
   /// last surface.
   std::vector<FaceRungs> replaced;

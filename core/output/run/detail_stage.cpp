@@ -274,22 +274,10 @@ bool are_details_there(const DetailLimits& limits, const TriangulatedPatches& tr
 
 std::optional<Replaced> without_details(const DetailContext& context, Candidate& candidate, const DetailLimits& limits,
                                         RemovedDetails& removed, Stopwatch& watch, RunControl& control) {
-  const Surface& surface = context.surface;
-  watch.enter(Stage::kAssembly);
-  TriangulatedPatches& triangulated = candidate.triangulated;
-  Refinement& refinement = candidate.refinement;
-  candidate.has_chords = !flip_chords(triangulated.meshes, surface.vertex_count(), control);
-  if (candidate.has_chords) {
-    split_chords(surface, triangulated, refinement, {}, UnrefinedReason::kSizeFloor, control);
-    lift_new_vertices(surface, context.patches, triangulated, refinement.first_inner, context.plane_tolerance,
-                      refinement.new_positions, control);
-  }
-  assemble(candidate, surface, nullptr, control);
-  watch.enter(Stage::kVerify);
-  const Verdict verdict = check(
-      candidate,
-      {context.input, surface, context.patches, context.intersections, context.plane_tolerance, context.weld_tolerance},
-      control);
+  const Verdict verdict = check_triangles(candidate,
+                                          {context.input, context.surface, context.patches, context.intersections,
+                                           context.plane_tolerance, context.weld_tolerance},
+                                          watch, control);
   watch.enter(Stage::kWeld);
   std::optional<Replaced> replaced;
   if (verdict.all_true()) replaced = remove(context, candidate, verdict, limits, removed, control);

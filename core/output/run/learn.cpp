@@ -87,7 +87,10 @@ std::optional<Decisions> after_success(Decisions next) {
 
 /// Goes on with a surface that a stage has put in the place of the last one.
 Decisions on_other_surface(Decisions next, const Outcome& outcome) {
-  if (outcome.is_coarsened)
+  if (outcome.is_arranged) {
+    next.details.arranged = std::exchange(next.rungs, {});
+    next.details.is_arranging_done = true;
+  } else if (outcome.is_coarsened)
     next.details.is_coarsened = next.details.is_coarsening_done = next.details.are_done = true;
   else
     next.details.replaced.push_back(std::exchange(next.rungs, {}));
@@ -99,6 +102,7 @@ Decisions on_other_surface(Decisions next, const Outcome& outcome) {
 
 std::optional<Decisions> learn(const Decisions& now, const Outcome& outcome, const Effort& effort) {
   Decisions next = now;
+  next.details.is_arranging_done = now.details.is_arranging_done || outcome.is_arranging_in_vain;
   next.details.are_done = now.details.are_done || outcome.are_details_done;
   next.details.is_coarsening_done = now.details.is_coarsening_done || outcome.is_coarsening_in_vain;
   next.curved = after_comparison(std::move(next.curved), outcome.compared, outcome.input_faces);

@@ -35,6 +35,8 @@ struct Outcome {
   End end = End::kVerified;
 
   std::size_t input_faces = 0;          ///< the number of all input faces
+  bool is_arranged = false;             ///< faces that intersect were cut
+  bool is_arranging_in_vain = false;    ///< no faces were cut, or no cut could be proven
   bool are_details_done = false;        ///< details were looked for in vain
   bool is_coarsened = false;            ///< the surface was made coarser
   bool is_coarsening_in_vain = false;   ///< no coarser surface could be proven

@@ -16,6 +16,7 @@
 #include "core/output/run/detail_stage.h"
 #include "core/output/run/free_stage.h"
 #include "core/output/run/replaced.h"
+#include "core/output/run/solid_stage.h"
 #include "core/patches/curved/joined_facets.h"
 #include "core/patches/meshing/partition.h"
 #include "core/patches/planar/input_intersections.h"
@@ -43,6 +44,7 @@ struct RunProducts {
   Prepared prepared;
   SpentOnStages spent;  ///< by the stages that have replaced the prepared surface
   DetailLimits detail_limits;
+  ArrangedFaces arranged;
   RemovedDetails removed;
   Coarsening coarsening;
   std::optional<FoundIntersections> input_intersections;  ///< empty until known

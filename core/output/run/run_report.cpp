@@ -255,8 +255,11 @@ class RunReporter {
   }
 
   void report_removal() {
-    if (run_.spent.stages > (run_.coarsening.is_done() ? 1 : 0))
-      run_.report.diagnostics.push_back(removal(run_.removed, run_.detail_limits.size, run_.spent.distance));
+    report_arrangement(run_.arranged, run_.report.diagnostics);
+    const int others = (run_.coarsening.is_done() ? 1 : 0) + (run_.arranged.is_done ? 1 : 0);
+    if (run_.spent.stages > others)
+      run_.report.diagnostics.push_back(
+          removal(run_.removed, run_.detail_limits.size, run_.spent.distance - run_.arranged.distance));
   }
 
   /// Where a surface was made coarser, its sharp corners are not those of the input.

@@ -138,8 +138,8 @@ std::vector<Corners3> upper_faces(const TriangleMesh& mesh, const Box3& box) {
     bool is_on_side = false;
     for (int axis = 0; axis < 3; ++axis)
       for (const double at : {box.min[axis], box.max[axis]})
-        is_on_side = is_on_side ||
-                     (!(axis == 2 && at == box.max.z) && t[0][axis] == at && t[1][axis] == at && t[2][axis] == at);
+        is_on_side =
+            is_on_side || (!(axis == 2 && at == box.max.z) && t[0][axis] == at && t[1][axis] == at && t[2][axis] == at);
     if (!is_on_side) upper.push_back(t);
   }
   return upper;
@@ -170,8 +170,9 @@ TEST(free_stage, planes_beside_a_free_surface_keep_their_planes) {
       EXPECT_LE(surface.bound, tolerance + report.plane_tolerance);
     const double bound = std::max(report.distance_bound->output_to_input, report.distance_bound->input_to_output);
     EXPECT_LE(bound, tolerance + report.plane_tolerance);
-    EXPECT_LE(test::hausdorff(upper_faces(shapes::triangles(mesh), box), upper_faces(result.mesh, box), 0.2 * tolerance),
-              tolerance * (1 + 1e-9));
+    EXPECT_LE(
+        test::hausdorff(upper_faces(shapes::triangles(mesh), box), upper_faces(result.mesh, box), 0.2 * tolerance),
+        tolerance * (1 + 1e-9));
   }
 }
 

@@ -1,0 +1,301 @@
+#include "core/output/run/solid_stage.h"
+
+#include <algorithm>
+#include <cfloat>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/base/number_text.h"
+#include "core/base/stoppable.h"
+#include "core/geometry/exact/predicates_3d.h"
+#include "core/geometry/shells/shells.h"
+#include "core/mending/common/body_labels.h"
+#include "core/mending/polygons/faces_without_area.h"
+#include "core/mesh/adjacency.h"
+#include "core/mesh/triangle_corners.h"
+#include "core/output/result/face_source.h"
+#include "core/solids/arrangement.h"
+#include "core/solids/solid_union.h"
+
+namespace remesh {
+namespace {
+
+/// Corners may be off their planes by half of the plane tolerance, on both sides.
+constexpr double kToleranceOfMoves = 2;
+
+/// The volume that triangles enclose with the origin, and the sum of the absolute volumes of its parts.
+struct SignedVolume {
+  SignedVolume(const Surface& surface, std::span<const Vec3> positions, std::span<const Triangle> faces) {
+    for (const Triangle& t : faces) {
+      const Vec3 a = surface.to_local(positions[t[0].value]), b = surface.to_local(positions[t[1].value]),
+                 c = surface.to_local(positions[t[2].value]);
+      const double part = dot(a, cross(b, c)) / 6;
+      sum += part;
+      magnitude += std::fabs(part);
+    }
+  }
+  double sum = 0, magnitude = 0;
+};
+
+/// Returns a bound on the change of the volume, in cubed model units.
+double change_of_volume(const Surface& before, const Candidate& candidate, const Arrangement& arranged) {
+  const SignedVolume old_volume(before, candidate.positions.items(), candidate.assembled.faces.items());
+  const SignedVolume new_volume(before, arranged.positions, arranged.faces);
+  const double rounding = 0x1p-50 * static_cast<double>(candidate.assembled.faces.size() + arranged.faces.size() + 16);
+  const double change =
+      std::fabs(new_volume.sum - old_volume.sum) + rounding * (old_volume.magnitude + new_volume.magnitude);
+  return std::min(change * before.unit * before.unit * before.unit, DBL_MAX / 4);
+}
+
+/// Makes the surface of the triangles that were arranged.
+class ArrangedSurface {
+ public:
+  ArrangedSurface(const Surface& before, const PatchSet& patches, const Candidate& candidate,
+                  const Arrangement& arranged, RunControl& control)
+      : before_(before),
+        patches_(patches),
+        candidate_(candidate),
+        arranged_(arranged),
+        control_(control),
+        source_(face_source(before, patches, candidate.triangulated, control)) {}
+
+  Surface make() const {
+    Surface after;
+    after.centre = before_.centre;
+    after.unit = before_.unit;
+    StopCheck check(control_);
+    for (const Vec3& p : arranged_.positions) {
+      check();
+      after.local.push_back(before_.to_local(p));
+    }
+    after.positions = arranged_.positions;
+    take_vertex_sources(after);
+    std::vector<std::uint32_t> order(arranged_.faces.size());
+    std::iota(order.begin(), order.end(), 0U);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::uint32_t f, std::uint32_t g) { return source_of(f) < source_of(g); });
+    FaceList faces;
+    for (const std::uint32_t f : order) {
+      check();
+      faces.add_face(arranged_.faces[f], source_of(f), before_.label(patches_.faces_of(patch_of(f)).front()));
+    }
+    after.take_faces(std::move(faces));
+    after.covers = covers_of(order);
+    return after;
+  }
+
+  /// The input's faces under the patches some of whose triangles are marked.
+  template <class IsMarked>
+  void add_faces(const IsMarked& is_marked, Diagnostic& told) const {
+    std::vector<std::uint8_t> is_of_patch(patches_.count(), 0);
+    for (FaceId f(0); f.value < candidate_.assembled.faces.size(); ++f.value)
+      if (is_marked(f)) is_of_patch[candidate_.assembled.face_patch[f].value] = 1;
+    std::vector<FaceId> faces;
+    for (PatchId p(0); p.value < patches_.count(); ++p.value) {
+      if (is_of_patch[p.value] == 0) continue;
+      const std::vector<FaceId> covered = covered_by(before_, patches_.faces_of(p));
+      faces.insert(faces.end(), covered.begin(), covered.end());
+    }
+    std::sort(faces.begin(), faces.end());
+    faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+    for (const FaceId f : faces) told.add(f.value);
+  }
+
+ private:
+  FaceId first_cover(std::uint32_t f) const { return arranged_.covers_of(f).front().face; }
+  PatchId patch_of(std::uint32_t f) const { return candidate_.assembled.face_patch[first_cover(f)]; }
+  FaceId source_of(std::uint32_t f) const { return source_[first_cover(f)]; }
+
+  /// Vertices that stay keep their source, and new ones have that of a corner of a triangle of which a face at them is
+  /// a piece.
+  void take_vertex_sources(Surface& after) const {
+    const auto source_of_vertex = [&](VertexId v) {
+      const VertexId of_surface = candidate_.assembled.vertex[v];
+      return of_surface.value < before_.vertex_count() ? before_.vertex_source[of_surface] : VertexId();
+    };
+    after.vertex_source.resize(arranged_.positions.size());
+    for (VertexId v(0); v.value < arranged_.positions.size(); ++v.value) {
+      const VertexId old = arranged_.vertex[v.value];
+      after.vertex_source[v] = old.is_valid() ? source_of_vertex(old) : VertexId();
+    }
+    for (std::uint32_t f = 0; f < arranged_.faces.size(); ++f) {
+      const VertexId near = before_.vertex_source[before_.face(patches_.faces_of(patch_of(f)).front())[0]];
+      for (const VertexId v : arranged_.faces[f])
+        if (!after.vertex_source[v].is_valid()) after.vertex_source[v] = near;
+    }
+  }
+
+  /// The first piece of each patch covers all input faces that the patch covered, and any other its source.
+  CoveredFaces covers_of(const std::vector<std::uint32_t>& order) const {
+    CoveredFaces covers;
+    covers.begin.push_back(0);
+    std::vector<std::uint8_t> is_found(patches_.count(), 0);
+    StopCheck check(control_);
+    std::vector<FaceId> of_face;
+    for (const std::uint32_t f : order) {
+      check();
+      of_face.assign(1, source_of(f));
+      for (const Cover& cover : arranged_.covers_of(f)) {
+        const PatchId patch = candidate_.assembled.face_patch[cover.face];
+        if (std::exchange(is_found[patch.value], 1) != 0) continue;
+        const std::vector<FaceId> covered = covered_by(before_, patches_.faces_of(patch));
+        of_face.insert(of_face.end(), covered.begin(), covered.end());
+      }
+      std::sort(of_face.begin(), of_face.end());
+      of_face.erase(std::unique(of_face.begin(), of_face.end()), of_face.end());
+      covers.faces.insert(covers.faces.end(), of_face.begin(), of_face.end());
+      covers.begin.push_back(covers.faces.size());
+    }
+    return covers;
+  }
+
+  const Surface& before_;
+  const PatchSet& patches_;
+  const Candidate& candidate_;
+  const Arrangement& arranged_;
+  RunControl& control_;
+  const IdVector<FaceId, FaceId> source_;
+};
+
+/// Drops the triangles that do not bound the union of the solids.
+/// Output: by triangle of the candidate: whether pieces of it were dropped or turned over; empty if none were.
+std::vector<std::uint8_t> drop_inner_faces(const SolidContext& context, const Candidate& candidate,
+                                           Arrangement& arranged, ArrangedFaces& told, RunControl& control) {
+  if (!arranged.left.empty()) {
+    told.union_in_vain = "triangles still intersect";
+    return {};
+  }
+  const std::span<const Triangle> faces = candidate.assembled.faces.items();
+  const IdVector<FaceId, FaceId> source =
+      face_source(context.surface, context.patches, candidate.triangulated, control);
+  const BodyLabels labels = labels_of_sources(context.labels, source.items(), control);
+  const std::vector<Vec3> scaled = scaled_for_predicates(candidate.positions.items(), control);
+  const auto begins = triangle_begins(faces.size(), control);
+  const Adjacency edges(scaled.size(), begins, corners_of(faces), control);
+  const Shells shells = find_shells(scaled, corners_of(faces), edges, labels, control);
+  const UnionFaces found = find_union(arranged, candidate.positions.items(), faces, shells, control);
+  told.cells = found.cells;
+  if (!found.are_consistent) told.union_in_vain = "it is not clear what is inside";
+  const bool is_any_turned = std::find(found.is_turned.begin(), found.is_turned.end(), 1) != found.is_turned.end();
+  if (!found.are_consistent || (found.dropped == 0 && !is_any_turned)) return {};
+  told.dropped = found.dropped;
+  told.turned = found.turned_shells.size();
+  std::vector<std::uint8_t> is_dropped(faces.size(), 0);
+  for (std::size_t f = 0; f < arranged.faces.size(); ++f)
+    if (found.stays[f] == 0)
+      for (const Cover& cover : arranged.covers_of(f)) is_dropped[cover.face.value] = 1;
+  keep_union(arranged, found, control);
+  arranged.is_changed = true;
+  return is_dropped;
+}
+
+std::optional<Replaced> arrange_proven(const SolidContext& context, const Candidate& candidate, const Verdict& verdict,
+                                       ArrangedFaces& told, RunControl& control) {
+  Arrangement arranged =
+      arrange(candidate.positions.items(), candidate.assembled.faces.items(), context.plane_tolerance, control);
+  if (arranged.is_given_up) told.reason_in_vain = "too many faces cross or touch too many others";
+  if (arranged.faces.empty()) return std::nullopt;
+  if (!are_different(arranged.positions, control)) {
+    told.reason_in_vain = "points of the curves could not be told apart";
+    return std::nullopt;
+  }
+  const std::vector<std::uint8_t> is_dropped = context.is_union_wanted
+                                                   ? drop_inner_faces(context, candidate, arranged, told, control)
+                                                   : std::vector<std::uint8_t>();
+  if (!arranged.is_changed) return std::nullopt;
+  const ArrangedSurface made(context.surface, context.patches, candidate, arranged, control);
+  told.curves = arranged.curves;
+  told.shared = arranged.shared;
+  told.rounds = arranged.rounds;
+  told.left = arranged.left.size();
+  told.moved = arranged.moved;
+  std::vector<std::uint8_t> is_shared(candidate.assembled.faces.size(), 0);
+  for (std::size_t f = 0; f < arranged.faces.size(); ++f)
+    if (arranged.covers_of(f).size() > 1)
+      for (const Cover& cover : arranged.covers_of(f)) is_shared[cover.face.value] = 1;
+  made.add_faces([&](FaceId f) { return arranged.was_cut[f.value] != 0; }, told.faces);
+  made.add_faces([&](FaceId f) { return is_shared[f.value] != 0; }, told.shared_faces);
+
+  if (!is_dropped.empty()) made.add_faces([&](FaceId f) { return is_dropped[f.value] != 0; }, told.dropped_faces);
+
+  Replaced replaced;
+  replaced.distance = arranged.moved + verdict.deviation;
+  told.distance = replaced.distance;
+  told.is_done = true;
+  replaced.plane_tolerance = context.plane_tolerance + kToleranceOfMoves * arranged.moved;
+  replaced.volume = verdict.volume_bound + change_of_volume(context.surface, candidate, arranged);
+  replaced.surface = made.make();
+  replaced.without_area = faces_without_area(replaced.surface, control);
+  return replaced;
+}
+
+}  // namespace
+
+std::optional<Replaced> arranged_surface(const SolidContext& context, Candidate& candidate, ArrangedFaces& told,
+                                         Stopwatch& watch, RunControl& control) {
+  told = {};
+  // Intersections are what is looked for here, so they prove nothing against the triangles.
+  const InputIntersections unknown{{}, false};
+  const Verdict verdict = check_triangles(
+      candidate,
+      {context.input, context.surface, context.patches, unknown, context.plane_tolerance, context.weld_tolerance},
+      watch, control);
+  watch.enter(Stage::kWeld);
+  std::optional<Replaced> replaced;
+  if (verdict.all_true())
+    replaced = arrange_proven(context, candidate, verdict, told, control);
+  else
+    told.reason_in_vain = "the triangles between the vertices that stay failed their check: " +
+                          (verdict.failures.empty() ? std::string("no reason is known") : verdict.failures.front());
+  candidate.clear();
+  return replaced;
+}
+
+void report_arrangement(const ArrangedFaces& told, std::vector<Diagnostic>& diagnostics) {
+  if (!told.reason_in_vain.empty()) {
+    diagnostics.push_back({DiagnosticCode::kCutIntersections,
+                           0,
+                           {},
+                           "faces that intersect were not cut, because " + told.reason_in_vain});
+    return;
+  }
+  if (told.faces.count > 0) {
+    Diagnostic cut = told.faces;
+    cut.code = DiagnosticCode::kCutIntersections;
+    cut.message = "faces were cut along their intersections with others: " + grouped_digits(told.curves) +
+                  " pairs of triangles crossed each other at an angle; points have moved by at most " +
+                  number_text(told.moved);
+    if (told.left > 0)
+      cut.message += "; " + grouped_digits(told.left) +
+                     " pairs of triangles still intersect, since the rounding of new points makes them cross; a larger "
+                     "plane_tolerance or defeature_size may help";
+    diagnostics.push_back(std::move(cut));
+  }
+  if (told.shared_faces.count > 0) {
+    Diagnostic shared = told.shared_faces;
+    shared.code = DiagnosticCode::kSharedFaces;
+    shared.message =
+        "faces lay on others within the plane tolerance, and are one surface there: " + grouped_digits(told.shared) +
+        " triangles take the place of two or more";
+    diagnostics.push_back(std::move(shared));
+  }
+  if (told.dropped > 0 || told.turned > 0 || !told.union_in_vain.empty()) {
+    Diagnostic dropped = told.dropped_faces;
+    dropped.code = DiagnosticCode::kDroppedPieces;
+    if (told.union_in_vain.empty()) {
+      dropped.message = "faces lay inside the union of the solids, at least in part: " + grouped_digits(told.dropped) +
+                        " triangles were dropped";
+      if (told.turned > 0)
+        dropped.message += "; " + grouped_digits(told.turned) + " closed shells that faced inwards were turned over";
+    } else {
+      dropped.message = "no face was dropped for a union, because " + told.union_in_vain;
+    }
+    diagnostics.push_back(std::move(dropped));
+  }
+}
+
+}  // namespace remesh

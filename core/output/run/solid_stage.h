@@ -1,0 +1,63 @@
+/// Cuts faces of the surface that intersect along their intersections.
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+
+#include "core/base/diagnostic.h"
+#include "core/base/run_control.h"
+#include "core/base/stopwatch.h"
+#include "core/mesh/mesh.h"
+#include "core/mesh/surface.h"
+#include "core/output/run/candidate.h"
+#include "core/output/run/replaced.h"
+#include "core/patch_types/patch_set.h"
+
+namespace remesh {
+
+/// Tells what became of the faces that intersect.
+struct ArrangedFaces {
+  bool is_done = false;        ///< the surface was replaced
+  double distance = 0;         ///< between the surface before and the one after, in model units
+  std::size_t curves = 0;      ///< pairs of triangles that crossed each other, and were cut along their curve
+  std::size_t shared = 0;      ///< triangles that took the place of several that lay on each other
+  std::size_t rounds = 0;      ///< how often rounding made new intersections, and points were joined
+  std::size_t left = 0;        ///< pairs of triangles that still intersect
+  double moved = 0;            ///< how far points have moved at most, in model units
+  std::size_t cells = 0;       ///< the cells into which space is divided, without the one outside
+  std::size_t dropped = 0;     ///< triangles that do not bound the union
+  std::size_t turned = 0;      ///< outermost closed shells that faced inwards
+  std::string union_in_vain;   ///< why no triangle was dropped, if a union was wanted and could not be made
+  Diagnostic dropped_faces;    ///< the input's faces of whose patches some triangles were dropped
+  Diagnostic faces;            ///< the input's faces that were cut
+  Diagnostic shared_faces;     ///< the input's faces that lay on others
+  std::string reason_in_vain;  ///< why nothing was done, if that is so; empty if nothing had to be done
+};
+
+/// Holds the surface as it is, and how it became so.
+struct SolidContext {
+  const PolygonMesh* input;  ///< as it was read; null if a stage has replaced the surface that was made of it
+  const Surface& surface;
+  const PatchSet& patches;
+  const FaceLabels& labels;  ///< those of the input
+  double plane_tolerance;    ///< model units
+  double weld_tolerance;     ///< model units
+  bool is_union_wanted;      ///< only the boundary of the union of the solids stays
+};
+
+/// Makes the triangles of a surface's patches one conforming surface: those that cross are cut along their curves, and
+/// those that lie on each other within the plane tolerance become one (see arrange). First it is proven that the
+/// triangles are the surface.
+/// Input:   a candidate that has been triangulated without failures, and no more. It is empty afterwards.
+/// Output:  nothing, if nothing meets, or nothing was proven; `told` says why. Otherwise the new surface. Its faces
+///          have the sources of the faces of which they are pieces.
+/// Errors:  kCancelled, kTimeout - through `control`; kOutOfMemory - see MemoryBound.
+/// Cost:    that of a check and of arrange.
+std::optional<Replaced> arranged_surface(const SolidContext& context, Candidate& candidate, ArrangedFaces& told,
+                                         Stopwatch& watch, RunControl& control);
+
+/// Appends what is told about the arrangement.
+void report_arrangement(const ArrangedFaces& told, std::vector<Diagnostic>& diagnostics);
+
+}  // namespace remesh

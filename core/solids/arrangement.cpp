@@ -1,0 +1,350 @@
+#include "core/solids/arrangement.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <optional>
+
+#include "core/base/blocks.h"
+#include "core/base/largest_coordinate.h"
+#include "core/base/stoppable.h"
+#include "core/geometry/intersections/self_intersections.h"
+#include "core/geometry/triangles/distances.h"
+#include "core/solids/contacts.h"
+#include "core/solids/crossings.h"
+#include "core/solids/cut_faces.h"
+
+namespace remesh {
+namespace {
+
+/// Contacts make new points, which may be near other faces. So they are looked for so often at most.
+constexpr int kMaxPasses = 4;
+/// A contact moves features by up to its distance, which may make new contacts. Each time, the distance is smaller.
+constexpr double kShareOfPass = 0.5;
+/// Rounds end if more than this many times the pairs of the best one intersect.
+constexpr std::size_t kMaxWorse = 4;
+/// Points are joined again after rounding so often at most.
+constexpr int kMaxRounds = 6;
+/// In the first round, features within so many rounding steps are joined. Each round multiplies that by the factor.
+constexpr double kFirstSteps = 4, kRoundFactor = 16;
+/// These distances stay below this share of the distance of contacts.
+constexpr double kShareOfRounds = 0.125;
+/// A rounding step of coordinates that are at most 1.
+constexpr double kRoundingStep = 0x1p-53;
+
+class Arranging {
+ public:
+  Arranging(std::span<const Vec3> positions, std::span<const Triangle> faces, double distance, RunControl& control)
+      : input_positions_(positions), input_faces_(faces), control_(control) {
+    double largest = 0;
+    for (const Vec3& p : positions) largest = std::max(largest, largest_coordinate(p));
+    exponent_ = largest > 0 ? std::ilogb(largest) + 1 : 0;
+    distance_ = std::ldexp(distance, -exponent_);
+  }
+
+  Arrangement run() {
+    start();
+    join_copies();
+    Arrangement result;
+    if (!join_contacts(distance_)) return give_up(result);
+    result.is_changed = is_changed_;
+    if (!find_intersecting(result.left)) return give_up(result);
+    bool is_known = true;      // whether all pairs are
+    std::optional<Soup> best;  // the one with the fewest pairs that intersect, if some do after the first cut
+    std::vector<std::pair<FaceId, FaceId>> left_of_best;
+    for (int round = 0; !result.left.empty(); ++round) {
+      result.is_changed = true;
+      if (!cut_crossings(result)) return give_up(result);
+      is_known = find_intersecting(result.left);
+      if (!is_known || result.left.empty()) break;
+      if (!best || result.left.size() < left_of_best.size()) {
+        best = soup_;
+        left_of_best = result.left;
+      }
+      if (round == kMaxRounds || result.left.size() > kMaxWorse * left_of_best.size()) break;
+      ++result.rounds;
+      activate(result.left);
+      const double within = kFirstSteps * kRoundingStep * std::pow(kRoundFactor, round);
+      is_known = join_contacts(std::min(within, kShareOfRounds * distance_)) && find_intersecting(result.left);
+      if (!is_known) break;
+    }
+    if (!is_known || !result.left.empty()) {
+      // It did not help to join points. What is left is told.
+      if (!best) return give_up(result);
+      soup_ = *std::move(best);
+      result.left = std::move(left_of_best);
+    }
+    drop_flaps();
+    finish(result);
+    return result;
+  }
+
+ private:
+  static Arrangement give_up(const Arrangement& so_far) {
+    Arrangement none;
+    none.is_given_up = true;
+    none.rounds = so_far.rounds;
+    return none;
+  }
+
+  /// Numbers vertices by their coordinates, and triangles by their corners, so that numbers do not depend on the input.
+  void start() {
+    StopCheck check(control_);
+    const std::size_t vertices = input_positions_.size();
+    control_.memory().ask_for<Vec3>(2 * vertices);
+    vertex_.resize(vertices);
+    std::iota(vertex_.begin(), vertex_.end(), 0U);
+    sort_stoppable(vertex_.begin(), vertex_.end(), control_, [&](std::uint32_t a, std::uint32_t b) {
+      return std::pair(input_positions_[a], a) < std::pair(input_positions_[b], b);
+    });
+    std::vector<VertexId> number(vertices);
+    for (std::size_t v = 0; v < vertices; ++v) {
+      check();
+      number[vertex_[v]] = VertexId(v);
+      soup_.positions.push_back(scaled(input_positions_[vertex_[v]]));
+    }
+    std::vector<std::pair<Triangle, FaceId>> faces;
+    for (std::size_t f = 0; f < input_faces_.size(); ++f) {
+      check();
+      Triangle t = input_faces_[f];
+      for (VertexId& v : t) v = number[v.value];
+      std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+      faces.push_back({t, FaceId(f)});
+    }
+    sort_stoppable(faces.begin(), faces.end(), control_);
+    for (const auto& [t, f] : faces) {
+      check();
+      soup_.faces.push_back(t);
+      soup_.covers.push_back({f, false});
+      soup_.cover_begin.push_back(static_cast<std::uint32_t>(soup_.covers.size()));
+    }
+  }
+
+  /// Joins triangles with the same corners.
+  void join_copies() {
+    const auto sorted = [](Triangle t) {
+      std::sort(t.begin(), t.end());
+      return t;
+    };
+    // Triangles with the same corners begin with the same one, and so do only these few.
+    bool is_any_copy = false;
+    for (std::size_t f = 0; f < soup_.faces.size() && !is_any_copy; ++f)
+      for (std::size_t g = f + 1; g < soup_.faces.size() && soup_.faces[g][0] == soup_.faces[f][0]; ++g)
+        is_any_copy = is_any_copy || sorted(soup_.faces[f]) == sorted(soup_.faces[g]);
+    if (!is_any_copy) return;
+    CutPlan nothing;
+    take(cut_faces(soup_, SoupEdges(soup_, control_), nothing, control_));
+    active_.clear();
+  }
+
+  Vec3 scaled(const Vec3& p) const {
+    constexpr double kLeast = 0x1p-100;
+    Vec3 q;
+    for (int axis = 0; axis < 3; ++axis) {
+      q[axis] = std::ldexp(p[axis], -exponent_);
+      if (std::fabs(q[axis]) < kLeast) q[axis] = 0;
+    }
+    return q;
+  }
+
+  void take(CutSoup&& cut) {
+    is_changed_ = true;
+    soup_.faces = std::move(cut.faces);
+    soup_.cover_begin = std::move(cut.cover_begin);
+    soup_.covers = std::move(cut.covers);
+    active_ = std::move(cut.is_new);
+  }
+
+  /// Makes shared what is within a distance.
+  /// Output: false if that is too much.
+  bool join_contacts(double distance) {
+    std::size_t last = std::numeric_limits<std::size_t>::max();
+    for (int pass = 0; pass < kMaxPasses; ++pass, distance *= kShareOfPass) {
+      control_.check_and_move();
+      const SoupEdges edges(soup_, control_);
+      std::optional<CutPlan> plan = find_contacts(soup_, edges, distance, active_, control_);
+      if (!plan) return false;
+      // Contacts become fewer from pass to pass, or they are made by joining others, and would go on for ever.
+      if (plan->is_empty() || plan->size() >= last) return true;
+      last = plan->size();
+      take(cut_faces(soup_, edges, *plan, control_));
+    }
+    return true;
+  }
+
+  /// Output: false if there are too many pairs.
+  bool find_intersecting(std::vector<std::pair<FaceId, FaceId>>& pairs) {
+    const std::size_t n = soup_.faces.size();
+    constexpr std::size_t kPairsPerFace = 64, kAlways = 1 << 16;
+    const SearchLimits limits(kPairsPerFace * n + kAlways, SearchLimits::steps_for(n));
+    SelfIntersections found = self_intersections(soup_.positions, soup_.faces, {}, limits, control_);
+    pairs = std::move(found.pairs);
+    return found.is_complete;
+  }
+
+  /// Output: false if that is too much.
+  bool cut_crossings(Arrangement& result) {
+    const SoupEdges edges(soup_, control_);
+    Crossings crossings = find_crossings(soup_, edges, result.left, control_);
+    if (crossings.is_too_much) return false;
+    if (result.rounds == 0) result.curves = crossings.curves;
+    take(cut_faces(soup_, edges, crossings.plan, control_));
+    return true;
+  }
+
+  /// Looks at these faces, and at those that share corners with them, in the next round.
+  void activate(const std::vector<std::pair<FaceId, FaceId>>& pairs) {
+    std::vector<std::uint8_t> is_near(soup_.positions.size(), 0);
+    for (const auto& [f, g] : pairs)
+      for (const FaceId face : {f, g})
+        for (const VertexId v : soup_.faces[face.value]) is_near[v.value] = 1;
+    active_.assign(soup_.faces.size(), 0);
+    for (std::size_t f = 0; f < soup_.faces.size(); ++f)
+      for (const VertexId v : soup_.faces[f])
+        if (is_near[v.value] != 0) active_[f] = 1;
+  }
+
+  /// Drops faces that cover both sides of something thin, and have an edge of their own: nothing is left between them.
+  void drop_flaps() {
+    const SoupEdges edges(soup_, control_);
+    StopCheck check(control_);
+    std::vector<std::uint32_t> left(edges.count());
+    std::vector<std::uint8_t> is_flap(soup_.faces.size(), 0);
+    std::vector<FaceId> stack;
+    for (EdgeId e(0); e.value < edges.count(); ++e.value)
+      left[e.value] = static_cast<std::uint32_t>(edges.half_edges(e).size());
+    const auto drop_if_flap = [&](FaceId f) {
+      if (is_flap[f.value] != 0 || !is_balanced(f.value)) return;
+      for (std::size_t k = 0; k < 3; ++k)
+        if (left[edges.of(f, k).value] == 1) is_flap[f.value] = 1;
+      if (is_flap[f.value] != 0) stack.push_back(f);
+    };
+    for (FaceId f(0); f.value < soup_.faces.size(); ++f.value) {
+      check();
+      drop_if_flap(f);
+    }
+    if (stack.empty()) return;
+    while (!stack.empty()) {
+      check();
+      const FaceId f = stack.back();
+      stack.pop_back();
+      for (std::size_t k = 0; k < 3; ++k) {
+        const EdgeId e = edges.of(f, k);
+        if (--left[e.value] != 1) continue;
+        for (const std::uint32_t h : edges.half_edges(e)) drop_if_flap(FaceId(h / 3));
+      }
+    }
+    Soup kept;
+    for (std::size_t f = 0; f < soup_.faces.size(); ++f) {
+      check();
+      if (is_flap[f] != 0) continue;
+      kept.faces.push_back(soup_.faces[f]);
+      const auto covers = soup_.covers_of(f);
+      kept.covers.insert(kept.covers.end(), covers.begin(), covers.end());
+      kept.cover_begin.push_back(static_cast<std::uint32_t>(kept.covers.size()));
+    }
+    kept.positions = std::move(soup_.positions);
+    soup_ = std::move(kept);
+  }
+
+  /// Returns whether as many triangles that a face covers face one way as the other.
+  bool is_balanced(std::size_t f) const {
+    const auto covers = soup_.covers_of(f);
+    const auto reversed = std::count_if(covers.begin(), covers.end(), [](const Cover& c) { return c.is_reversed; });
+    return 2 * static_cast<std::size_t>(reversed) == covers.size();
+  }
+
+  void finish(Arrangement& result) {
+    StopCheck check(control_);
+    std::vector<VertexId> number(soup_.positions.size());
+    for (const Triangle& t : soup_.faces)
+      for (const VertexId v : t) number[v.value] = VertexId(0);
+    for (std::size_t v = 0; v < number.size(); ++v) {
+      check();
+      if (!number[v].is_valid()) continue;
+      number[v] = VertexId(result.positions.size());
+      const bool is_old = v < vertex_.size();
+      result.vertex.push_back(is_old ? VertexId(vertex_[v]) : VertexId());
+      result.positions.push_back(is_old ? input_positions_[vertex_[v]] : to_model(soup_.positions[v]));
+    }
+    result.moved = std::ldexp(find_moved(), exponent_);
+    result.was_cut.assign(input_faces_.size(), 1);
+    for (std::size_t f = 0; f < soup_.faces.size(); ++f) {
+      check();
+      const auto covers = soup_.covers_of(f);
+      if (covers.size() > 1) ++result.shared;
+      Triangle t = soup_.faces[f];
+      for (VertexId& v : t) v = number[v.value];
+      // A triangle is whole if all its corners are those that it had.
+      Triangle before = input_faces_[covers.front().face.value], after;
+      std::transform(t.begin(), t.end(), after.begin(), [&](VertexId v) { return result.vertex[v.value]; });
+      std::sort(before.begin(), before.end());
+      std::sort(after.begin(), after.end());
+      if (before == after) result.was_cut[covers.front().face.value] = 0;
+      result.faces.push_back(t);
+    }
+    result.cover_begin = std::move(soup_.cover_begin);
+    result.covers = std::move(soup_.covers);
+  }
+
+  Vec3 to_model(const Vec3& p) const {
+    return {std::ldexp(p.x, exponent_), std::ldexp(p.y, exponent_), std::ldexp(p.z, exponent_)};
+  }
+
+  /// Returns how far points have moved: the largest distance of a corner from a triangle of which its face is a piece,
+  /// and the height of triangles that have vanished.
+  double find_moved() const {
+    const auto corners_of_input = [&](FaceId f) {
+      const Triangle& t = input_faces_[f.value];
+      return Corners3{scaled(input_positions_[t[0].value]), scaled(input_positions_[t[1].value]),
+                      scaled(input_positions_[t[2].value])};
+    };
+    std::vector<std::uint8_t> is_there(input_faces_.size(), 0);
+    for (const Cover& cover : soup_.covers) is_there[cover.face.value] = 1;
+    const auto largest =
+        map_blocks<double>(soup_.faces.size(), kFacesPerBlock, control_, [&](std::size_t f, std::size_t end) {
+          double moved = 0;
+          for (; f < end; ++f)
+            for (const Cover& cover : soup_.covers_of(f)) {
+              const Corners3 triangle = corners_of_input(cover.face);
+              for (const VertexId v : soup_.faces[f]) {
+                const Vec3& p = soup_.positions[v.value];
+                if (std::find(triangle.begin(), triangle.end(), p) != triangle.end()) continue;
+                moved = std::max(moved, norm(p - nearest_on_triangle(p, triangle)));
+              }
+            }
+          return moved;
+        });
+    double moved = 0;
+    for (const double of_block : largest) moved = std::max(moved, of_block);
+    for (std::size_t f = 0; f < is_there.size(); ++f) {
+      if (is_there[f] != 0) continue;
+      const Corners3 t = corners_of_input(FaceId(f));
+      const double longest = std::max({norm(t[1] - t[0]), norm(t[2] - t[1]), norm(t[0] - t[2])});
+      moved = std::max(moved, norm(cross(t[1] - t[0], t[2] - t[0])) / longest + distance_);
+    }
+    return moved;
+  }
+
+  static constexpr std::size_t kFacesPerBlock = 1 << 12;
+
+  std::span<const Vec3> input_positions_;
+  std::span<const Triangle> input_faces_;
+  RunControl& control_;
+  int exponent_ = 0;                   ///< the soup's coordinates are the input's times 2^-exponent_
+  double distance_ = 0;                ///< in the soup's unit
+  std::vector<std::uint32_t> vertex_;  ///< by vertex of the soup: that of the input; new vertices follow
+  Soup soup_;
+  std::vector<std::uint8_t> active_;  ///< by face: it may have contacts; empty: all may
+  bool is_changed_ = false;
+};
+
+}  // namespace
+
+Arrangement arrange(std::span<const Vec3> positions, std::span<const Triangle> faces, double distance,
+                    RunControl& control) {
+  return Arranging(positions, faces, distance, control).run();
+}
+
+}  // namespace remesh

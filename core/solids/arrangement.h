@@ -1,0 +1,51 @@
+/// Makes triangles that cross or touch each other one conforming surface.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/base/ids.h"
+#include "core/base/run_control.h"
+#include "core/base/vec.h"
+#include "core/mesh/mesh.h"
+#include "core/solids/soup.h"
+
+namespace remesh {
+
+/// A surface whose triangles meet in common vertices and edges only, as far as `left` is empty.
+struct Arrangement {
+  std::vector<Vec3> positions;   ///< in the unit of the input; those of input vertices are unchanged, bit for bit
+  std::vector<VertexId> vertex;  ///< by vertex: the vertex of the input; invalid for new ones
+  std::vector<Triangle> faces;
+  std::vector<std::uint32_t> cover_begin{0};
+  std::vector<Cover> covers;          ///< the input's triangles of which each triangle is a piece, as in a Soup
+  std::vector<std::uint8_t> was_cut;  ///< by triangle of the input
+  std::size_t curves = 0;             ///< the pairs of triangles that crossed each other
+  std::size_t shared = 0;             ///< the triangles that are pieces of several ones of the input
+  std::size_t rounds = 0;  ///< how often points were joined again, since their rounding had made new crossings
+  double moved = 0;        ///< how far points of the input may have moved, in the unit of the input
+  std::vector<std::pair<FaceId, FaceId>> left;  ///< triangles that still intersect; the first ones, if there are many
+  bool is_given_up = false;                     ///< too much crosses or touches too much else; the rest is empty
+  bool is_changed = false;  ///< false: nothing crosses or touches anything, and the triangles are those of the input
+
+  std::span<const Cover> covers_of(std::size_t f) const {
+    return std::span(covers).subspan(cover_begin[f], cover_begin[f + 1] - cover_begin[f]);
+  }
+};
+
+/// Cuts triangles along their intersections. First, whatever lies within `distance` of each other becomes shared, see
+/// find_contacts. What crosses then crosses at an angle, see find_crossings. Where the rounding of new points makes
+/// triangles cross again, features that are a few rounding steps apart are joined, and the triangles are cut again; the
+/// distance grows from round to round.
+/// Input:   triangles with an area; no two vertices with equal coordinates.
+/// Holds:   the result is the same for any number of threads. It does not depend on the order of vertices and
+///          triangles, except for its own order.
+/// Errors:  kOutOfMemory - see MemoryBound; kCancelled, kTimeout - asked to stop through `control`.
+/// Cost:    O(n log n) for n triangles and points, and the pairs that cross.
+Arrangement arrange(std::span<const Vec3> positions, std::span<const Triangle> faces, double distance,
+                    RunControl& control);
+
+}  // namespace remesh

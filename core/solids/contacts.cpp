@@ -1,0 +1,391 @@
+#include "core/solids/contacts.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <utility>
+
+#include "core/base/blocks.h"
+#include "core/base/stoppable.h"
+#include "core/geometry/intersections/pair_search.h"
+#include "core/geometry/triangles/distances.h"
+
+namespace remesh {
+namespace {
+
+/// Faces that are near each other are triangulated together only if their common points are at least this many
+/// distances off a line. Points along a common side may be that far off it.
+constexpr double kFlat = 4;
+/// A point on an edge is the same as another one on it within this many distances.
+constexpr double kSamePlace = 2;
+
+constexpr std::size_t kPairsPerBlock = 512;
+
+bool has_corner(const Triangle& face, VertexId v) { return face[0] == v || face[1] == v || face[2] == v; }
+
+/// The places where two segments are nearest to each other.
+struct Passing {
+  double s, t;  ///< 0 to 1 along each
+  Vec3 p, q;
+};
+
+Passing nearest_of_segments(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  const Vec3 u = b - a, v = d - c, w = a - c;
+  const double uu = dot(u, u), uv = dot(u, v), vv = dot(v, v), uw = dot(u, w), vw = dot(v, w);
+  const double determinant = uu * vv - uv * uv;
+  double s = determinant > 0 ? std::clamp((uv * vw - vv * uw) / determinant, 0.0, 1.0) : 0;
+  double t = vv > 0 ? (uv * s + vw) / vv : 0;
+  if (t < 0 || t > 1) {
+    t = std::clamp(t, 0.0, 1.0);
+    s = uu > 0 ? std::clamp((uv * t - uw) / uu, 0.0, 1.0) : 0;
+  }
+  return {s, t, a + s * u, c + t * v};
+}
+
+/// The contacts of features, by numbers.
+struct Contacts {
+  std::vector<std::pair<VertexId, VertexId>> vertices;  ///< the smaller one first
+  std::vector<std::pair<EdgeId, VertexId>> on_edges;
+  std::vector<std::pair<EdgeId, EdgeId>> passing;  ///< the smaller one first
+  std::vector<std::pair<FaceId, VertexId>> in_faces;
+
+  void append(const Contacts& more) {
+    const auto add = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+    add(vertices, more.vertices);
+    add(on_edges, more.on_edges);
+    add(passing, more.passing);
+    add(in_faces, more.in_faces);
+  }
+  void make_unique(const RunControl& control) {
+    const auto sort = [&](auto& list) {
+      sort_stoppable(list.begin(), list.end(), control);
+      list.erase(std::unique(list.begin(), list.end()), list.end());
+    };
+    sort(vertices);
+    sort(on_edges);
+    sort(passing);
+    sort(in_faces);
+  }
+};
+
+class ContactSearch {
+ public:
+  ContactSearch(Soup& soup, const SoupEdges& edges, double distance, std::span<const std::uint8_t> active,
+                RunControl& control)
+      : soup_(soup), edges_(edges), distance_(distance), active_(active), control_(control) {}
+
+  std::optional<CutPlan> run() {
+    if (!find_near()) return std::nullopt;
+    if (near_.empty()) return CutPlan{};
+    find_features();
+    CutPlan plan;
+    join_vertices(plan);
+    put_on_edges(plan);
+    sides_.emplace(soup_, edges_, plan, control_);
+    put_in_faces(plan);
+    find_common_pieces(plan);
+    const bool is_any_joined = std::any_of(contacts_.vertices.begin(), contacts_.vertices.end(),
+                                           [&](const auto& pair) { return plan.image_of(pair.second) != pair.second; });
+    if (!is_any_joined) plan.image.clear();
+    return plan;
+  }
+
+ private:
+  bool is_active(FaceId f) const { return active_.empty() || active_[f.value] != 0; }
+  const Vec3& at(VertexId v) const { return soup_.positions[v.value]; }
+  Corners3 corners(FaceId f) const {
+    const Triangle& t = soup_.faces[f.value];
+    return {at(t[0]), at(t[1]), at(t[2])};
+  }
+  double length(EdgeId e) const {
+    const auto [a, b] = edges_.ends(e);
+    return norm(at(b) - at(a));
+  }
+
+  /// Sees all nodes of a tree.
+  struct AllNodes {
+    bool is_of_no_interest(FaceId, std::size_t, std::size_t) const { return false; }
+    bool lose_interest(std::span<const std::uint32_t>) { return false; }
+  };
+
+  /// Finds the pairs of faces that are near each other where they share nothing.
+  /// Output: false if there are too many.
+  bool find_near() {
+    const std::size_t n = soup_.faces.size();
+    constexpr std::size_t kPairsPerFace = 64, kAlways = 1 << 12;
+    const SearchLimits limits(kPairsPerFace * n + kAlways, SearchLimits::steps_for(n));
+    PairSearch search(limits, control_);
+    SearchedTriangles searched{soup_.positions, soup_.faces};
+    searched.margin = distance_;
+    find_pairs(
+        searched, [](FaceId f) { return f; }, [](const TriangleTree&) { return AllNodes(); },
+        [&](FaceId f, FaceId g) { return (is_active(f) || is_active(g)) && are_near(f, g); }, search);
+    near_ = std::move(search.result().pairs);
+    sort_stoppable(near_.begin(), near_.end(), control_);
+    return search.goes_on();
+  }
+
+  /// Returns whether two faces surely have no contact, since they turn away from each other at their common side.
+  bool are_clearly_apart(const Triangle& f, const Triangle& g) const {
+    VertexId shared[3];
+    std::size_t count = 0;
+    for (const VertexId v : f)
+      if (has_corner(g, v)) shared[count++] = v;
+    if (count != 2) return false;
+    const auto apex = [&](const Triangle& t) {
+      return *std::find_if(t.begin(), t.end(), [&](VertexId v) { return v != shared[0] && v != shared[1]; });
+    };
+    const Vec3 side = at(shared[1]) - at(shared[0]);
+    const double squared = dot(side, side);
+    if (!(squared > 0)) return false;
+    const auto height = [&](VertexId v) {
+      const Vec3 from = at(v) - at(shared[0]);
+      return from - (dot(from, side) / squared) * side;
+    };
+    const Vec3 a = height(apex(f)), b = height(apex(g));
+    const double a_length = norm(a), b_length = norm(b);
+    constexpr double kLargeTurn = 0.5;  // the cosine of the angle between the faces
+    return a_length > kFlat * distance_ && b_length > kFlat * distance_ && dot(a, b) < kLargeTurn * a_length * b_length;
+  }
+
+  bool are_near(FaceId f, FaceId g) const {
+    const Triangle &s = soup_.faces[f.value], &t = soup_.faces[g.value];
+    const bool is_any_shared = has_corner(t, s[0]) || has_corner(t, s[1]) || has_corner(t, s[2]);
+    if (!is_any_shared) return norm(shortest_way(corners(f), corners(g))) <= distance_;
+    if (are_clearly_apart(s, t)) return false;
+    Contacts found;
+    compare(f, g, found);
+    return !found.vertices.empty() || !found.on_edges.empty() || !found.passing.empty() || !found.in_faces.empty();
+  }
+
+  bool is_within(const Vec3& a, const Vec3& b) const { return norm(b - a) <= distance_; }
+
+  /// Finds the contacts of two faces: the corners of each are held against the other face, and sides against sides.
+  void compare(FaceId f, FaceId g, Contacts& found) const {
+    compare_corners(f, g, found);
+    compare_corners(g, f, found);
+    for (std::size_t i = 0; i < 3; ++i)
+      for (std::size_t j = 0; j < 3; ++j) {
+        const auto [low, high] = std::minmax({edges_.of(f, i), edges_.of(g, j)});
+        const auto [a, b] = edges_.ends(low);
+        const auto [c, d] = edges_.ends(high);
+        if (a == c || a == d || b == c || b == d) continue;
+        const Passing passing = nearest_of_segments(at(a), at(b), at(c), at(d));
+        if (is_within(passing.p, passing.q)) found.passing.push_back({low, high});
+      }
+  }
+
+  void compare_corners(FaceId f, FaceId g, Contacts& found) const {
+    const Triangle& other = soup_.faces[g.value];
+    const Corners3 triangle = corners(g);
+    for (const VertexId v : soup_.faces[f.value]) {
+      if (has_corner(other, v)) continue;
+      const Vec3& p = at(v);
+      if (!is_within(p, nearest_on_triangle(p, triangle))) continue;
+      bool is_at_rim = false;
+      for (const VertexId w : other)
+        if (is_within(p, at(w))) {
+          found.vertices.push_back(std::minmax(v, w));
+          is_at_rim = true;
+        }
+      for (std::size_t k = 0; k < 3; ++k) {
+        const VertexId a = other[k], b = other[(k + 1) % 3];
+        if (!is_within(p, nearest_on_segment(p, at(a), at(b)))) continue;
+        if (!is_within(p, at(a)) && !is_within(p, at(b))) found.on_edges.push_back({edges_.of(g, k), v});
+        is_at_rim = true;
+      }
+      if (!is_at_rim) found.in_faces.push_back({g, v});
+    }
+  }
+
+  void find_features() {
+    const auto blocks =
+        map_blocks<Contacts>(near_.size(), kPairsPerBlock, control_, [&](std::size_t i, std::size_t end) {
+          Contacts found;
+          for (; i < end; ++i) compare(near_[i].first, near_[i].second, found);
+          return found;
+        });
+    for (const Contacts& found : blocks) contacts_.append(found);
+    // A corner may be near the side of its own face.
+    std::vector<FaceId> faces;
+    for (const auto& [f, g] : near_) faces.insert(faces.end(), {f, g});
+    sort_stoppable(faces.begin(), faces.end(), control_);
+    faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+    for (const FaceId f : faces)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Triangle& t = soup_.faces[f.value];
+        const Vec3 &p = at(t[(k + 2) % 3]), &a = at(t[k]), &b = at(t[(k + 1) % 3]);
+        if (is_within(p, nearest_on_segment(p, a, b)) && !is_within(p, a) && !is_within(p, b))
+          contacts_.on_edges.push_back({edges_.of(f, k), t[(k + 2) % 3]});
+      }
+    contacts_.make_unique(control_);
+    faces_ = std::move(faces);
+  }
+
+  /// Joins vertices to the smallest one near them that has not been joined itself. So chains do not collapse.
+  void join_vertices(CutPlan& plan) const {
+    plan.image.resize(soup_.positions.size());
+    for (std::size_t v = 0; v < plan.image.size(); ++v) plan.image[v] = VertexId(v);
+    for (const auto& [v, w] : contacts_.vertices)
+      if (plan.image[v.value] == v && plan.image[w.value] == w) plan.image[w.value] = v;
+  }
+
+  void put_on_edges(CutPlan& plan) {
+    // The points on edges, by their places along these.
+    std::map<std::pair<EdgeId, double>, VertexId> points;
+    const auto put = [&](EdgeId e, VertexId v) {
+      const auto [a, b] = edges_.ends(e);
+      if (v == plan.image_of(a) || v == plan.image_of(b)) return;
+      const Vec3 side = at(b) - at(a);
+      points.insert({{e, dot(at(v) - at(a), side) / dot(side, side)}, v});
+      plan.on_edges.push_back({e, v});
+    };
+    // Returns the point of an edge that is at a place, if there is one.
+    const auto find = [&](EdgeId e, double place) {
+      const auto [a, b] = edges_.ends(e);
+      const double slack = kSamePlace * distance_ / length(e);
+      if (place <= slack) return plan.image_of(a);
+      if (place >= 1 - slack) return plan.image_of(b);
+      const auto near = points.lower_bound({e, place - slack});
+      const bool is_there = near != points.end() && near->first.first == e && near->first.second <= place + slack;
+      return is_there ? near->second : VertexId();
+    };
+    StopCheck check(control_);
+    for (const auto& [e, v] : contacts_.on_edges) {
+      check();
+      put(e, plan.image_of(v));
+    }
+    for (const auto& [e, g] : contacts_.passing) {
+      check();
+      const auto [a, b] = edges_.ends(e);
+      const auto [c, d] = edges_.ends(g);
+      const auto is_end_of_g = [&](VertexId v) {
+        return plan.image_of(v) == plan.image_of(c) || plan.image_of(v) == plan.image_of(d);
+      };
+      if (is_end_of_g(a) || is_end_of_g(b)) continue;
+      const Passing passing = nearest_of_segments(at(a), at(b), at(c), at(d));
+      const VertexId on_e = find(e, passing.s), on_g = find(g, passing.t);
+      if (on_e.is_valid()) {
+        if (on_g != on_e) put(g, on_e);
+      } else if (on_g.is_valid()) {
+        put(e, on_g);
+      } else {
+        const VertexId made(soup_.positions.size());
+        soup_.positions.push_back(0.5 * (passing.p + passing.q));
+        plan.image.push_back(made);
+        put(e, made);
+        put(g, made);
+      }
+    }
+  }
+
+  /// Puts vertices into faces if they are not on their outlines.
+  void put_in_faces(CutPlan& plan) const {
+    std::vector<VertexId> outline;
+    for (const auto& [f, v] : contacts_.in_faces) {
+      const VertexId image = plan.image_of(v);
+      outline.clear();
+      sides_->append_outline(f, outline);
+      if (std::find(outline.begin(), outline.end(), image) == outline.end()) plan.in_faces.push_back({f, image});
+    }
+    std::sort(plan.in_faces.begin(), plan.in_faces.end());
+    plan.in_faces.erase(std::unique(plan.in_faces.begin(), plan.in_faces.end()), plan.in_faces.end());
+  }
+
+  /// Finds the pieces of sides that lie in other faces, and the faces that lie on each other.
+  void find_common_pieces(CutPlan& plan) const {
+    // The points on each face that is near another one, in the order of faces_.
+    std::vector<std::vector<VertexId>> on(faces_.size()), outlines(faces_.size());
+    for_blocks(faces_.size(), kPairsPerBlock, control_, [&](std::size_t i, std::size_t end) {
+      for (; i < end; ++i) {
+        sides_->append_outline(faces_[i], outlines[i]);
+        on[i] = outlines[i];
+        const std::pair<FaceId, VertexId> low(faces_[i], VertexId(0));
+        for (auto p = std::lower_bound(plan.in_faces.begin(), plan.in_faces.end(), low);
+             p != plan.in_faces.end() && p->first == faces_[i]; ++p)
+          on[i].push_back(p->second);
+        std::sort(on[i].begin(), on[i].end());
+        on[i].erase(std::unique(on[i].begin(), on[i].end()), on[i].end());
+      }
+    });
+    struct Found {
+      std::vector<CutPlan::Constraint> constraints;
+      std::vector<std::pair<FaceId, FaceId>> in_one_plane;
+    };
+    const auto index_of = [&](FaceId f) {
+      return static_cast<std::size_t>(std::lower_bound(faces_.begin(), faces_.end(), f) - faces_.begin());
+    };
+    const auto blocks = map_blocks<Found>(near_.size(), kPairsPerBlock, control_, [&](std::size_t i, std::size_t end) {
+      Found found;
+      std::vector<VertexId> common;
+      for (; i < end; ++i) {
+        const std::size_t f = index_of(near_[i].first), g = index_of(near_[i].second);
+        common.clear();
+        std::set_intersection(on[f].begin(), on[f].end(), on[g].begin(), on[g].end(), std::back_inserter(common));
+        if (common.size() < 2) continue;
+        add_pieces(faces_[f], outlines[f], outlines[g], common, found.constraints);
+        add_pieces(faces_[g], outlines[g], outlines[f], common, found.constraints);
+        if (is_wide(common)) found.in_one_plane.push_back(near_[i]);
+      }
+      return found;
+    });
+    for (const Found& found : blocks) {
+      plan.constraints.insert(plan.constraints.end(), found.constraints.begin(), found.constraints.end());
+      plan.in_one_plane.insert(plan.in_one_plane.end(), found.in_one_plane.begin(), found.in_one_plane.end());
+    }
+    sort_stoppable(plan.constraints.begin(), plan.constraints.end(), control_);
+    plan.constraints.erase(std::unique(plan.constraints.begin(), plan.constraints.end()), plan.constraints.end());
+  }
+
+  /// Adds the pieces of another face's outline that lie in a face and are none of its own.
+  static void add_pieces(FaceId f, const std::vector<VertexId>& own, const std::vector<VertexId>& other,
+                         const std::vector<VertexId>& common, std::vector<CutPlan::Constraint>& constraints) {
+    const auto is_common = [&](VertexId v) { return std::binary_search(common.begin(), common.end(), v); };
+    const auto is_own = [&](VertexId v, VertexId w) {
+      for (std::size_t i = 0; i < own.size(); ++i) {
+        const VertexId a = own[i], b = own[(i + 1) % own.size()];
+        if ((a == v && b == w) || (a == w && b == v)) return true;
+      }
+      return false;
+    };
+    for (std::size_t i = 0; i < other.size(); ++i) {
+      const VertexId v = other[i], w = other[(i + 1) % other.size()];
+      if (v == w || !is_common(v) || !is_common(w) || is_own(v, w)) continue;
+      const auto [low, high] = std::minmax(v, w);
+      constraints.push_back({f, low, high});
+    }
+  }
+
+  /// Returns whether points are not all near one line.
+  bool is_wide(const std::vector<VertexId>& points) const {
+    if (points.size() < 3) return false;
+    const auto far_from = [&](VertexId v) {
+      return *std::max_element(points.begin(), points.end(),
+                               [&](VertexId a, VertexId b) { return norm(at(a) - at(v)) < norm(at(b) - at(v)); });
+    };
+    const VertexId first = far_from(points.front()), last = far_from(first);
+    return std::any_of(points.begin(), points.end(), [&](VertexId v) {
+      return norm(at(v) - nearest_on_segment(at(v), at(first), at(last))) > kFlat * distance_;
+    });
+  }
+
+  Soup& soup_;
+  const SoupEdges& edges_;
+  const double distance_;
+  const std::span<const std::uint8_t> active_;
+  RunControl& control_;
+  FacePairs near_;             ///< ascending
+  std::vector<FaceId> faces_;  ///< those of near_, ascending
+  Contacts contacts_;
+  std::optional<CutSides> sides_;
+};
+
+}  // namespace
+
+std::optional<CutPlan> find_contacts(Soup& soup, const SoupEdges& edges, double distance,
+                                     std::span<const std::uint8_t> active, RunControl& control) {
+  return ContactSearch(soup, edges, distance, active, control).run();
+}
+
+}  // namespace remesh
