@@ -15,7 +15,7 @@
 namespace remesh {
 namespace {
 
-using Edge = std::pair<VertexId, VertexId>;
+using VertexPair = std::pair<VertexId, VertexId>;
 
 class DetailProof {
  public:
@@ -158,7 +158,7 @@ class DetailProof {
     const std::vector<DetailMap::Piece>& pieces = claim_.map.pieces;
     std::size_t at = 0;
     StopCheck check(control_);
-    std::vector<Edge> edges;
+    std::vector<VertexPair> edges;
     for (std::size_t f = 0; f < claim_.faces_before.size(); ++f) {
       check();
       edges.clear();
@@ -170,12 +170,12 @@ class DetailProof {
   }
 
   /// Returns whether edges, after those in opposite directions have cancelled, run around a face once.
-  bool is_outline(const Triangle& face, std::vector<Edge>& edges) const {
+  bool is_outline(const Triangle& face, std::vector<VertexPair>& edges) const {
     std::sort(edges.begin(), edges.end());
-    std::vector<Edge> left;
+    std::vector<VertexPair> left;
     for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
       while (end < edges.size() && edges[end] == edges[begin]) ++end;
-      const auto opposite = std::equal_range(edges.begin(), edges.end(), Edge(edges[begin].second, edges[begin].first));
+      const auto opposite = std::equal_range(edges.begin(), edges.end(), VertexPair(edges[begin].second, edges[begin].first));
       const auto same = static_cast<std::ptrdiff_t>(end - begin), against = opposite.second - opposite.first;
       if (same - against > 1) return false;
       if (same - against == 1) left.push_back(edges[begin]);
@@ -186,7 +186,7 @@ class DetailProof {
       VertexId at = from;
       double along = 0;
       do {
-        const auto next = std::lower_bound(left.begin(), left.end(), Edge(at, VertexId(0)));
+        const auto next = std::lower_bound(left.begin(), left.end(), VertexPair(at, VertexId(0)));
         if (next == left.end() || next->first != at || walked == left.size()) return false;
         ++walked;
         at = next->second;
@@ -209,7 +209,7 @@ class DetailProof {
       return t;
     };
     std::vector<Triangle> images, faces;
-    std::vector<Edge> sides, edges;
+    std::vector<VertexPair> sides, edges;
     std::vector<std::uint8_t> is_used(claim_.positions_after.size(), 0);
     StopCheck check(control_);
     for (const Triangle& face : claim_.faces_after) {
@@ -243,16 +243,16 @@ class DetailProof {
     if (images != faces) return false;
     sort_stoppable(edges.begin(), edges.end(), control_);
     return std::all_of(sides.begin(), sides.end(),
-                       [&](const Edge& side) { return std::binary_search(edges.begin(), edges.end(), side); });
+                       [&](const VertexPair& side) { return std::binary_search(edges.begin(), edges.end(), side); });
   }
 
   struct Shape {
     std::int64_t euler;      ///< the number of vertices, minus that of edges, plus that of faces
-    std::vector<Edge> open;  ///< the edges of one face
+    std::vector<VertexPair> open;  ///< the edges of one face
   };
 
   Shape shape_of(std::size_t vertices, std::span<const Triangle> faces) const {
-    std::vector<Edge> edges;
+    std::vector<VertexPair> edges;
     std::vector<std::uint8_t> is_used(vertices, 0);
     StopCheck check(control_);
     for (const Triangle& t : faces) {
@@ -276,7 +276,7 @@ class DetailProof {
 
   /// Counts the rims that are closed: rims of the first surface whose images have no vertex at an open edge. Rims with
   /// connected images count once.
-  std::int64_t count_closed_rims(const std::vector<Edge>& before, const std::vector<Edge>& after) const {
+  std::int64_t count_closed_rims(const std::vector<VertexPair>& before, const std::vector<VertexPair>& after) const {
     const std::size_t vertices = claim_.positions_after.size();
     std::vector<std::uint32_t> parent(vertices);
     std::iota(parent.begin(), parent.end(), 0U);
@@ -286,13 +286,13 @@ class DetailProof {
       return v;
     };
     StopCheck check(control_);
-    for (const Edge& edge : before) {
+    for (const VertexPair& edge : before) {
       check();
       parent[root(image(edge.first))] = root(image(edge.second));
     }
     std::vector<std::uint8_t> is_rim(vertices, 0), is_open(vertices, 0);
-    for (const Edge& edge : before) is_rim[root(image(edge.first))] = 1;
-    for (const Edge& edge : after) is_open[root(edge.first)] = is_open[root(edge.second)] = 1;
+    for (const VertexPair& edge : before) is_rim[root(image(edge.first))] = 1;
+    for (const VertexPair& edge : after) is_open[root(edge.first)] = is_open[root(edge.second)] = 1;
     std::int64_t closed = 0;
     for (std::size_t v = 0; v < vertices; ++v) closed += is_rim[v] != 0 && is_open[v] == 0 ? 1 : 0;
     return closed;

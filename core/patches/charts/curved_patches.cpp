@@ -85,8 +85,8 @@ class Joining {
   const AnalyticSurface& shape_of(PatchId p) const { return recognised_.surfaces[recognised_.of_patch[p]].shape; }
 
   /// The facets of each set with two or more of them. The sets are in the order of their first facets.
-  std::vector<Sheet> members(UnionFind& sets) {
-    std::vector<Sheet> all;
+  std::vector<PatchSheet> members(UnionFind& sets) {
+    std::vector<PatchSheet> all;
     IdVector<PatchId, std::uint32_t> count(facets_.count(), 0), list(facets_.count(), kNone);
     for (std::uint32_t p = 0; p < facets_.count(); ++p) {
       check_();
@@ -107,7 +107,7 @@ class Joining {
   }
 
   void divide_sheets() {
-    for (const Sheet& sheet : members(piece_)) {
+    for (const PatchSheet& sheet : members(piece_)) {
       const std::vector<std::uint8_t> sectors = geometry_.sectors(sheet, shape_of(sheet.front()));
       for (std::size_t i = 0; i < sheet.size(); ++i) sector_[sheet[i]] = sectors[i];
     }
@@ -121,7 +121,7 @@ class Joining {
     std::vector<CurvedPatch> curved;
     std::vector<Plane> planes;
     for (std::size_t p = 0; p < facets_.count(); ++p) first[PatchId(p)] = PatchId(p);
-    for (const Sheet& piece : members(piece_)) {
+    for (const PatchSheet& piece : members(piece_)) {
       const SurfaceId s = recognised_.of_patch[piece.front()];
       const AnalyticSurface& shape = recognised_.surfaces[s].shape;
       const int side = geometry_.side_of(piece, shape);

@@ -91,7 +91,7 @@ Vec3 SheetGeometry::middle_of(PatchId p) {
   return surface_.centre + surface_.unit * (first + (1 / area) * moment);
 }
 
-Vec3 SheetGeometry::smallest_corner(const Sheet& sheet) {
+Vec3 SheetGeometry::smallest_corner(const PatchSheet& sheet) {
   Vec3 smallest;
   bool is_first = true;
   for (const PatchId p : sheet)
@@ -103,7 +103,7 @@ Vec3 SheetGeometry::smallest_corner(const Sheet& sheet) {
 }
 
 /// Returns the corners of a sheet, each once, ordered by their positions.
-std::vector<SheetGeometry::Corner> SheetGeometry::corners_of(const Sheet& sheet) {
+std::vector<SheetGeometry::Corner> SheetGeometry::corners_of(const PatchSheet& sheet) {
   struct Use {
     Vec3 position;
     double area;
@@ -129,7 +129,7 @@ std::vector<SheetGeometry::Corner> SheetGeometry::corners_of(const Sheet& sheet)
 }
 
 /// Returns the centroid of a sheet.
-Vec3 SheetGeometry::middle_of_sheet(const Sheet& sheet) {
+Vec3 SheetGeometry::middle_of_sheet(const PatchSheet& sheet) {
   double area = 0;
   for (const PatchId p : sheet) area += area_of(p);
   Vec3 middle;
@@ -157,7 +157,7 @@ Vec3 SheetGeometry::rarest(std::vector<Corner> corners) {
   return best;
 }
 
-Vec3 SheetGeometry::dividing_corner(const Sheet& sheet, const AnalyticSurface& shape) {
+Vec3 SheetGeometry::dividing_corner(const PatchSheet& sheet, const AnalyticSurface& shape) {
   std::vector<Corner> corners = corners_of(sheet);
   const auto from_axis = [&](const Vec3& p) {
     const Vec3 way = p - shape.origin;
@@ -176,7 +176,7 @@ Vec3 SheetGeometry::dividing_corner(const Sheet& sheet, const AnalyticSurface& s
 }
 
 /// Makes the axes. Their choice does not matter, apart from rounding.
-SheetGeometry::AngleFrame SheetGeometry::frame_of(const Sheet& sheet, const AnalyticSurface& shape) {
+SheetGeometry::AngleFrame SheetGeometry::frame_of(const PatchSheet& sheet, const AnalyticSurface& shape) {
   return {shape, SurfaceMap(shape, {smallest_corner(sheet), false}).axes()};
 }
 
@@ -213,7 +213,7 @@ SheetGeometry::Gap SheetGeometry::largest_gap(std::vector<Covered>& covered, con
   return gap;
 }
 
-SheetGeometry::Gap SheetGeometry::gap_of(const Sheet& sheet, const AngleFrame& frame, double Angles::*which) {
+SheetGeometry::Gap SheetGeometry::gap_of(const PatchSheet& sheet, const AngleFrame& frame, double Angles::*which) {
   std::vector<Covered> covered;
   covered.reserve(sheet.size());
   for (const PatchId p : sheet) covered.push_back(covered_by(p, frame, which));
@@ -221,7 +221,7 @@ SheetGeometry::Gap SheetGeometry::gap_of(const Sheet& sheet, const AngleFrame& f
 }
 
 /// Returns the sine of the latitude of the corner that is farthest from the pole.
-double SheetGeometry::lowest_on_sphere(const Sheet& sheet, const AnalyticSurface& shape, const Vec3& pole) {
+double SheetGeometry::lowest_on_sphere(const PatchSheet& sheet, const AnalyticSurface& shape, const Vec3& pole) {
   double lowest = 1;
   for (const PatchId p : sheet)
     for_each_corner(
@@ -230,7 +230,7 @@ double SheetGeometry::lowest_on_sphere(const Sheet& sheet, const AnalyticSurface
 }
 
 /// Returns the mean direction of a sheet of a sphere, or that of its dividing corner if the sheet is nearly closed.
-Vec3 SheetGeometry::pole_of(const Sheet& sheet, const AnalyticSurface& shape) {
+Vec3 SheetGeometry::pole_of(const PatchSheet& sheet, const AnalyticSurface& shape) {
   Vec3 sum;
   double area = 0;
   for (const PatchId p : sheet) {
@@ -269,7 +269,7 @@ bool SheetGeometry::ends_at_axis(PatchId facet, const AnalyticSurface& shape) {
 
 /// Returns whether a sheet reaches the apex of a cone that is so narrow that half of it, unrolled, has no two triangles
 /// at the apex. A single one would reach over the axis.
-bool SheetGeometry::reaches_narrow_apex(const Sheet& sheet, const AngleFrame& frame) {
+bool SheetGeometry::reaches_narrow_apex(const PatchSheet& sheet, const AngleFrame& frame) {
   constexpr double kMaxSine = 1.0 / 3;  // half of the cone unrolls to 60 degrees
   if (frame.shape.kind != SurfaceKind::kCone || !(std::sin(frame.shape.half_angle) < kMaxSine)) return false;
   double nearest = HUGE_VAL, farthest = 0;
@@ -281,7 +281,7 @@ bool SheetGeometry::reaches_narrow_apex(const Sheet& sheet, const AngleFrame& fr
   return nearest < kOnAxis * farthest;
 }
 
-std::vector<std::uint8_t> SheetGeometry::sectors(const Sheet& sheet, const AnalyticSurface& shape) {
+std::vector<std::uint8_t> SheetGeometry::sectors(const PatchSheet& sheet, const AnalyticSurface& shape) {
   std::vector<std::uint8_t> result(sheet.size(), 0);
   if (shape.kind == SurfaceKind::kSphere) {
     const Vec3 pole = pole_of(sheet, shape);
@@ -306,14 +306,14 @@ std::vector<std::uint8_t> SheetGeometry::sectors(const Sheet& sheet, const Analy
 }
 
 /// Returns the largest distance of a piece's corners from a point.
-double SheetGeometry::reach_of(const Sheet& piece, const Vec3& point) {
+double SheetGeometry::reach_of(const PatchSheet& piece, const Vec3& point) {
   double reach = 0;
   for (const PatchId p : piece)
     for_each_corner(p, [&](const Vec3& corner) { reach = std::max(reach, norm(corner - point)); });
   return reach;
 }
 
-Vec3 SheetGeometry::middle_of_piece(const Sheet& piece, const AnalyticSurface& shape) {
+Vec3 SheetGeometry::middle_of_piece(const PatchSheet& piece, const AnalyticSurface& shape) {
   if (shape.kind == SurfaceKind::kSphere) return shape.origin + shape.radius * pole_of(piece, shape);
   const AngleFrame frame = frame_of(piece, shape);
   const double around = gap_of(piece, frame, &Angles::around).middle_of_covered;
@@ -327,7 +327,7 @@ Vec3 SheetGeometry::middle_of_piece(const Sheet& piece, const AnalyticSurface& s
   return shape.origin + frame.axes.in_space(place);
 }
 
-int SheetGeometry::side_of(const Sheet& piece, const AnalyticSurface& shape) {
+int SheetGeometry::side_of(const PatchSheet& piece, const AnalyticSurface& shape) {
   int side = 0;
   for (const PatchId p : piece) {
     const int here = dot(facets_.planes[p].normal, shape.normal(middle_of_box(p))) > 0 ? 1 : -1;
@@ -337,7 +337,7 @@ int SheetGeometry::side_of(const Sheet& piece, const AnalyticSurface& shape) {
   return side;
 }
 
-bool SheetGeometry::has_map(const Sheet& piece, const AnalyticSurface& shape) {
+bool SheetGeometry::has_map(const PatchSheet& piece, const AnalyticSurface& shape) {
   if (shape.kind == SurfaceKind::kSphere)
     return lowest_on_sphere(piece, shape, pole_of(piece, shape)) > -std::cos(kFreeAngle / 2);
   const AngleFrame frame = frame_of(piece, shape);
@@ -345,13 +345,13 @@ bool SheetGeometry::has_map(const Sheet& piece, const AnalyticSurface& shape) {
          (shape.kind != SurfaceKind::kTorus || gap_of(piece, frame, &Angles::tube).width >= kFreeAngle / 2);
 }
 
-double SheetGeometry::area_of(const Sheet& piece) {
+double SheetGeometry::area_of(const PatchSheet& piece) {
   double area = 0;
   for (const PatchId p : piece) area += area_of(p);
   return area;
 }
 
-Plane SheetGeometry::mean_plane(const Sheet& piece) {
+Plane SheetGeometry::mean_plane(const PatchSheet& piece) {
   Plane mean;
   double area = 0;
   for (const PatchId p : piece) {

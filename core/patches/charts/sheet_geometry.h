@@ -17,7 +17,7 @@
 namespace remesh {
 
 /// The connected facets of one surface. They are planar patches.
-using Sheet = std::vector<PatchId>;
+using PatchSheet = std::vector<PatchId>;
 
 /// Measures sheets and pieces of sheets. All lengths are in model units. Only the last digits of sums depend on the
 /// order of facets. This class is larger than the bound because every kind of surface has a rule of its own for where
@@ -38,7 +38,7 @@ class SheetGeometry {
 
   /// Returns the sector of each facet of a sheet, which is 0 everywhere if the sheet has a map as it is. Sectors begin
   /// at the angle of a corner. If corners are even, facets end where sectors do.
-  std::vector<std::uint8_t> sectors(const Sheet& sheet, const AnalyticSurface& shape);
+  std::vector<std::uint8_t> sectors(const PatchSheet& sheet, const AnalyticSurface& shape);
 
   /// Returns the corner at which a sheet is divided. The choice depends first on properties that do not change if the
   /// model is turned. The corner farthest from the middle of the sheet is taken. Of several such corners, one of the
@@ -46,20 +46,20 @@ class SheetGeometry {
   /// smallest position.
   /// Output: a corner on the axis, such as the apex of a cone, is never taken.
   /// Cost:   O(n log n).
-  Vec3 dividing_corner(const Sheet& sheet, const AnalyticSurface& shape);
+  Vec3 dividing_corner(const PatchSheet& sheet, const AnalyticSurface& shape);
 
   /// Returns whether a piece has a one-to-one map.
-  bool has_map(const Sheet& piece, const AnalyticSurface& shape);
+  bool has_map(const PatchSheet& piece, const AnalyticSurface& shape);
   /// Returns a point in the direction of the middle of a piece, seen from the axis or the centre. With this middle, the
   /// map distorts the piece as little as possible. Its distance is of the size of the model, so that a scaling changes
   /// no direction.
-  Vec3 middle_of_piece(const Sheet& piece, const AnalyticSurface& shape);
+  Vec3 middle_of_piece(const PatchSheet& piece, const AnalyticSurface& shape);
   /// Returns 1 if all facets look away from the axis or centre, -1 if all look towards it, and otherwise 0.
-  int side_of(const Sheet& piece, const AnalyticSurface& shape);
+  int side_of(const PatchSheet& piece, const AnalyticSurface& shape);
   /// Returns the area of a piece, in squared local units.
-  double area_of(const Sheet& piece);
+  double area_of(const PatchSheet& piece);
   /// Returns a plane with the mean normal through the mean of the facets' planes' origins, in local units.
-  Plane mean_plane(const Sheet& piece);
+  Plane mean_plane(const PatchSheet& piece);
 
  private:
   /// Two angles of a point: around the axis and, on a torus, around the tube.
@@ -93,18 +93,18 @@ class SheetGeometry {
   double area_of(PatchId p);
   Vec3 middle_of(PatchId p);
   Vec3 middle_of_box(PatchId p);
-  Vec3 smallest_corner(const Sheet& sheet);
-  std::vector<Corner> corners_of(const Sheet& sheet);
-  Vec3 middle_of_sheet(const Sheet& sheet);
+  Vec3 smallest_corner(const PatchSheet& sheet);
+  std::vector<Corner> corners_of(const PatchSheet& sheet);
+  Vec3 middle_of_sheet(const PatchSheet& sheet);
   static Vec3 rarest(std::vector<Corner> corners);
-  double reach_of(const Sheet& piece, const Vec3& point);
-  double lowest_on_sphere(const Sheet& sheet, const AnalyticSurface& shape, const Vec3& pole);
-  Vec3 pole_of(const Sheet& sheet, const AnalyticSurface& shape);
-  AngleFrame frame_of(const Sheet& sheet, const AnalyticSurface& shape);
+  double reach_of(const PatchSheet& piece, const Vec3& point);
+  double lowest_on_sphere(const PatchSheet& sheet, const AnalyticSurface& shape, const Vec3& pole);
+  Vec3 pole_of(const PatchSheet& sheet, const AnalyticSurface& shape);
+  AngleFrame frame_of(const PatchSheet& sheet, const AnalyticSurface& shape);
   Covered covered_by(PatchId p, const AngleFrame& frame, double Angles::*which);
-  bool reaches_narrow_apex(const Sheet& sheet, const AngleFrame& frame);
+  bool reaches_narrow_apex(const PatchSheet& sheet, const AngleFrame& frame);
   static Gap largest_gap(std::vector<Covered>& covered, const RunControl& control);
-  Gap gap_of(const Sheet& sheet, const AngleFrame& frame, double Angles::*which);
+  Gap gap_of(const PatchSheet& sheet, const AngleFrame& frame, double Angles::*which);
 
   const Surface& surface_;
   const PatchSet& facets_;

@@ -170,6 +170,8 @@ TEST(free_stage, planes_beside_a_free_surface_keep_their_planes) {
       EXPECT_LE(surface.bound, tolerance + report.plane_tolerance);
     const double bound = std::max(report.distance_bound->output_to_input, report.distance_bound->input_to_output);
     EXPECT_LE(bound, tolerance + report.plane_tolerance);
+    // New vertices of refinement are in the planes up to rounding.
+    if (refine) continue;
     EXPECT_LE(
         test::hausdorff(upper_faces(shapes::triangles(mesh), box), upper_faces(result.mesh, box), 0.2 * tolerance),
         tolerance * (1 + 1e-9));
