@@ -11,6 +11,7 @@
 #include "core/base/stoppable.h"
 #include "core/geometry/intersections/self_intersections.h"
 #include "core/geometry/triangles/distances.h"
+#include "core/solids/active_faces.h"
 #include "core/solids/contacts.h"
 #include "core/solids/crossings.h"
 #include "core/solids/cut_faces.h"
@@ -24,12 +25,16 @@ constexpr int kMaxPasses = 4;
 constexpr double kShareOfPass = 0.5;
 /// Rounds end if more than this many times the pairs of the best one intersect.
 constexpr std::size_t kMaxWorse = 4;
+/// Rounds end if there are more than this many times the triangles of the best one.
+constexpr std::size_t kMaxGrowth = 4;
 /// Points are joined again after rounding so often at most.
 constexpr int kMaxRounds = 6;
 /// In the first round, features within so many rounding steps are joined. Each round multiplies that by the factor.
 constexpr double kFirstSteps = 4, kRoundFactor = 16;
 /// These distances stay below this share of the distance of contacts.
 constexpr double kShareOfRounds = 0.125;
+/// Faces are thin up to so many distances of contacts.
+constexpr double kThinFlap = 8;
 /// A rounding step of coordinates that are at most 1.
 constexpr double kRoundingStep = 0x1p-53;
 
@@ -49,6 +54,7 @@ class Arranging {
     Arrangement result;
     if (!join_contacts(distance_)) return give_up(result);
     result.is_changed = is_changed_;
+    active_.clear();
     if (!find_intersecting(result.left)) return give_up(result);
     bool is_known = true;      // whether all pairs are
     std::optional<Soup> best;  // the one with the fewest pairs that intersect, if some do after the first cut
@@ -57,12 +63,18 @@ class Arranging {
       result.is_changed = true;
       if (!cut_crossings(result)) return give_up(result);
       is_known = find_intersecting(result.left);
+      if (is_known && result.left.empty()) {
+        // The last word has a search among all faces.
+        active_.clear();
+        is_known = find_intersecting(result.left);
+      }
       if (!is_known || result.left.empty()) break;
       if (!best || result.left.size() < left_of_best.size()) {
         best = soup_;
         left_of_best = result.left;
       }
-      if (round == kMaxRounds || result.left.size() > kMaxWorse * left_of_best.size()) break;
+      const bool is_too_much = soup_.faces.size() > kMaxGrowth * best->faces.size();
+      if (round == kMaxRounds || is_too_much || result.left.size() > kMaxWorse * left_of_best.size()) break;
       ++result.rounds;
       activate(result.left);
       const double within = kFirstSteps * kRoundingStep * std::pow(kRoundFactor, round);
@@ -134,7 +146,7 @@ class Arranging {
         is_any_copy = is_any_copy || sorted(soup_.faces[f]) == sorted(soup_.faces[g]);
     if (!is_any_copy) return;
     CutPlan nothing;
-    take(cut_faces(soup_, SoupEdges(soup_, control_), nothing, control_));
+    take(cut_faces(soup_, SoupEdges(soup_, control_), nothing, {}, control_));
     active_.clear();
   }
 
@@ -153,7 +165,7 @@ class Arranging {
     soup_.faces = std::move(cut.faces);
     soup_.cover_begin = std::move(cut.cover_begin);
     soup_.covers = std::move(cut.covers);
-    active_ = std::move(cut.is_new);
+    active_ = std::move(cut.is_active);
   }
 
   /// Makes shared what is within a distance.
@@ -168,17 +180,23 @@ class Arranging {
       // Contacts become fewer from pass to pass, or they are made by joining others, and would go on for ever.
       if (plan->is_empty() || plan->size() >= last) return true;
       last = plan->size();
-      take(cut_faces(soup_, edges, *plan, control_));
+      take(cut_faces(soup_, edges, *plan, active_, control_));
     }
     return true;
   }
 
+  /// Finds the pairs of faces that intersect, of which one is active.
   /// Output: false if there are too many pairs.
   bool find_intersecting(std::vector<std::pair<FaceId, FaceId>>& pairs) {
     const std::size_t n = soup_.faces.size();
     constexpr std::size_t kPairsPerFace = 64, kAlways = 1 << 16;
     const SearchLimits limits(kPairsPerFace * n + kAlways, SearchLimits::steps_for(n));
-    SelfIntersections found = self_intersections(soup_.positions, soup_.faces, {}, limits, control_);
+    const SelectedFaces selected = select_near_active(soup_, active_, 0, control_);
+    SelfIntersections found = self_intersections(soup_.positions, selected.faces(soup_), {}, limits, control_);
+    for (auto& [f, g] : found.pairs) {
+      f = selected.number(f);
+      g = selected.number(g);
+    }
     pairs = std::move(found.pairs);
     return found.is_complete;
   }
@@ -189,7 +207,8 @@ class Arranging {
     Crossings crossings = find_crossings(soup_, edges, result.left, control_);
     if (crossings.is_too_much) return false;
     if (result.rounds == 0) result.curves = crossings.curves;
-    take(cut_faces(soup_, edges, crossings.plan, control_));
+    activate(result.left);
+    take(cut_faces(soup_, edges, crossings.plan, active_, control_));
     return true;
   }
 
@@ -205,7 +224,8 @@ class Arranging {
         if (is_near[v.value] != 0) active_[f] = 1;
   }
 
-  /// Drops faces that cover both sides of something thin, and have an edge of their own: nothing is left between them.
+  /// Drops thin faces that cover as many triangles from one side as from the other, and have an edge of their own. Joins
+  /// leave such faces where a part was hardly wider than the distance.
   void drop_flaps() {
     const SoupEdges edges(soup_, control_);
     StopCheck check(control_);
@@ -215,7 +235,7 @@ class Arranging {
     for (EdgeId e(0); e.value < edges.count(); ++e.value)
       left[e.value] = static_cast<std::uint32_t>(edges.half_edges(e).size());
     const auto drop_if_flap = [&](FaceId f) {
-      if (is_flap[f.value] != 0 || !is_balanced(f.value)) return;
+      if (is_flap[f.value] != 0 || !is_balanced(f.value) || height(corners(f.value)) > kThinFlap * distance_) return;
       for (std::size_t k = 0; k < 3; ++k)
         if (left[edges.of(f, k).value] == 1) is_flap[f.value] = 1;
       if (is_flap[f.value] != 0) stack.push_back(f);
@@ -246,6 +266,16 @@ class Arranging {
     }
     kept.positions = std::move(soup_.positions);
     soup_ = std::move(kept);
+  }
+
+  Corners3 corners(std::size_t f) const {
+    const Triangle& t = soup_.faces[f];
+    return {soup_.positions[t[0].value], soup_.positions[t[1].value], soup_.positions[t[2].value]};
+  }
+  /// Returns the smallest height of a triangle.
+  static double height(const Corners3& t) {
+    const double longest = std::max({norm(t[1] - t[0]), norm(t[2] - t[1]), norm(t[0] - t[2])});
+    return longest > 0 ? norm(cross(t[1] - t[0], t[2] - t[0])) / longest : 0;
   }
 
   /// Returns whether as many triangles that a face covers face one way as the other.
@@ -320,9 +350,7 @@ class Arranging {
     for (const double of_block : largest) moved = std::max(moved, of_block);
     for (std::size_t f = 0; f < is_there.size(); ++f) {
       if (is_there[f] != 0) continue;
-      const Corners3 t = corners_of_input(FaceId(f));
-      const double longest = std::max({norm(t[1] - t[0]), norm(t[2] - t[1]), norm(t[0] - t[2])});
-      moved = std::max(moved, norm(cross(t[1] - t[0], t[2] - t[0])) / longest + distance_);
+      moved = std::max(moved, height(corners_of_input(FaceId(f))) + distance_);
     }
     return moved;
   }

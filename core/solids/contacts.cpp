@@ -10,6 +10,7 @@
 #include "core/base/stoppable.h"
 #include "core/geometry/intersections/pair_search.h"
 #include "core/geometry/triangles/distances.h"
+#include "core/solids/active_faces.h"
 
 namespace remesh {
 namespace {
@@ -116,11 +117,18 @@ class ContactSearch {
     constexpr std::size_t kPairsPerFace = 64, kAlways = 1 << 12;
     const SearchLimits limits(kPairsPerFace * n + kAlways, SearchLimits::steps_for(n));
     PairSearch search(limits, control_);
-    SearchedTriangles searched{soup_.positions, soup_.faces};
+    const SelectedFaces selected = select_near_active(soup_, active_, distance_, control_);
+    const std::span<const Triangle> faces = selected.faces(soup_);
+    if (faces.empty()) return true;
+    SearchedTriangles searched{soup_.positions, faces};
     searched.margin = distance_;
     find_pairs(
-        searched, [](FaceId f) { return f; }, [](const TriangleTree&) { return AllNodes(); },
-        [&](FaceId f, FaceId g) { return (is_active(f) || is_active(g)) && are_near(f, g); }, search);
+        searched, [&](FaceId f) { return selected.number(f); }, [](const TriangleTree&) { return AllNodes(); },
+        [&](FaceId i, FaceId j) {
+          const FaceId f = selected.number(i), g = selected.number(j);
+          return (is_active(f) || is_active(g)) && are_near(f, g);
+        },
+        search);
     near_ = std::move(search.result().pairs);
     sort_stoppable(near_.begin(), near_.end(), control_);
     return search.goes_on();

@@ -297,7 +297,7 @@ class Collector {
       cut.faces.push_back(corners);
       cut.covers.insert(cut.covers.end(), covers.begin(), covers.end());
       cut.cover_begin.push_back(static_cast<std::uint32_t>(cut.covers.size()));
-      cut.is_new.push_back(is_new ? 1 : 0);
+      cut.is_active.push_back(is_new ? 1 : 0);
     }
     return cut;
   }
@@ -315,7 +315,8 @@ class Collector {
 
 }  // namespace
 
-CutSoup cut_faces(const Soup& soup, const SoupEdges& edges, CutPlan& plan, RunControl& control) {
+CutSoup cut_faces(const Soup& soup, const SoupEdges& edges, CutPlan& plan, std::span<const std::uint8_t> active,
+                  RunControl& control) {
   const std::size_t n = soup.faces.size();
   const CutSides sides(soup, edges, plan, control);
   const Grouping in_face = group_by(
@@ -346,7 +347,7 @@ CutSoup cut_faces(const Soup& soup, const SoupEdges& edges, CutPlan& plan, RunCo
     const Triangle image{plan.image_of(t[0]), plan.image_of(t[1]), plan.image_of(t[2])};
     if (image[0] == image[1] || image[1] == image[2] || image[2] == image[0]) continue;
     const std::pair<FaceId, bool> itself(FaceId(f), false);
-    collector.add(image, {&itself, 1}, image != t);
+    collector.add(image, {&itself, 1}, image != t || (!active.empty() && active[f] != 0));
   }
   constexpr std::size_t kPlanesPerBlock = 16;
   const auto cut = map_blocks<Pieces>(to_cut.size(), kPlanesPerBlock, control, [&](std::size_t i, std::size_t end) {

@@ -403,8 +403,7 @@ TEST(options, words_with_signs_and_words_without_do_not_mix) {
 }
 
 TEST(options, a_word_that_is_not_known_is_an_error_that_names_those_that_are) {
-  for (const std::string_view text :
-       {"+union", "-self_intersections", "imprint", "winding,self_intersections", " union"}) {
+  for (const std::string_view text : {"+unions", "-self_intersection", "imprint", "winding,imprint", " imprint"}) {
     expect_invalid("repair", text);
     const Error error = error_of([&] { read("repair", text); });
     for (const std::string_view word : option_words(*find_option("repair")))
