@@ -2,14 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <map>
+#include <filesystem>
 #include <numbers>
 #include <set>
-#include <sstream>
 #include <stdexcept>
 
 #include "tests/support/claims.h"
+#include "tests/support/shared_meshes.h"
 
 namespace remesh::recognition {
 namespace {
@@ -43,21 +42,10 @@ void for_each_triangle(const PolygonMesh& mesh, const StepFace& face, const Use&
 }  // namespace
 
 std::optional<std::vector<StepFace>> truth_beside(const std::string& mesh_path) {
-  std::ifstream file(mesh_path.substr(0, mesh_path.rfind('.')) + ".surfaces.tsv");
-  if (!file) return std::nullopt;
+  const std::filesystem::path path(mesh_path.substr(0, mesh_path.rfind('.')) + ".surfaces.tsv");
+  if (!std::filesystem::exists(path)) return std::nullopt;
   std::vector<StepFace> faces;
-  std::vector<std::string> columns;
-  for (std::string line; std::getline(file, line);) {
-    std::istringstream row(line);
-    std::vector<std::string> cells;
-    for (std::string cell; std::getline(row, cell, '\t');) cells.push_back(cell);
-    if (columns.empty()) {
-      columns = cells;
-      continue;
-    }
-    cells.resize(columns.size());
-    std::map<std::string, std::string> cell;
-    for (std::size_t i = 0; i < columns.size(); ++i) cell[columns[i]] = cells[i];
+  for (const test::TableRow& cell : test::read_table(path)) {
     const auto number = [&](const char* column) { return cell.at(column).empty() ? 0.0 : std::stod(cell.at(column)); };
     StepFace& face = faces.emplace_back();
     face.number = std::stoi(cell.at("face"));

@@ -3,6 +3,7 @@
 
 #include <fcntl.h>
 #include <signal.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -78,10 +79,11 @@ class DaemonProcess {
   }
   /// Returns the time that all threads of the daemon have spent on processors. Other programs do not lengthen it.
   std::chrono::duration<double> processor_time() const {
+    if (child_ < 0) return spent_in_all_;
     clockid_t clock{};
     timespec spent{};
     if (::clock_getcpuclockid(child_, &clock) != 0 || ::clock_gettime(clock, &spent) != 0)
-      throw std::runtime_error("the daemon has ended");
+      throw std::runtime_error("no clock of the daemon");
     return std::chrono::seconds(spent.tv_sec) + std::chrono::nanoseconds(spent.tv_nsec);
   }
   void forget_peak() const { std::ofstream("/proc/" + std::to_string(child_) + "/clear_refs") << 5; }
@@ -93,8 +95,11 @@ class DaemonProcess {
   /// Waits for the end. Returns the exit code, or the negated number of the signal that ended it.
   int wait() {
     int status = 0;
-    ::waitpid(child_, &status, 0);
+    rusage spent{};
+    ::wait4(child_, &status, 0, &spent);
     child_ = -1;
+    for (const timeval& part : {spent.ru_utime, spent.ru_stime})
+      spent_in_all_ += std::chrono::seconds(part.tv_sec) + std::chrono::microseconds(part.tv_usec);
     return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
   }
   /// Returns what the daemon has logged since its start. The log is complete once the daemon has ended.
@@ -114,6 +119,7 @@ class DaemonProcess {
   }
 
   pid_t child_ = -1;
+  std::chrono::duration<double> spent_in_all_{};
   std::FILE* log_ = nullptr;
   std::thread reader_;
   std::mutex mutex_;

@@ -32,9 +32,9 @@ bool has_shared_mesh(const std::string& name) {
   return false;
 }
 
-std::vector<MeshFacts> shared_meshes_facts() {
-  std::ifstream table(shared_meshes_folder() / "facts.tsv");
-  std::vector<MeshFacts> all;
+std::vector<TableRow> read_table(const std::filesystem::path& path) {
+  std::ifstream table(path);
+  std::vector<TableRow> all;
   std::vector<std::string> columns;
   for (std::string line; std::getline(table, line);) {
     std::istringstream row(line);
@@ -45,10 +45,12 @@ std::vector<MeshFacts> shared_meshes_facts() {
       continue;
     }
     cells.resize(columns.size());
-    MeshFacts& facts = all.emplace_back();
-    for (std::size_t i = 0; i < columns.size(); ++i) facts[columns[i]] = cells[i];
+    TableRow& named = all.emplace_back();
+    for (std::size_t i = 0; i < columns.size(); ++i) named[columns[i]] = cells[i];
   }
   return all;
 }
+
+std::vector<MeshFacts> shared_meshes_facts() { return read_table(shared_meshes_folder() / "facts.tsv"); }
 
 }  // namespace remesh::test

@@ -25,8 +25,15 @@ bool is_corpus_required();
 /// Input: `name` - the path within the collection; empty for the collection itself.
 bool has_shared_mesh(const std::string& name = {});
 
+/// A row of a table: what stands in each column, by the column's name.
+using TableRow = std::map<std::string, std::string>;
+
+/// Reads a table whose first line has the names of the columns. Tabs separate the columns.
+/// Output: the rows in their order, each with every column; empty if there is no file.
+std::vector<TableRow> read_table(const std::filesystem::path& path);
+
 /// The columns of the collection's table for one file. `file` is its name within the collection.
-using MeshFacts = std::map<std::string, std::string>;
+using MeshFacts = TableRow;
 
 /// Returns the facts of all files in the table's order. Every file has every column.
 /// Output: empty if the collection is missing.

@@ -43,23 +43,8 @@ struct CapClaim {
     e.surface.caps = caps.empty() ? std::vector<FaceId>{FaceId(others.size())} : caps;
     e.surface.positions.change([&](std::vector<Vec3>& positions) { positions[6].z = corner_height; });
     e.allow_intersections();
-    RunControl control;
-    const InputIntersections known{e.intersecting_patches, true};
-    const Verdict verdict = verify({e.surface,
-                                    e.surface_patch,
-                                    e.frames,
-                                    e.positions,
-                                    e.faces,
-                                    e.face_patch,
-                                    e.corner_uv,
-                                    e.plane_tolerance,
-                                    false,
-                                    nullptr,
-                                    &known,
-                                    {},
-                                    &input},
-                                   control);
-    return all_words(verdict);
+    e.input = &input;
+    return all_words(e.verify());
   }
 };
 

@@ -38,6 +38,8 @@ struct Example {
   std::vector<std::uint32_t> curved_of_patch;                     ///< empty if all patches are planes
   std::vector<CurvedClaim> curved;
   std::vector<MovedVertex> moved;
+  const PolygonMesh* input = nullptr;  ///< null if it is not known from what `surface` was made
+  double weld_tolerance = 0;
 
   Verdict verify() const {
     RunControl control;
@@ -55,6 +57,8 @@ struct Example {
     claim.curved_of_patch = curved_of_patch;
     claim.curved = curved;
     claim.moved = moved;
+    claim.input = input;
+    claim.weld_tolerance = weld_tolerance;
     return remesh::verify(claim, control);
   }
   /// Claims that the input intersects where the output does.

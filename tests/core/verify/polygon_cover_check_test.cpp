@@ -19,23 +19,9 @@ Verdict verdict_on(const PolygonMesh& input, const PolygonMesh& triangles, doubl
   Example e = example(triangles, triangles);
   for (FaceId& source : e.surface.face_source) source = FaceId(0);
   e.allow_intersections();
-  RunControl control;
-  const InputIntersections known{e.intersecting_patches, true};
-  return verify({e.surface,
-                 e.surface_patch,
-                 e.frames,
-                 e.positions,
-                 e.faces,
-                 e.face_patch,
-                 e.corner_uv,
-                 e.plane_tolerance,
-                 false,
-                 nullptr,
-                 &known,
-                 {},
-                 &input,
-                 weld_tolerance},
-                control);
+  e.input = &input;
+  e.weld_tolerance = weld_tolerance;
+  return e.verify();
 }
 
 bool is_refuted(const Verdict& verdict) {
