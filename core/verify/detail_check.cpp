@@ -175,7 +175,8 @@ class DetailProof {
     std::vector<VertexPair> left;
     for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
       while (end < edges.size() && edges[end] == edges[begin]) ++end;
-      const auto opposite = std::equal_range(edges.begin(), edges.end(), VertexPair(edges[begin].second, edges[begin].first));
+      const auto opposite =
+          std::equal_range(edges.begin(), edges.end(), VertexPair(edges[begin].second, edges[begin].first));
       const auto same = static_cast<std::ptrdiff_t>(end - begin), against = opposite.second - opposite.first;
       if (same - against > 1) return false;
       if (same - against == 1) left.push_back(edges[begin]);
@@ -247,7 +248,7 @@ class DetailProof {
   }
 
   struct Shape {
-    std::int64_t euler;      ///< the number of vertices, minus that of edges, plus that of faces
+    std::int64_t euler;            ///< the number of vertices, minus that of edges, plus that of faces
     std::vector<VertexPair> open;  ///< the edges of one face
   };
 
