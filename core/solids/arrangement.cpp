@@ -224,8 +224,8 @@ class Arranging {
         if (is_near[v.value] != 0) active_[f] = 1;
   }
 
-  /// Drops thin faces that cover as many triangles from one side as from the other, and have an edge of their own. Joins
-  /// leave such faces where a part was hardly wider than the distance.
+  /// Drops thin faces that cover as many triangles from one side as from the other, and have an edge of their own.
+  /// Joins leave such faces where a part was hardly wider than the distance.
   void drop_flaps() {
     const SoupEdges edges(soup_, control_);
     StopCheck check(control_);
