@@ -11,12 +11,17 @@
 
 namespace remesh {
 
+/// The radius of a ball with waves on it, in a direction of length 1.
+inline double bumpy_radius(const Vec3& n) {
+  return 0.8 + 0.05 * std::sin(5 * n.x + 1) * std::sin(4 * n.y + 2) * std::cos(6 * n.z);
+}
+
 /// A ball with waves on it, of 2 * 4^(levels + 1) faces.
 inline PolygonMesh bumpy_ball(int levels) {
   PolygonMesh ball = shapes::sphere(levels);
   for (Vec3& p : ball.positions) {
     const Vec3 n = normalized(p);
-    p = (0.8 + 0.05 * std::sin(5 * n.x + 1) * std::sin(4 * n.y + 2) * std::cos(6 * n.z)) * n;
+    p = bumpy_radius(n) * n;
   }
   return ball;
 }

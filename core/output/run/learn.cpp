@@ -90,10 +90,11 @@ Decisions on_other_surface(Decisions next, const Outcome& outcome) {
   if (outcome.is_arranged) {
     next.details.arranged = std::exchange(next.rungs, {});
     next.details.is_arranging_done = true;
-  } else if (outcome.is_coarsened)
+  } else if (outcome.is_coarsened) {
     next.details.is_coarsened = next.details.is_coarsening_done = next.details.are_done = true;
-  else
+  } else {
     next.details.replaced.push_back(std::exchange(next.rungs, {}));
+  }
   next.curved = {};
   return next;
 }

@@ -133,6 +133,7 @@ std::string about_result(const Decisions& now, const Outcome& outcome) {
 std::string shown(const Decisions& now, const Outcome& outcome) {
   switch (outcome.end) {
     case Outcome::End::kSurfaceReplaced:
+      if (outcome.is_arranged) return "faces were cut along their intersections";
       return outcome.is_coarsened ? "the surface was made coarser" : "details were removed";
     case Outcome::End::kPatchesFailed:
     case Outcome::End::kCheckFailed: return about_failures(outcome);
@@ -158,6 +159,7 @@ std::string difference(const Decisions& now, const Decisions& next) {
     found.add("begin anew");
     return std::move(found).text();
   }
+  if (next.details.arranged && !now.details.arranged) return "divide the faces that were cut";
   if (next.details.is_coarsened && !now.details.is_coarsened) return "divide the coarser surface";
   if (next.details.replaced.size() > now.details.replaced.size()) return "divide the surface without them";
   found.add_faces("divide", count_different(now.rungs.zone, next.rungs.zone),

@@ -85,12 +85,15 @@ std::vector<Row> rows() {
   offsets.offsets = IdVector<SurfaceId, double>(1, 0.25);
   Outcome impossible = with_fault(outcome_of(End::kOffsetsImpossible), 3);
   impossible.are_any_moved = true;
+  Outcome arranged = outcome_of(End::kSurfaceReplaced);
+  arranged.is_arranged = true;
   Outcome coarsened = outcome_of(End::kSurfaceReplaced);
   coarsened.is_coarsened = true;
   Outcome whole = with_failure(outcome_of(End::kCheckFailed), 2);
   whole.is_whole_wrong = true;
   return {
       {"details", first(), outcome_of(End::kSurfaceReplaced), "divide the surface without them"},
+      {"cut_faces", first(), arranged, "divide the faces that were cut"},
       {"coarser_surface", first(), coarsened, "divide the coarser surface"},
       {"triangulation", first(), with_failure(outcome_of(End::kPatchesFailed), 2),
        "divide 2 input faces into smaller patches (step 1)"},
