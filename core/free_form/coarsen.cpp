@@ -13,6 +13,7 @@
 #include "core/free_form/ordered_input.h"
 #include "core/free_form/sheet_operators.h"
 #include "core/free_form/sheet_order.h"
+#include "core/free_form/sheet_split.h"
 #include "core/free_form/short_features.h"
 
 namespace remesh {
@@ -111,7 +112,7 @@ void classify(const OrderedInput& input, Sheet& sheet, SheetWitnesses& witnesses
       float share = 1;
       if (!input.shares.empty())
         sheet.for_star(v, [&](std::uint32_t c) { share = std::min(share, input.shares[c / 3]); });
-      witnesses.on_chains.push_back({sheet.positions[v], share, kNone});
+      witnesses.on_chains.push_back({sheet.positions[v], v, share, kNone});
     }
   }
 }
@@ -232,7 +233,7 @@ std::uint64_t sweep(FreeSheet& free, const InputSurface& surface, const SheetRul
 }
 
 /// Numbers what is left by its places, and tells where it comes from.
-Coarsened result_of(FreeSheet&& free, const OrderedInput& input, const InputSurface& surface, RunControl& control) {
+Coarsened result_of(FreeSheet& free, const OrderedInput& input, const InputSurface& surface, RunControl& control) {
   rearrange(free, order_along_curve(free.sheet.positions, vertices_of(free.sheet), 0, control), control);
   const Sheet& sheet = free.sheet;
   Coarsened result;
@@ -256,40 +257,95 @@ Coarsened result_of(FreeSheet&& free, const OrderedInput& input, const InputSurf
     for (std::uint32_t w = free.witnesses.of_face[f]; w != kNone; w = free.witnesses.all[w].next)
       result.answers[input.face_before[free.witnesses.all[w].face]] = f;
   for (const VertexId v : free.source) result.source.push_back(v.is_valid() ? input.vertex_before[v] : VertexId());
-  result.positions = std::move(free.sheet.positions);
-  result.faces = std::move(free.sheet.faces);
+  result.positions = sheet.positions;
+  result.faces = sheet.faces;
   return result;
+}
+
+/// Returns the faces of a sheet that are to be split because of faults, ascending.
+std::vector<FaceId> faces_at(const CoarseningFaults& faults, const OrderedInput& input, const FreeSheet& free) {
+  const std::size_t n = free.sheet.faces.size();
+  std::vector<std::uint8_t> is_unanswered(input.faces.size(), 0), is_wanted(n, 0);
+  for (const FaceId f : faults.far_input_faces) is_unanswered[f.value] = 1;
+  for (const FaceId f : faults.far_faces) is_wanted[f.value] = 1;
+  for (const FaceId f : faults.crossing_faces) is_wanted[f.value] = 1;
+  // Where no face of the sheet is known to be at fault, all count that answer for a part of the input's face.
+  const auto for_answers = [&](const auto& take) {
+    for (FaceId f(0); f.value < n; ++f.value)
+      for (std::uint32_t w = free.witnesses.of_face[f]; w != kNone; w = free.witnesses.all[w].next)
+        take(is_wanted[f.value], is_unanswered[input.face_before[free.witnesses.all[w].face].value]);
+  };
+  for_answers([](std::uint8_t wanted, std::uint8_t& unanswered) { unanswered = wanted != 0 ? 0 : unanswered; });
+  for_answers([](std::uint8_t& wanted, std::uint8_t unanswered) { wanted |= unanswered; });
+  std::vector<FaceId> faces;
+  for (FaceId f(0); f.value < n; ++f.value)
+    if (is_wanted[f.value] != 0) faces.push_back(f);
+  return faces;
 }
 
 }  // namespace
 
-Coarsened coarsen(const FreeForm& free_form, const CoarseningGoals& goals, RunControl& control) {
-  OrderedInput input = in_order(free_form, control);
-  const std::uint64_t dropped = drop_short_features(input, goals.tolerance, control);
-  const InputSurface surface(input.positions, input.faces, input.twins, input.shares, control);
-  Box3 box;
-  for (const Vec3& p : input.positions) box.add(p);
-  SheetRules rules{goals.tolerance, std::cos(goals.min_angle_deg * std::numbers::pi / 180), box.diagonal(), 0};
+struct CoarseSheet::State {
+  State(const FreeForm& free_form, const CoarseningGoals& goals, RunControl& control)
+      : input(in_order(free_form, control)),
+        dropped(drop_short_features(input, goals.tolerance, control)),
+        surface(input.positions, input.faces, input.twins, input.shares, control) {
+    Box3 box;
+    for (const Vec3& p : input.positions) box.add(p);
+    rules = {goals.tolerance, std::cos(goals.min_angle_deg * std::numbers::pi / 180), box.diagonal(), 0};
+    free.sheet = make_sheet(input, free.witnesses, control);
+    classify(input, free.sheet, free.witnesses, control);
+    free.source.reserve(input.positions.size());
+    for (VertexId v(0); v.value < input.positions.size(); ++v.value) free.source.push_back(v);
+    add_quadrics(free, control);
+    add_witnesses(input, free.sheet, kSpacing * std::sqrt(goals.tolerance * rules.diagonal), free.witnesses, control);
+  }
+
+  OrderedInput input;
+  std::uint64_t dropped;
+  InputSurface surface;
+  SheetRules rules;
   FreeSheet free;
-  free.sheet = make_sheet(input, free.witnesses, control);
-  classify(input, free.sheet, free.witnesses, control);
-  free.source.reserve(input.positions.size());
-  for (VertexId v(0); v.value < input.positions.size(); ++v.value) free.source.push_back(v);
-  add_quadrics(free, control);
-  add_witnesses(input, free.sheet, kSpacing * std::sqrt(goals.tolerance * rules.diagonal), free.witnesses, control);
+};
+
+CoarseSheet::CoarseSheet(const FreeForm& input, const CoarseningGoals& goals, RunControl& control)
+    : state_(std::make_unique<State>(input, goals, control)) {
+  FreeSheet& free = state_->free;
+  SheetRules rules = state_->rules;
   int turn = 0;
   for (const double share : kShares) {
     rules.tolerance = share * goals.tolerance;
-    sweep(free, surface, rules, false, turn++, control);
+    sweep(free, state_->surface, rules, false, turn++, control);
   }
   rules.tolerance = goals.tolerance;
   for (; turn < kMaxSweeps; ++turn) {
-    const std::uint64_t joined = sweep(free, surface, rules, true, turn, control);
+    const std::uint64_t joined = sweep(free, state_->surface, rules, true, turn, control);
     if (static_cast<double>(joined) < kFewJoined * static_cast<double>(free.sheet.positions.size())) break;
   }
-  Coarsened result = result_of(std::move(free), input, surface, control);
-  result.dropped_features = dropped;
-  return result;
+  result_ = result_of(free, state_->input, state_->surface, control);
+  result_.dropped_features = state_->dropped;
+}
+
+CoarseSheet::~CoarseSheet() = default;
+
+bool CoarseSheet::refine(const CoarseningFaults& faults, bool are_all_moved, RunControl& control) {
+  FreeSheet& free = state_->free;
+  const std::size_t before = free.sheet.faces.size();
+  SheetSplitter splitter(free, state_->surface, control);
+  splitter.move_to_input(faults.crossing_faces);
+  if (are_all_moved) splitter.move_to_input(faults.far_faces);
+  const std::vector<VertexId> touched = splitter.split(faces_at(faults, state_->input, free));
+  std::vector<std::uint32_t> tried(3 * free.sheet.faces.size(), 0);
+  const std::size_t n = free.sheet.positions.size();
+  IdVector<VertexId, std::uint32_t> changed(n, 0);
+  SheetRules rules = state_->rules;
+  rules.max_steps = kLooks * free.witnesses.all.size() + kLooksAlways;
+  SheetPart whole(free, state_->surface, rules, VertexId(0), VertexId(n), tried, changed, control);
+  for (int pass = 0; pass < kImprovements; ++pass) whole.improve_angles(touched);
+  const bool is_split = free.sheet.faces.size() > before;
+  result_ = result_of(free, state_->input, state_->surface, control);
+  result_.dropped_features = state_->dropped;
+  return is_split;
 }
 
 }  // namespace remesh

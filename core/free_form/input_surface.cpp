@@ -42,29 +42,40 @@ InputSurface::InputSurface(const IdVector<VertexId, Vec3>& positions, const IdVe
   tree_ = BoxTree<NoTag>(entries, control);
 }
 
-FaceId InputSurface::near_face(const Vec3& p, FaceId start, double tolerance) const {
+/// Walks to neighbours with a smaller measure until it is at most `enough`, or no neighbour has a smaller one.
+template <class Measure>
+FaceId InputSurface::walk(FaceId start, double enough, const Measure& measure) const {
   constexpr int kMaxSteps = 32;
-  const double near = tolerance * tolerance;
-  double best = squared_multiple(start, p);
+  double best = measure(start);
   FaceId at = start, from = start;
-  for (int step = 0; step < kMaxSteps && best > near; ++step) {
+  for (int step = 0; step < kMaxSteps && best > enough; ++step) {
     FaceId better;
     for (std::uint32_t h = 3 * at.value; h < 3 * at.value + 3; ++h) {
       if (twins_[h] == kNone) continue;
       const FaceId g(twins_[h] / 3);
       if (g == from) continue;
-      const double squared = squared_multiple(g, p);
-      if (squared < best) {
-        best = squared;
+      const double here = measure(g);
+      if (here < best) {
+        best = here;
         better = g;
       }
     }
     if (!better.is_valid()) break;
     from = std::exchange(at, better);
   }
-  return best <= near
-             ? at
-             : search(p, std::nextafter(near, HUGE_VAL), FaceId(), [&](FaceId f) { return squared_multiple(f, p); });
+  return at;
+}
+
+FaceId InputSurface::near_face(const Vec3& p, FaceId start, double tolerance) const {
+  const double near = tolerance * tolerance;
+  const auto measure = [&](FaceId f) { return squared_multiple(f, p); };
+  const FaceId at = walk(start, near, measure);
+  return measure(at) <= near ? at : search(p, std::nextafter(near, HUGE_VAL), FaceId(), measure);
+}
+
+Vec3 InputSurface::near_place(const Vec3& p, FaceId start) const {
+  const FaceId at = walk(start, 0, [&](FaceId f) { return squared_distance_to(f, p); });
+  return nearest_on_triangle(p, corners(at));
 }
 
 FaceId InputSurface::nearest_face(const Vec3& p, FaceId start) const {

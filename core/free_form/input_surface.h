@@ -27,6 +27,8 @@ class InputSurface {
   /// over the surface, and asks the tree only if the walk ends in vain. So `start` decides which face it is, but not
   /// whether there is one.
   FaceId near_face(const Vec3& p, FaceId start, double tolerance) const;
+  /// Returns the place to which a walk over the surface from `start` leads that comes nearer to p with each step.
+  Vec3 near_place(const Vec3& p, FaceId start) const;
   /// Returns the face nearest to p. Cost: O(log n) on most surfaces.
   FaceId nearest_face(const Vec3& p, FaceId start) const;
   double share(FaceId f) const { return shares_.empty() ? 1 : static_cast<double>(shares_[f.value]); }
@@ -42,6 +44,8 @@ class InputSurface {
     const double squared = squared_distance_to(f, p);
     return shares_.empty() ? squared : squared / (share(f) * share(f));
   }
+  template <class Measure>
+  FaceId walk(FaceId start, double enough, const Measure& measure) const;
   template <class Measure>
   FaceId search(const Vec3& p, double squared, FaceId otherwise, const Measure& measure) const;
 

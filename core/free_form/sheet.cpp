@@ -82,6 +82,31 @@ void Sheet::flip(std::uint32_t one, std::uint32_t other) {
   chain[a_of_other] = kNone;
 }
 
+void Sheet::split(VertexId v, VertexId w, const Vec3& place, std::uint32_t far_chain) {
+  const VertexId middle = positions.push_back(place);
+  first.push_back(kNone);
+  for (const std::uint32_t c : corners_at_edge(v, w)) {
+    // (p, q, r) with the edge from p to q becomes (p, middle, r) and (middle, q, r).
+    const FaceId f = face_of(c);
+    const std::uint32_t of_q = after(c), of_r = before(c);
+    const VertexId p = vertex(c), q = vertex(of_q), r = vertex(of_r);
+    const auto added = static_cast<std::uint32_t>(next.size());
+    faces.push_back({middle, q, r});
+    origin.push_back(origin[f]);
+    is_of_plane.push_back(is_of_plane[f]);
+    next.resize(next.size() + 3, kNone);
+    chain.insert(chain.end(), {p == v ? far_chain : chain[c], chain[of_q], kNone});
+    if (p != v) chain[c] = far_chain;
+    chain[of_q] = kNone;
+    unlink(of_q);
+    faces[f][of_q % 3] = middle;
+    push(middle, of_q);
+    push(middle, added);
+    push(q, added + 1);
+    push(r, added + 2);
+  }
+}
+
 bool Sheet::are_joined(VertexId a, VertexId b) const {
   for (std::uint32_t c = first[a]; c != kNone; c = next[c])
     if (vertex(after(c)) == b || vertex(before(c)) == b) return true;
@@ -92,6 +117,15 @@ std::uint32_t Sheet::corner_at_edge(VertexId from, VertexId to) const {
   for (std::uint32_t c = first[from]; c != kNone; c = next[c])
     if (vertex(after(c)) == to) return c;
   return kNone;
+}
+
+std::vector<std::uint32_t> Sheet::corners_at_edge(VertexId v, VertexId w) const {
+  std::vector<std::uint32_t> corners;
+  for_star(v, [&](std::uint32_t c) {
+    if (vertex(after(c)) == w) corners.push_back(c);
+    if (vertex(before(c)) == w) corners.push_back(before(c));
+  });
+  return corners;
 }
 
 bool Sheet::can_join(VertexId from, VertexId to) const {

@@ -8,6 +8,7 @@
 #include "core/base/ids.h"
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
+#include "core/geometry/triangles/distances.h"
 #include "core/mesh/mesh.h"
 
 namespace remesh {
@@ -45,6 +46,10 @@ struct Sheet {
   bool is_border_of_plane(std::uint32_t corner) const {
     return chain[corner] != kNone && is_at_plane[chain[corner]] != 0;
   }
+  Corners3 corners_of(FaceId f) const {
+    const Triangle& t = faces[f];
+    return {positions[t[0]], positions[t[1]], positions[t[2]]};
+  }
   const Vec3& place(std::uint32_t corner) const { return positions[vertex(corner)]; }
 
   /// Calls visit(corner) for the corners at a vertex.
@@ -63,6 +68,11 @@ struct Sheet {
   /// Input: one corner at the edge in each face, from which the edge starts.
   void flip(std::uint32_t one, std::uint32_t other);
 
+  /// Splits an edge at a place, and each face at the edge with it. The new vertex and the new faces get the next
+  /// numbers. The half of a chain edge at w gets the number `far_chain`. The caller adds the vertex's kind.
+  /// Input: an edge.
+  void split(VertexId v, VertexId w, const Vec3& place, std::uint32_t far_chain);
+
   /// Returns whether the surface stays what it is when the ends of an edge become one vertex: around the edge are only
   /// its own faces, and no two chain edges become one.
   /// Source: Dey, Edelsbrunner, Guha, Nekhayev, Topology preserving edge contraction, 1999.
@@ -79,6 +89,8 @@ struct Sheet {
   bool are_joined(VertexId a, VertexId b) const;
   /// Returns the corner at `from` of a face that has the edge in this direction, or kNone.
   std::uint32_t corner_at_edge(VertexId from, VertexId to) const;
+  /// Returns a corner of each face at an edge: the one from which the edge starts in the face.
+  std::vector<std::uint32_t> corners_at_edge(VertexId v, VertexId w) const;
 
  private:
   void unlink(std::uint32_t corner);

@@ -333,26 +333,30 @@ bool SheetPart::try_move(VertexId v) {
 }
 
 void SheetPart::improve_angles() {
+  for (VertexId v = begin_; v < end_; ++v.value) improve_angles_at(v);
+}
+
+void SheetPart::improve_angles(std::span<const VertexId> vertices) {
+  for (const VertexId v : vertices) improve_angles_at(v);
+}
+
+void SheetPart::improve_angles_at(VertexId v) {
   const Sheet& sheet = free_.sheet;
+  control_.check();
+  if (!is_work_left() || !sheet.is_alive(v)) return;
   // Angles above this are left alone.
   const double good = rules_.max_cosine - 0.1;
-  for (VertexId v = begin_; v < end_; ++v.value) {
-    control_.check();
-    if (!is_work_left()) return;
-    if (!sheet.is_alive(v)) continue;
-    std::array<std::uint32_t, 32> corners;
-    std::size_t count = 0;
-    double worst = -1;
-    sheet.for_star(v, [&](std::uint32_t c) {
-      if (count < corners.size()) corners[count++] = c;
-      worst =
-          std::max(worst, max_cosine({sheet.place(c), sheet.place(Sheet::after(c)), sheet.place(Sheet::before(c))}));
-    });
-    if (worst < good) continue;
-    for (std::size_t i = 0; i < count; ++i)
-      if (sheet.vertex(corners[i]) == v && v < sheet.vertex(Sheet::after(corners[i]))) try_flip(corners[i]);
-    if (sheet.kind[v] == Sheet::Kind::kFree && is_movable(v)) try_move(v);
-  }
+  std::array<std::uint32_t, 32> corners;
+  std::size_t count = 0;
+  double worst = -1;
+  sheet.for_star(v, [&](std::uint32_t c) {
+    if (count < corners.size()) corners[count++] = c;
+    worst = std::max(worst, max_cosine({sheet.place(c), sheet.place(Sheet::after(c)), sheet.place(Sheet::before(c))}));
+  });
+  if (worst < good) return;
+  for (std::size_t i = 0; i < count; ++i)
+    if (sheet.vertex(corners[i]) == v && v < sheet.vertex(Sheet::after(corners[i]))) try_flip(corners[i]);
+  if (sheet.kind[v] == Sheet::Kind::kFree && is_movable(v)) try_move(v);
 }
 
 }  // namespace remesh

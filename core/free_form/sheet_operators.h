@@ -49,6 +49,8 @@ class SheetPart {
   void join_at_planes();
   /// Flips edges and moves vertices where that makes the smallest angles larger.
   void improve_angles();
+  /// Does so around some vertices of the part.
+  void improve_angles(std::span<const VertexId> vertices);
   std::uint64_t joined() const { return joined_; }
   std::uint64_t steps() const { return trial_.steps(); }
 
@@ -78,6 +80,7 @@ class SheetPart {
   bool try_flip(std::uint32_t corner);
   bool try_move(VertexId v);
   void record_change(VertexId v);
+  void improve_angles_at(VertexId v);
 
   FreeSheet& free_;
   const SheetRules& rules_;

@@ -10,15 +10,8 @@ namespace {
 
 /// New triangles turn by less than the angle with this cosine: 70 degrees.
 constexpr double kMaxTurn = 0.342;
-/// A triangle is a needle if its smallest angle is below the one with this cosine: 5 degrees.
-constexpr double kNeedle = 0.9962;
 /// In a plane, where triangles are made anew later, below the one with this cosine: 1 degree.
 constexpr double kNeedleInPlane = 0.99985;
-
-Corners3 corners_of(const Sheet& sheet, FaceId f) {
-  const Triangle& t = sheet.faces[f];
-  return {sheet.positions[t[0]], sheet.positions[t[1]], sheet.positions[t[2]]};
-}
 
 Vec3 area_vector(const Corners3& t) { return cross(t[1] - t[0], t[2] - t[0]); }
 
@@ -42,11 +35,11 @@ void SheetTrial::clear() {
 
 void SheetTrial::add(FaceId f) {
   faces_.push_back(f);
-  cosine_before_ = std::max(cosine_before_, remesh::max_cosine(corners_of(sheet_, f)));
+  cosine_before_ = std::max(cosine_before_, remesh::max_cosine(sheet_.corners_of(f)));
 }
 
 void SheetTrial::add_changed(FaceId f, const Corners3& corners) {
-  const Corners3 before = corners_of(sheet_, f);
+  const Corners3 before = sheet_.corners_of(f);
   if (sheet_.is_of_plane[f] != 0) {
     const Vec3 area = area_vector(before);
     int axis = std::fabs(area.y) > std::fabs(area.x) ? 1 : 0;

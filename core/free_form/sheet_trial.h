@@ -15,6 +15,9 @@
 
 namespace remesh {
 
+/// A triangle is a needle if its smallest angle is below the one with this cosine: 5 degrees.
+inline constexpr double kNeedle = 0.9962;
+
 /// Returns the largest cosine of a triangle's angles, which is that of its smallest angle; 1 if it has no area.
 double max_cosine(const Corners3& triangle);
 

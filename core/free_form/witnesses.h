@@ -20,6 +20,7 @@ struct SheetWitnesses {
   };
   struct ChainWitness {
     Vec3 place;
+    VertexId vertex;     ///< the input's vertex at this place
     float share;         ///< the share of the tolerance that counts here
     std::uint32_t next;  ///< the next one at the same chain edge, or kNone
   };

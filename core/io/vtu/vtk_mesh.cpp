@@ -9,7 +9,7 @@ namespace remesh {
 namespace {
 
 /// VTK's types of cells that are faces. All of higher order have their corners first.
-enum VtkType { kTriangle = 5, kStrip = 6, kPolygon = 7, kPixel = 8, kQuad = 9 };
+enum VtkType { kVtkTriangle = 5, kVtkStrip = 6, kVtkPolygon = 7, kVtkPixel = 8, kVtkQuad = 9 };
 
 /// The number of corners of a face of higher order; 0: it is none.
 std::size_t corners_of_type(int type) {
@@ -52,12 +52,12 @@ void VtkMesh::begin_piece(std::uint64_t points, std::uint64_t room, Place place)
 void VtkMesh::add_cell(int type, std::span<const std::int64_t> points, Place place) {
   const std::size_t n = points.size();
   const std::size_t corners = corners_of_type(type);
-  if (type == kStrip) {
+  if (type == kVtkStrip) {
     for (std::size_t i = 0; i + 2 < n; ++i)
       add_face(std::array{points[i], points[i + 1 + i % 2], points[i + 2 - i % 2]}, place);
-  } else if (type == kPixel && n == 4) {
+  } else if (type == kVtkPixel && n == 4) {
     add_face(std::array{points[0], points[1], points[3], points[2]}, place);
-  } else if (type == kTriangle || type == kQuad || type == kPolygon) {
+  } else if (type == kVtkTriangle || type == kVtkQuad || type == kVtkPolygon) {
     add_face(points, place);
   } else if (corners > 0 && n > corners) {
     ++curved_;

@@ -13,7 +13,7 @@
 namespace remesh {
 namespace {
 
-constexpr std::uint8_t kVtkTriangle = 5;
+constexpr std::uint8_t kTypeOfTriangles = 5;
 
 /// Appends `data` in base64.
 void append_base64(std::string& out, std::string_view data, RunControl& control) {
@@ -145,7 +145,7 @@ void write_cells(std::string& out, const TriangleMesh& mesh, WriteProgress& prog
     progress.tick();
     for (const VertexId v : face) connectivity.add(std::int64_t{v.value});
     offsets.add(offset += 3);
-    types.add(kVtkTriangle);
+    types.add(kTypeOfTriangles);
   }
   connectivity.write(out);
   offsets.write(out);

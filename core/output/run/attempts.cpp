@@ -352,8 +352,9 @@ bool Attempts::coarsen_surface() {
                             made.recognised,
                             made.input_intersections->pairs,
                             options().feature_angle_deg};
-  std::optional<Coarser> coarser = coarser_surface(context, curved_goals_.tolerance,
-                                                   options().min_angle_deg.value_or(kAngleOfFreeSurfaces), control());
+  std::optional<Coarser> coarser =
+      coarser_surface(context, curved_goals_.tolerance, options().min_angle_deg.value_or(kAngleOfFreeSurfaces),
+                      made.coarsening, control());
   if (!coarser) return false;
   made.coarsening = std::move(coarser->done);
   replace_surface(std::move(coarser->replaced));

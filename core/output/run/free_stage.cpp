@@ -10,7 +10,6 @@
 #include "core/base/stoppable.h"
 #include "core/free_form/sheet_trial.h"
 #include "core/output/report/surface_words.h"
-#include "core/output/run/proven_coarsening.h"
 #include "core/verify/near_faces/near_faces.h"
 
 namespace remesh {
@@ -273,6 +272,25 @@ std::string option_in_force(const Coarsening& done, const Options& options) {
 
 }  // namespace
 
+Diagnostic no_coarsening(const Coarsening& in_vain) {
+  Diagnostic told{DiagnosticCode::kCurvedSurface, 1, {}, "faces of no kind stay as they are: "};
+  const std::string coarser = "coarser ones within " + number_text(in_vain.tolerance);
+  switch (in_vain.fault) {
+    case CoarseningFault::kNone: break;
+    case CoarseningFault::kDistance: told.message += coarser + " could not be proven"; break;
+    case CoarseningFault::kTopology:
+      told.message += coarser + " would have holes or parts that the input has not";
+      break;
+    case CoarseningFault::kIntersections: told.message += coarser + " would meet others"; break;
+    case CoarseningFault::kAngles:
+      told.message += "far more triangles of " + coarser + " would have small angles";
+      break;
+    case CoarseningFault::kAsManyFaces: told.message += coarser + " are no fewer"; break;
+  }
+  if (in_vain.fault == CoarseningFault::kAngles) told.message += "; another surface_tolerance may help";
+  return told;
+}
+
 Diagnostic coarsening(const Coarsening& done, const Surface& surface, const Options& options) {
   std::vector<FaceId> replaced;
   for (FaceId f(0); f.value < done.is_new.size(); ++f.value)
@@ -284,16 +302,12 @@ Diagnostic coarsening(const Coarsening& done, const Surface& surface, const Opti
   told.message = std::string(done.is_whole ? "the surface" : "a part of the surface") + " is of no kind, so " +
                  option_in_force(done, options) + " made it coarser: " + grouped_digits(done.faces_before) +
                  " triangles became " + grouped_digits(done.faces_after) + " before refinement, at most " +
-                 number_text(done.distance) + " apart (proven)" +
-                 (done.stayed > 0 ? "; " + grouped_digits(done.stayed) +
-                                        " triangles stay, because nothing coarser could be proven there"
-                                  : "") +
-                 "; surface_tolerance=0 keeps the facets";
+                 number_text(done.distance) + " apart (proven)" + "; surface_tolerance=0 keeps the facets";
   return told;
 }
 
 std::optional<Coarser> coarser_surface(const FreeContext& context, std::optional<double> asked, double min_angle_deg,
-                                       RunControl& control) {
+                                       Coarsening& in_vain, RunControl& control) {
   const Surface& before = context.surface;
   const Triangulated triangles(before, control);
   const FilledIdVector<FaceId, FaceRole> roles = roles_of(context, triangles, control);
@@ -302,22 +316,31 @@ std::optional<Coarser> coarser_surface(const FreeContext& context, std::optional
   const double tolerance = asked ? *asked : before.unit * automatic_tolerance(part, control);
   if (!(tolerance > 0)) return std::nullopt;
   const FacesAround around{before.local.items(), part.kept, part.vertex.items()};
-  CoarseningFault fault = CoarseningFault::kNone;
-  const std::optional<ProvenCoarsening> proven = coarsen_with_proof(
-      part.form(), around, {tolerance / before.unit * (1 - kShareOfRounding), min_angle_deg}, fault, control);
-  if (!proven || proven->surface.faces.size() >= part.faces.size()) return std::nullopt;
+  in_vain.tolerance = tolerance;
+  const auto is_wanted = [&](const Coarsened& made) {
+    return !is_much_sharper(context, part, made, min_angle_deg, control);
+  };
+  const std::optional<ProvenCoarsening> proven =
+      coarsen_with_proof(part.form(), around, {tolerance / before.unit * (1 - kShareOfRounding), min_angle_deg},
+                         is_wanted, in_vain.fault, control);
+  if (!proven) return std::nullopt;
   const Coarsened& made = proven->surface;
-  if (is_much_sharper(context, part, made, min_angle_deg, control)) return std::nullopt;
+  in_vain.fault = CoarseningFault::kAsManyFaces;
+  if (made.faces.size() >= part.faces.size()) return std::nullopt;
+  in_vain.fault = CoarseningFault::kAngles;
+  if (!is_wanted(made)) return std::nullopt;
   std::vector<Vec3> places = model_places(made, part, before);
   // The proof is repeated for the coordinates in model units, which were rounded.
   std::vector<Vec3> old_places;
   for (const VertexId v : part.vertex) old_places.push_back(before.positions[v]);
   const verification::TwoWayDistance measured = verification::distance_between(
       {old_places, part.faces.items()}, {places, made.faces.items()}, tolerance, control);
+  in_vain.fault = CoarseningFault::kDistance;
   const double distance = std::max(measured.a_to_b.bound, measured.b_to_a.bound);
   if (!(distance <= tolerance)) return std::nullopt;
   const FacesAround in_model{before.positions.items(), part.kept, part.vertex.items()};
   const auto [crossing, are_all_known] = crossing_faces(part.form(), made, places, in_model, control);
+  in_vain.fault = CoarseningFault::kIntersections;
   if (!crossing.empty() || !are_all_known) return std::nullopt;
 
   Coarser coarser = SurfaceMaker(context, part, made, roles, control).make(std::move(places));
@@ -328,7 +351,6 @@ std::optional<Coarser> coarser_surface(const FreeContext& context, std::optional
   coarser.done.tolerance = tolerance;
   coarser.done.distance = distance;
   coarser.replaced.volume = volume_change(part, made, before);
-  coarser.done.stayed = proven->stayed;
   return coarser;
 }
 

@@ -11,20 +11,21 @@
 #include "core/base/run_control.h"
 #include "core/mesh/surface.h"
 #include "core/output/run/free_part.h"
+#include "core/output/run/proven_coarsening.h"
 #include "core/output/run/replaced.h"
 
 namespace remesh {
 
 /// Tells that free faces were made coarser.
 struct Coarsening {
-  std::size_t faces_before = 0;            ///< the number of free triangles before; 0 if nothing was made
-  std::size_t faces_after = 0;             ///< their number afterwards
-  std::size_t stayed = 0;                  ///< so many of them stay, because nothing coarser could be proven there
-  double tolerance = 0;                    ///< the one in force, in model units
-  double distance = 0;                     ///< between the faces before and after, in model units
-  bool is_whole = false;                   ///< whether all faces were free
-  IdVector<FaceId, SurfaceId> surface_of;  ///< the recognised surface of each face afterwards
-  IdVector<FaceId, std::uint8_t> is_new;   ///< whether each face is another one than before
+  std::size_t faces_before = 0;                    ///< the number of free triangles before; 0 if nothing was made
+  std::size_t faces_after = 0;                     ///< their number afterwards
+  double tolerance = 0;                            ///< the one in force, in model units
+  double distance = 0;                             ///< between the faces before and after, in model units
+  bool is_whole = false;                           ///< whether all faces were free
+  IdVector<FaceId, SurfaceId> surface_of;          ///< the recognised surface of each face afterwards
+  IdVector<FaceId, std::uint8_t> is_new;           ///< whether each face is another one than before
+  CoarseningFault fault = CoarseningFault::kNone;  ///< why nothing was made, where that was tried
   bool is_done() const { return faces_before > 0; }
 };
 
@@ -40,11 +41,14 @@ struct Coarser {
 ///          the surface's own angles are smaller.
 /// Output:  nothing, if no coarser surface was proven to be within the tolerance, both ways, to have the same topology,
 ///          and to intersect nothing. Otherwise the new surface, with the distance that is proven. Each of its faces
-///          covers the input faces for which it answers.
+///          covers the input faces for which it answers. `in_vain` gets the tolerance, and why nothing was made.
 /// Errors:  kCancelled, kTimeout - through `control`; kOutOfMemory - see MemoryBound.
 /// Cost:    that of coarsen_with_proof.
 std::optional<Coarser> coarser_surface(const FreeContext& context, std::optional<double> asked, double min_angle_deg,
-                                       RunControl& control);
+                                       Coarsening& in_vain, RunControl& control);
+
+/// Tells why free faces stay as they are.
+Diagnostic no_coarsening(const Coarsening& in_vain);
 
 /// Tells that free faces were made coarser.
 /// Input: the surface afterwards, and the options that decided it.

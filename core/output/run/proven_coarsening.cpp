@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -14,19 +15,22 @@
 #include "core/geometry/triangles/distances.h"
 #include "core/mesh/mesh.h"
 #include "core/mesh/quality.h"
-#include "core/verify/near_faces/near_faces.h"
+#include "core/output/run/coarsening_proof.h"
 
 namespace remesh {
 namespace {
 
-/// Samples miss a part of the distance, so the surface is made within the first share of the tolerance, and in each
-/// further round within that share of the last one; after three rounds, within the second share. Where the surface is
-/// made anew, other places may be at fault: on noisy terrain, two or three of them in each round.
-constexpr double kShareForSamples = 0.95, kShareAfterThree = 0.9;
-/// Where a proof fails, the share of the tolerance that counts is multiplied by this.
+/// Samples miss a part of the distance, so the surface is made within the first share of the tolerance. If more than
+/// this share of its faces are at fault, and for all later surfaces, the second share counts.
+constexpr double kShareForSamples = 0.95, kShareAfterFaults = 0.8, kManyFaults = 0.01;
+/// A refinement helps if it leaves at most this share of the faults. A surface is given up after so many that do not.
+constexpr double kFewer = 0.7;
+constexpr int kVainRefinements = 2;
+/// When the surface is made anew, the share of the tolerance that counts where a proof has failed is multiplied by
+/// this.
 constexpr float kAfterDistance = 0.8F, kAfterIntersection = 0.3F;
-/// After this many rounds, faces stay where a proof fails.
-constexpr int kRoundsWithoutKeeping = 3;
+/// After this many surfaces, faces stay where a proof has failed.
+constexpr int kSurfacesWithoutKeeping = 2;
 /// Faces face each other if the cosine of the angle between their normals is below this.
 constexpr double kFacing = -0.2;
 constexpr float kMinShare = 0.01F;
@@ -53,7 +57,6 @@ class FaceShares {
  public:
   explicit FaceShares(const FreeForm& input)
       : input_(input),
-        is_kept_(input.faces.size(), 0),
         shares_(input.shares.begin(), input.shares.end()),
         is_held_(input.is_held.begin(), input.is_held.end()) {
     if (shares_.empty()) shares_.assign(input.faces.size(), 1);
@@ -65,10 +68,6 @@ class FaceShares {
     form.shares = shares_;
     form.is_held = is_held_;
     return form;
-  }
-  std::size_t kept() const { return static_cast<std::size_t>(std::count(is_kept_.begin(), is_kept_.end(), 1)); }
-  void lower_all(float factor) {
-    for (float& share : shares_) share *= factor;
   }
   /// Lowers the shares of faces, and of the faces around them.
   void lower(const std::vector<FaceId>& faces, float factor, RunControl& control) {
@@ -111,7 +110,6 @@ class FaceShares {
     const std::vector<std::uint8_t> is_near = with_rings(faces, control);
     for (FaceId f(0); f.value < is_near.size(); ++f.value) {
       if (is_near[f.value] == 0) continue;
-      is_kept_[f.value] = 1;
       for (const VertexId v : input_.faces[f]) is_held_[v.value] = 1;
     }
   }
@@ -136,7 +134,6 @@ class FaceShares {
   }
 
   const FreeForm& input_;
-  std::vector<std::uint8_t> is_kept_;
   std::vector<float> shares_;
   std::vector<std::uint8_t> is_held_;
 };
@@ -152,21 +149,17 @@ std::vector<FaceId> answered_by(const Coarsened& made, const std::vector<FaceId>
   return answered;
 }
 
-/// Lowers the shares of the tolerance where the surfaces are too far apart, or keeps the faces there. All are lowered
-/// if there are more such places than are known.
-void mend_where_far(const verification::TwoWayDistance& measured, const Coarsened& made, bool is_keeping,
-                    FaceShares& shares, RunControl& control) {
-  std::vector<FaceId> far;
-  for (const verification::FarFace& face : measured.a_to_b.far_faces) far.push_back(face.face);
-  for (const verification::FarFace& face : measured.b_to_a.far_faces) far.push_back(made.nearest[face.face]);
-  const bool are_all_known = measured.a_to_b.far_count <= measured.a_to_b.far_faces.size() &&
-                             measured.b_to_a.far_count <= measured.b_to_a.far_faces.size();
-  if (!are_all_known)
-    shares.lower_all(kAfterDistance);
-  else if (is_keeping)
-    shares.keep(far, control);
-  else
-    shares.lower(far, kAfterDistance, control);
+/// The faces of the input at which a surface could not be proven.
+struct FaultyPlaces {
+  FaultyPlaces(const CoarseningFaults& faults, const Coarsened& made)
+      : far(faults.far_input_faces), crossing(answered_by(made, faults.crossing_faces)) {
+    for (const FaceId f : faults.far_faces) far.push_back(made.nearest[f]);
+  }
+  std::vector<FaceId> far, crossing;
+};
+
+std::size_t count(const CoarseningFaults& faults) {
+  return faults.far_faces.size() + faults.far_input_faces.size() + faults.crossing_faces.size();
 }
 
 }  // namespace
@@ -218,41 +211,55 @@ std::pair<std::vector<FaceId>, bool> crossing_faces(const FreeForm& input, const
 }
 
 std::optional<ProvenCoarsening> coarsen_with_proof(const FreeForm& input, const FacesAround& around,
-                                                   const CoarseningGoals& goals, CoarseningFault& fault,
-                                                   RunControl& control) {
+                                                   const CoarseningGoals& goals, const IsWanted& is_wanted,
+                                                   CoarseningFault& fault, RunControl& control) {
   const Topology before(input.positions, input.faces, control);
   FaceShares shares(input);
   bool are_gaps_known = false;
-  double tolerance = goals.tolerance;
-  for (int round = 1; round <= kMaxCoarseningRounds; ++round) {
-    const bool is_keeping = round > kRoundsWithoutKeeping;
-    tolerance *= round <= 3 ? kShareForSamples : kShareAfterThree;
-    Coarsened made = coarsen(shares.form(), {tolerance, goals.min_angle_deg}, control);
+  double share = kShareForSamples;
+  for (int made = 1; made <= kMaxCoarseSurfaces; ++made) {
+    CoarseSheet sheet(shares.form(), {goals.tolerance * share, goals.min_angle_deg}, control);
+    fault = CoarseningFault::kAngles;
+    if (made == 1 && !is_wanted(sheet.result())) return std::nullopt;
     fault = CoarseningFault::kTopology;
-    if (Topology(made.positions, made.faces, control) != before) return std::nullopt;
-    const verification::TwoWayDistance measured =
-        verification::distance_between({input.positions.items(), input.faces.items()},
-                                       {made.positions.items(), made.faces.items()}, goals.tolerance, control);
-    const double distance = std::max(measured.a_to_b.bound, measured.b_to_a.bound);
-    fault = CoarseningFault::kNone;
-    if (!(distance <= goals.tolerance)) {
-      fault = CoarseningFault::kDistance;
-      mend_where_far(measured, made, is_keeping, shares, control);
+    if (Topology(sheet.result().positions, sheet.result().faces, control) != before) return std::nullopt;
+    CoarseningProof proof(input, goals.tolerance, control);
+    std::optional<FaultyPlaces> places;
+    double allowed = HUGE_VAL;
+    for (int vain = 0; vain <= kVainRefinements;) {
+      const Coarsened& surface = sheet.result();
+      CoarseningFaults faults = proof.check(surface);
+      bool are_all_known = false;
+      std::tie(faults.crossing_faces, are_all_known) =
+          crossing_faces(input, surface, surface.positions.items(), around, control);
+      if (count(faults) == 0 && are_all_known) {
+        fault = CoarseningFault::kNone;
+        return ProvenCoarsening{sheet.take_result(), made};
+      }
+      fault =
+          faults.crossing_faces.empty() && are_all_known ? CoarseningFault::kDistance : CoarseningFault::kIntersections;
+      if (count(faults) == 0) return std::nullopt;
+      const auto many = kManyFaults * static_cast<double>(surface.faces.size());
+      if (made == 1 && !places && static_cast<double>(count(faults)) > many) break;
+      // The first surface is too coarse in all of the places; later ones in those that are left.
+      if (!places || made > kSurfacesWithoutKeeping) places.emplace(faults, surface);
+      // Splitting alone does not help where vertices are too far from the input.
+      const bool is_vain = static_cast<double>(count(faults)) > allowed;
+      if (!is_vain) allowed = kFewer * static_cast<double>(count(faults));
+      vain = is_vain ? vain + 1 : 0;
+      if (!sheet.refine(faults, is_vain, control)) break;
     }
-    const auto [crossing, are_all_known] = crossing_faces(input, made, made.positions.items(), around, control);
-    if (!crossing.empty()) {
-      fault = CoarseningFault::kIntersections;
-      const std::vector<FaceId> at_fault = answered_by(made, crossing);
-      if (is_keeping)
-        shares.keep(at_fault, control);
-      else
-        shares.lower(at_fault, kAfterIntersection, control);
-      if (!std::exchange(are_gaps_known, true)) shares.limit_by_gaps(goals.tolerance, control);
-    } else if (!are_all_known) {
-      fault = CoarseningFault::kIntersections;
-      return std::nullopt;
+    share = kShareAfterFaults;
+    if (!places) continue;
+    if (made > kSurfacesWithoutKeeping) {
+      shares.keep(places->far, control);
+      shares.keep(places->crossing, control);
+    } else {
+      shares.lower(places->far, kAfterDistance, control);
+      shares.lower(places->crossing, kAfterIntersection, control);
     }
-    if (fault == CoarseningFault::kNone) return ProvenCoarsening{std::move(made), distance, round, shares.kept()};
+    if (!places->crossing.empty() && !std::exchange(are_gaps_known, true))
+      shares.limit_by_gaps(goals.tolerance, control);
   }
   return std::nullopt;
 }

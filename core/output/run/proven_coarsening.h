@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <utility>
@@ -17,9 +18,7 @@ namespace remesh {
 /// A coarser surface that is proven to be near the surface from which it was made.
 struct ProvenCoarsening {
   Coarsened surface;
-  double distance = 0;     ///< no point of either surface is farther from the other one than this, in local units
-  int rounds = 0;          ///< how often the surface was made before it could be proven
-  std::size_t stayed = 0;  ///< so many faces of the input stay, because nothing coarser could be proven there
+  int surfaces = 0;  ///< how many surfaces were made until one could be proven
 };
 
 /// The faces around a surface of which a part becomes coarser. They stay.
@@ -29,12 +28,14 @@ struct FacesAround {
   std::span<const VertexId> of_vertex;  ///< the vertex among all for each vertex of the part
 };
 
-/// Why no coarser surface could be proven in the last round.
+/// Why there is no coarser surface.
 enum class CoarseningFault : std::uint8_t {
   kNone,
-  kDistance,      ///< the surfaces were farther apart than the tolerance
-  kTopology,      ///< the Euler number, the number of parts or the open edges had changed
-  kIntersections  ///< faces met that have no vertex or edge in common there
+  kDistance,       ///< the last surface was farther from the input than the tolerance
+  kTopology,       ///< the Euler number, the number of parts or the open edges had changed
+  kIntersections,  ///< faces met that have no vertex or edge in common there
+  kAngles,         ///< far more triangles would have had a small angle
+  kAsManyFaces     ///< a surface within the tolerance has no fewer faces
 };
 
 /// Returns the faces that meet others with which they have no vertex or edge in common there, ascending, and whether
@@ -46,19 +47,22 @@ std::pair<std::vector<FaceId>, bool> crossing_faces(const FreeForm& input, const
                                                     std::span<const Vec3> places, const FacesAround& around,
                                                     RunControl& control);
 
+using IsWanted = std::function<bool(const Coarsened&)>;
+
 /// Makes a surface coarser until the result is proven to be within the tolerance, both ways, to have the topology of
-/// the input, and not to meet itself or what is around. Where a proof fails, a smaller share of the tolerance counts in
-/// the next round, at the faces that were at fault and around them; in the last rounds, faces stay there as they are.
-/// There are at most kMaxCoarseningRounds.
-/// Input:   `goals.tolerance` is what has to be proven.
-/// Output:  nothing if the last round has failed; then `fault` tells how, and the surface should stay as it is.
+/// the input, and not to meet itself or what is around. Where a proof fails, the coarser surface is refined. If that
+/// does not help, another one is made, with a smaller share of the tolerance there; the last ones keep faces there.
+/// There are at most kMaxCoarseSurfaces.
+/// Input:   `goals.tolerance` is what has to be proven. Where `is_wanted` is false of the first surface, nothing is
+///          proven.
+/// Output:  nothing if the last surface has failed; then `fault` tells how, and the surface should stay as it is.
 /// Holds:   the result depends on places alone, and not on the number of threads.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`; kOutOfMemory - see MemoryBound.
-/// Cost:    that of coarsen, of distance_between and of self_intersections, for each round.
+/// Cost:    that of CoarseSheet, CoarseningProof and self_intersections, for each surface.
 std::optional<ProvenCoarsening> coarsen_with_proof(const FreeForm& input, const FacesAround& around,
-                                                   const CoarseningGoals& goals, CoarseningFault& fault,
-                                                   RunControl& control);
+                                                   const CoarseningGoals& goals, const IsWanted& is_wanted,
+                                                   CoarseningFault& fault, RunControl& control);
 
-inline constexpr int kMaxCoarseningRounds = 8;
+inline constexpr int kMaxCoarseSurfaces = 6;
 
 }  // namespace remesh

@@ -193,6 +193,8 @@ class RunReporter {
   void report_curves(const RefinedFaces& refined) {
     if (run_.coarsening.is_done())
       run_.report.diagnostics.push_back(coarsening(run_.coarsening, run_.surface(), run_.options));
+    else if (run_.coarsening.fault != CoarseningFault::kNone)
+      run_.report.diagnostics.push_back(no_coarsening(run_.coarsening));
     if (!run_.options.refine) return;
     if (run_.options.feature_angle_deg > 0)
       warn_of_curved_surfaces(run_.surface(), run_.partition.patches, run_.report.surfaces, refined,

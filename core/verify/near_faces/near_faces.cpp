@@ -491,23 +491,60 @@ void to_model(const LocalSpace& space, OneWayDistance& distance) {
 
 }  // namespace
 
+namespace {
+
+/// Two surfaces in the same local unit.
+class LocalPair {
+ public:
+  LocalPair(const TriangleSet& a, const TriangleSet& b, std::optional<double> tolerance, RunControl& control)
+      : box_(box_of_both(a, b, control)),
+        space_(space_around(box_)),
+        a_(a, space_, control),
+        b_(b, space_, control),
+        // A bound is rounded up by one step when it is converted, so the tolerance is rounded down before.
+        tolerance_(tolerance ? std::max(0.0, std::nextafter(*tolerance, 0) / space_.unit) : -1),
+        control_(control) {}
+
+  double diagonal() const { return box_.diagonal(); }
+  OneWayDistance a_to_b(const Share& share) const { return measure(a_, b_, share); }
+  OneWayDistance b_to_a(const Share& share) const { return measure(b_, a_, share); }
+
+ private:
+  static Box3 box_of_both(const TriangleSet& a, const TriangleSet& b, RunControl& control) {
+    if (a.faces.empty() || b.faces.empty())
+      throw Error(Code::kEmptyMesh, Stage::kVerify, "one of the two surfaces has no face");
+    Box3 box = box_of(a, control);
+    box.add(box_of(b, control));
+    return box;
+  }
+  OneWayDistance measure(const LocalFaces& from, const LocalFaces& to, const Share& share) const {
+    OneWayDistance distance = Measure(from, to, tolerance_, share, control_).run();
+    to_model(space_, distance);
+    return distance;
+  }
+
+  const Box3 box_;
+  const LocalSpace space_;
+  const LocalFaces a_, b_;
+  const double tolerance_;
+  RunControl& control_;
+};
+
+}  // namespace
+
 TwoWayDistance distance_between(const TriangleSet& a, const TriangleSet& b, std::optional<double> tolerance,
                                 RunControl& control) {
-  if (a.faces.empty() || b.faces.empty())
-    throw Error(Code::kEmptyMesh, Stage::kVerify, "one of the two surfaces has no face");
-  Box3 box = box_of(a, control);
-  box.add(box_of(b, control));
-  const LocalSpace space = space_around(box);
-  const LocalFaces local_a(a, space, control), local_b(b, space, control);
-  // A bound is rounded up by one step when it is converted, so the tolerance is rounded down before.
-  const double local_tolerance = tolerance ? std::max(0.0, std::nextafter(*tolerance, 0) / space.unit) : -1;
+  const LocalPair pair(a, b, tolerance, control);
   TwoWayDistance both;
-  both.diagonal = box.diagonal();
-  both.a_to_b = Measure(local_a, local_b, local_tolerance, {0, 0.5}, control).run();
-  both.b_to_a = Measure(local_b, local_a, local_tolerance, {0.5, 0.5}, control).run();
-  to_model(space, both.a_to_b);
-  to_model(space, both.b_to_a);
+  both.diagonal = pair.diagonal();
+  both.a_to_b = pair.a_to_b({0, 0.5});
+  both.b_to_a = pair.b_to_a({0.5, 0.5});
   return both;
+}
+
+OneWayDistance distance_from(const TriangleSet& from, const TriangleSet& to, std::optional<double> tolerance,
+                             RunControl& control) {
+  return LocalPair(from, to, tolerance, control).a_to_b({0, 1});
 }
 
 }  // namespace remesh::verification

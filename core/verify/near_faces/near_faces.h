@@ -48,7 +48,7 @@ struct TwoWayDistance {
   double diagonal = 0;  ///< the diagonal of the box around both surfaces
 };
 
-inline constexpr std::size_t kMaxFarFaces = 1000;
+inline constexpr std::size_t kMaxFarFaces = 100'000;
 
 /// A bound is at most this much larger than the measured distance, as a share of it, unless it is coarse.
 inline constexpr double kBoundExcess = 0x1p-8;
@@ -70,5 +70,9 @@ inline constexpr double kBoundExcess = 0x1p-8;
 /// Source:  rules.md, Near faces.
 TwoWayDistance distance_between(const TriangleSet& a, const TriangleSet& b, std::optional<double> tolerance,
                                 RunControl& control);
+
+/// Bounds how far the points of one surface are from another one. The rest is as above.
+OneWayDistance distance_from(const TriangleSet& from, const TriangleSet& to, std::optional<double> tolerance,
+                             RunControl& control);
 
 }  // namespace remesh::verification

@@ -57,7 +57,9 @@ Given given(const PolygonMesh& mesh, double feature_angle_deg = 180) {
 Coarsened run(const Given& input, double tolerance, double min_angle_deg = 25, int workers = 1) {
   RunControl control;
   Coarsened made;
-  tbb::task_arena(workers).execute([&] { made = coarsen(input.form(), {tolerance, min_angle_deg}, control); });
+  tbb::task_arena(workers).execute([&] {
+    made = CoarseSheet(input.form(), {tolerance, min_angle_deg}, control).take_result();
+  });
   return made;
 }
 
@@ -200,13 +202,49 @@ TEST(coarsen, a_share_of_the_tolerance_counts_where_it_is_given) {
   FreeForm form = ball.form();
   form.shares = shares;
   RunControl control;
-  const Coarsened made = coarsen(form, {tolerance, 25}, control);
+  const Coarsened made = CoarseSheet(form, {tolerance, 25}, control).take_result();
   std::vector<Corners3> fine;
   for (FaceId f(0); f.value < ball.faces.size(); ++f.value)
     // Samples of edges count for one of the faces there, so the rim of the fine part is left out.
     if (ball.positions[ball.faces[f][0]].z > 0.4) fine.push_back(corners_of(ball)[f.value]);
   EXPECT_LT(hausdorff_one_way(fine, corners_of(made), 0.01 * tolerance), 0.13 * tolerance);
   EXPECT_LT(made.faces.size(), run(ball, 0.1 * tolerance).faces.size());
+}
+
+TEST(coarsen, refining_brings_the_surface_nearer_and_keeps_topology_and_outline) {
+  RunControl control;
+  for (const Given& input : {given(bumpy_ball(4)), given(hills(24))}) {
+    CoarseSheet sheet(input.form(), {0.02, 25}, control);
+    const MeshStatistics before = statistics(sheet.result());
+    const auto distance = [&] { return test::hausdorff(corners_of(input), corners_of(sheet.result()), 1e-4); };
+    const double far = distance();
+    // Two rounds make edges half as long, and half an edge has a quarter of the height. There are corners of the
+    // input's facets between, so half of the height is asked for.
+    for (int round = 0; round < 4; ++round) {
+      CoarseningFaults faults;
+      for (FaceId f(0); f.value < sheet.result().faces.size(); ++f.value) faults.far_faces.push_back(f);
+      const std::size_t faces = sheet.result().faces.size();
+      EXPECT_TRUE(sheet.refine(faults, true, control));
+      EXPECT_GT(sheet.result().faces.size(), faces + faces / 4);
+    }
+    EXPECT_LT(distance(), far / 2);
+    const MeshStatistics now = statistics(sheet.result());
+    EXPECT_EQ(now.euler, before.euler);
+    EXPECT_EQ(now.closed, before.closed);
+    EXPECT_EQ(now.components, before.components);
+    // New vertices of the outline are vertices of the input.
+    const Coarsened& made = sheet.result();
+    std::map<std::pair<VertexId, VertexId>, int> edges;
+    for (const Triangle& t : made.faces)
+      for (std::size_t k = 0; k < 3; ++k) ++edges[std::minmax(t[k], t[(k + 1) % 3])];
+    const std::set<Vec3> places(input.positions.items().begin(), input.positions.items().end());
+    for (const auto& [edge, count] : edges) {
+      EXPECT_LE(count, 2);
+      if (count == 2) continue;
+      EXPECT_TRUE(places.contains(made.positions[edge.first]));
+      EXPECT_TRUE(places.contains(made.positions[edge.second]));
+    }
+  }
 }
 
 TEST(coarsen, each_face_knows_the_face_of_the_input_nearest_to_its_centroid) {
@@ -251,7 +289,7 @@ TEST(coarsen, the_result_does_not_depend_on_workers_scale_or_numbering) {
 TEST(coarsen, it_stops_soon) {
   const Given ball = given(bumpy_ball(6));
   const auto seconds = test::time_to_stop(test::Seconds(0.1), [&](RunControl& control) {
-    coarsen(ball.form(), {0.001, 25}, control);
+    CoarseSheet(ball.form(), {0.001, 25}, control);
   });
   if (seconds) {
     EXPECT_LT(seconds->count(), 0.1);

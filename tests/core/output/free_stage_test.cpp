@@ -95,6 +95,17 @@ TEST(free_stage, facets_stay_where_nobody_allows_a_distance) {
   EXPECT_FALSE(is_told_coarser(remeshed(mesh, rigid)));
 }
 
+/// A finer surface that is exact to the last bits has nothing coarser within a tolerance of its rounding.
+TEST(free_stage, the_reason_why_facets_stay_is_told) {
+  const PolygonMesh mesh = bumpy_ball(3);
+  const Result result = remeshed(mesh, within(1e-9));
+  EXPECT_FALSE(is_told_coarser(result));
+  const auto is_reason = [](const Diagnostic& d) {
+    return d.code == DiagnosticCode::kCurvedSurface && d.message.find("are no fewer") != std::string::npos;
+  };
+  EXPECT_TRUE(std::any_of(result.report.diagnostics.begin(), result.report.diagnostics.end(), is_reason));
+}
+
 /// Returns the height of the formula's surface over the middle of most edges of a bumpy ball, as automatic_tolerance
 /// means "most".
 double chord_height(const PolygonMesh& ball) {

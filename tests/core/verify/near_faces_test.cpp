@@ -203,15 +203,15 @@ TEST(near_faces, the_faces_that_are_too_far_away_are_listed_and_no_others) {
 
 TEST(near_faces, the_list_of_far_faces_is_bounded_and_has_the_farthest_ones) {
   const TriangleMesh flat = triangles(shapes::sheet(8, 8, 4, 4));
-  TriangleMesh slope = triangles(shapes::sheet(8, 8, 40, 40));
+  TriangleMesh slope = triangles(shapes::sheet(8, 8, 225, 225));
   for (Vec3& p : slope.positions) p.z = 1 + p.x;
   const OneWayDistance far = distance(slope, flat, 0.5).a_to_b;
   EXPECT_EQ(far.far_count, slope.faces.size());
   ASSERT_EQ(far.far_faces.size(), verification::kMaxFarFaces);
   EXPECT_GE(far.far_faces.front().bound, far.far_faces.back().bound);
-  // 1,000 of 3,200 faces are the last 12.5 of 40 columns.
+  // 100,000 of 101,250 faces are the last 222.2 of 225 columns.
   for (const verification::FarFace& face : far.far_faces)
-    EXPECT_GE(slope.positions[slope.faces[face.face][0]].x + 0.2, 8 * (1 - 13.5 / 40));
+    EXPECT_GE(slope.positions[slope.faces[face.face][0]].x + 8.0 / 225, 8 * (1 - 223.5 / 225));
 }
 
 // These tests are about errors, stops, and what stays the same.
