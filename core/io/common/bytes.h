@@ -33,6 +33,18 @@ T load(const char* data, ByteOrder order) {
   return std::bit_cast<T>(bits);
 }
 
+/// Reads so many numbers of type T, which stand one behind the other from `data` on, and gives each to `use` with its
+/// place.
+template <class T, class Use>
+void load_all(const char* data, ByteOrder order, std::size_t count, const Use& use) {
+  // Each loop has its order fixed, so that the compiler can read many numbers at once.
+  if (order == ByteOrder::kLittle) {
+    for (std::size_t i = 0; i < count; ++i) use(i, load<T>(data + i * sizeof(T), ByteOrder::kLittle));
+  } else {
+    for (std::size_t i = 0; i < count; ++i) use(i, load<T>(data + i * sizeof(T), ByteOrder::kBig));
+  }
+}
+
 /// Appends a number, least significant byte first.
 template <class T>
 void append_little_endian(std::string& out, T value) {

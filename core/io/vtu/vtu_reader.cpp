@@ -224,6 +224,7 @@ class VtkXmlReader {
     const std::vector<std::int64_t> points = numbers<std::int64_t>(*corners, static_cast<std::uint64_t>(last));
     std::vector<std::int64_t> type_of;
     if (type == 0) type_of = numbers<std::int64_t>(*types, count);
+    mesh_.expect_cells(end_of.size(), points.size());
     std::int64_t begin = 0;
     for (std::size_t c = 0; c < end_of.size(); ++c) {
       mesh_.tick(corners->begin);
@@ -248,7 +249,7 @@ class VtkXmlReader {
   template <class T>
   std::vector<T> numbers(const PackedArray& array, std::uint64_t count) {
     if (array.format == "ascii") return numbers_of_text<T>(array, count);
-    using Convert = void (*)(std::string_view, ByteOrder, std::vector<T>&);
+    using Convert = void (*)(const char*, ByteOrder, std::vector<T>&);
     struct Type {
       std::string_view name;
       std::size_t size;
@@ -267,25 +268,23 @@ class VtkXmlReader {
     const auto type =
         std::find_if(kTypes.begin(), kTypes.end(), [&](const Type& known) { return known.name == array.type; });
     if (type == kTypes.end()) throw vtk_error(array.begin, "an array of the type " + cited(array.type));
-    const std::string bytes = unpacked(array, count * type->size);
-    std::vector<T> values;
+    const UnpackedArray bytes = unpacked(array, count * type->size);
     control_.memory().ask_for<T>(static_cast<std::size_t>(count));
-    values.reserve(static_cast<std::size_t>(count));
-    type->convert(bytes, order_, values);
+    std::vector<T> values(static_cast<std::size_t>(count));
+    type->convert(bytes.data(), order_, values);
     return values;
   }
 
   template <class Stored, class T>
-  static void convert(std::string_view bytes, ByteOrder order, std::vector<T>& values) {
-    for (std::size_t at = 0; at < bytes.size(); at += sizeof(Stored)) {
-      const Stored value = load<Stored>(bytes.data() + at, order);
+  static void convert(const char* bytes, ByteOrder order, std::vector<T>& values) {
+    load_all<Stored>(bytes, order, values.size(), [&](std::size_t i, Stored value) {
       if constexpr (std::is_floating_point_v<Stored> && !std::is_floating_point_v<T>) {
         // A label may be stored as a real number.
-        values.push_back(value > -0x1p53 && value < 0x1p53 ? static_cast<T>(value) : 0);
+        values[i] = value > -0x1p53 && value < 0x1p53 ? static_cast<T>(value) : 0;
       } else {
-        values.push_back(static_cast<T>(value));
+        values[i] = static_cast<T>(value);
       }
-    }
+    });
   }
 
   template <class T>
@@ -323,8 +322,15 @@ class VtkXmlReader {
     return values;
   }
 
+  /// The bytes of an array, behind those of its header.
+  struct UnpackedArray {
+    std::string bytes;
+    std::size_t begin;
+    const char* data() const { return bytes.data() + begin; }
+  };
+
   /// Returns the bytes of an array, which must be so many.
-  std::string unpacked(const PackedArray& array, std::uint64_t size) {
+  UnpackedArray unpacked(const PackedArray& array, std::uint64_t size) {
     const bool is_appended = array.format == "appended";
     if (!is_appended && array.format != "binary")
       throw vtk_error(array.begin, "an array in the format " + cited(array.format));
@@ -344,12 +350,11 @@ class VtkXmlReader {
     if (compressor_.empty()) {
       const std::uint64_t found = header(first(header_size_), 0);
       if (found != size) throw wrong_count(array, found, size);
-      std::string bytes = first(header_size_ + size);
-      if (bytes.size() != header_size_ + size) throw vtk_error(array.begin, "an array whose data end early");
-      bytes.erase(0, header_size_);
-      return bytes;
+      UnpackedArray unpacked{first(header_size_ + size), header_size_};
+      if (unpacked.bytes.size() != header_size_ + size) throw vtk_error(array.begin, "an array whose data end early");
+      return unpacked;
     }
-    return inflated(array, size, first, header);
+    return {inflated(array, size, first, header), 0};
   }
 
   template <class First, class Header>
