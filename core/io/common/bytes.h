@@ -13,6 +13,8 @@
 namespace remesh {
 
 enum class ByteOrder { kLittle, kBig };
+inline constexpr ByteOrder kNativeOrder =
+    std::endian::native == std::endian::little ? ByteOrder::kLittle : ByteOrder::kBig;
 
 namespace detail {
 template <std::size_t Size>
