@@ -48,7 +48,8 @@ bool has_stl_keyword(std::string_view text) {
 bool is_text_stl(std::string_view text) {
   constexpr std::size_t kHead = 4096;
   for (std::size_t begin = 0; begin < std::min(text.size(), kHead);) {
-    std::string_view line = text.substr(begin);
+    // A line may be as long as the file.
+    std::string_view line = text.substr(begin, kHead);
     line = line.substr(0, line.find_first_of("\r\n"));
     begin += line.size() + 1;
     const auto word = std::find_if_not(line.begin(), line.end(), is_blank);

@@ -268,7 +268,7 @@ class ContactSearch {
       check();
       const auto [a, b] = edges_.ends(e);
       const auto [c, d] = edges_.ends(g);
-      const auto is_end_of_g = [&](VertexId v) {
+      const auto is_end_of_g = [&, c = c, d = d](VertexId v) {
         return plan.image_of(v) == plan.image_of(c) || plan.image_of(v) == plan.image_of(d);
       };
       if (is_end_of_g(a) || is_end_of_g(b)) continue;

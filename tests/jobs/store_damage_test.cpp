@@ -107,7 +107,7 @@ TEST_F(store_damage, a_clock_that_is_no_number_is_begun_anew) {
 }
 
 TEST_F(store_damage, counters_that_cannot_be_counted_up_keep_no_job_from_being_ended) {
-  StoreRules rules;
+  StoreRules rules = patient_rules();
   rules.result_ttl = std::chrono::milliseconds(0);
   const auto store = open(rules);
   const auto damage = [&](const std::string& id) {
@@ -134,7 +134,7 @@ TEST_F(store_damage, counters_that_cannot_be_counted_up_keep_no_job_from_being_e
 }
 
 TEST_F(store_damage, damaged_times_and_sizes_do_not_count_for_other_jobs) {
-  StoreRules rules;
+  StoreRules rules = patient_rules();
   rules.max_stored = 1000;
   auto store = open(rules);
   const std::string first = submit(*store), second = submit(*store), good = submit(*store);
@@ -221,7 +221,7 @@ TEST_F(store_damage, what_the_store_cannot_take_is_an_error_of_the_data) {
 }
 
 TEST_F(store_damage, a_damaged_row_that_cannot_be_mended_keeps_no_other_from_being_mended) {
-  StoreRules rules;
+  StoreRules rules = patient_rules();
   rules.lease = milliseconds(20);
   const auto store = open(rules);
   const std::string stuck = submit(*store), mended = submit(*store), runs = submit(*store);
@@ -243,7 +243,7 @@ TEST_F(store_damage, a_damaged_row_that_cannot_be_mended_keeps_no_other_from_bei
 }
 
 TEST_F(store_damage, a_result_that_cannot_expire_keeps_no_other_from_expiring) {
-  StoreRules rules;
+  StoreRules rules = patient_rules();
   rules.result_ttl = milliseconds(0);
   const auto store = open(rules);
   submit(*store);

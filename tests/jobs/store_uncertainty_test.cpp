@@ -24,7 +24,7 @@ TEST_F(store_uncertainty, a_claim_of_which_nobody_knows_is_undone_without_an_att
   // The store hands the job out, but its answer gets lost: the statement changes the row and then waits.
   const auto connector = driver();
   const auto database = connector->connect();
-  const BlobTable blobs(*connector, nullptr, StoreRules().timeout);
+  const BlobTable blobs(*connector, nullptr, patient_rules().timeout);
   UncertainWrites writes;
   const std::optional<Claim> claim = store->claim("worker", kAnyMemory);
   ASSERT_TRUE(claim);
@@ -52,7 +52,7 @@ TEST_F(store_uncertainty, a_job_of_which_nobody_knows_is_withdrawn) {
   UncertainWrites writes;
   writes.record_submission(id);
   writes.record_submission(new_request_id());
-  writes.undo(*database, BlobTable(*connector, nullptr, StoreRules().timeout));
+  writes.undo(*database, BlobTable(*connector, nullptr, patient_rules().timeout));
   EXPECT_EQ(store->find(id), std::nullopt);
   EXPECT_EQ(store->read_blob(id, BlobKind::kInput), std::nullopt);
   EXPECT_EQ(work(*store), other);
@@ -128,7 +128,7 @@ class LossyDriver final : public DatabaseDriver {
 
 TEST_F(store_uncertainty, a_submission_whose_answer_gets_lost_leaves_no_job) {
   std::string lost;
-  SqlStore store(std::make_unique<LossyDriver>(driver(), lost), StoreRules{});
+  SqlStore store(std::make_unique<LossyDriver>(driver(), lost), patient_rules());
   const std::string good = submit(store);
   lost = "COMMIT";
   EXPECT_THROW(submit(store), StoreError);
@@ -146,7 +146,7 @@ TEST_F(store_uncertainty, a_submission_whose_answer_gets_lost_leaves_no_job) {
 
 TEST_F(store_uncertainty, a_submission_that_can_be_repeated_stays_although_its_answer_gets_lost) {
   std::string lost;
-  SqlStore store(std::make_unique<LossyDriver>(driver(), lost), StoreRules{});
+  SqlStore store(std::make_unique<LossyDriver>(driver(), lost), patient_rules());
   submit(store);
   EXPECT_FALSE(work(store).empty());
   NewJob job;
@@ -168,7 +168,7 @@ TEST_F(store_uncertainty, a_submission_that_can_be_repeated_stays_although_its_a
 
 TEST_F(store_uncertainty, a_submission_that_failed_before_it_was_certain_withdraws_nothing) {
   std::string lost;
-  SqlStore store(std::make_unique<LossyDriver>(driver(), lost), StoreRules{});
+  SqlStore store(std::make_unique<LossyDriver>(driver(), lost), patient_rules());
   const std::string good = submit(store);
   lost = "INSERT INTO remeshd_job";
   EXPECT_THROW(submit(store), StoreError);
@@ -180,7 +180,7 @@ TEST_F(store_uncertainty, a_submission_that_failed_before_it_was_certain_withdra
 
 TEST_F(store_uncertainty, a_claim_whose_answer_gets_lost_is_no_attempt) {
   std::string lost;
-  SqlStore store(std::make_unique<LossyDriver>(driver(), lost), StoreRules{});
+  SqlStore store(std::make_unique<LossyDriver>(driver(), lost), patient_rules());
   const std::string id = submit(store);
   for (int i = 0; i < 5; ++i) {
     lost = "UPDATE remeshd_job SET state = 'running'";

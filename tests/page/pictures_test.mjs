@@ -16,6 +16,7 @@ function picture(name, options, prepare) {
     const visitor = await openPage(set.browser, set.daemon.origin, { width: 1361, height: 850, ...options });
     try {
       await prepare(visitor);
+      await visitor.waitForText("#forecast", /^About /);
       await pause(300);
       const path = join(folder, `${name}.jpg`);
       await visitor.page.screenshot({ path, type: "jpeg", quality: 84 });

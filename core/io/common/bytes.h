@@ -13,6 +13,8 @@
 namespace remesh {
 
 enum class ByteOrder { kLittle, kBig };
+inline constexpr ByteOrder kNativeOrder =
+    std::endian::native == std::endian::little ? ByteOrder::kLittle : ByteOrder::kBig;
 
 namespace detail {
 template <std::size_t Size>
@@ -31,6 +33,18 @@ T load(const char* data, ByteOrder order) {
     bits = static_cast<Bits>(bits | static_cast<Bits>(static_cast<Bits>(static_cast<unsigned char>(data[i])) << shift));
   }
   return std::bit_cast<T>(bits);
+}
+
+/// Reads so many numbers of type T, which stand one behind the other from `data` on, and gives each to `use` with its
+/// place.
+template <class T, class Use>
+void load_all(const char* data, ByteOrder order, std::size_t count, const Use& use) {
+  // Each loop has its order fixed, so that the compiler can read many numbers at once.
+  if (order == ByteOrder::kLittle) {
+    for (std::size_t i = 0; i < count; ++i) use(i, load<T>(data + i * sizeof(T), ByteOrder::kLittle));
+  } else {
+    for (std::size_t i = 0; i < count; ++i) use(i, load<T>(data + i * sizeof(T), ByteOrder::kBig));
+  }
 }
 
 /// Appends a number, least significant byte first.

@@ -28,38 +28,25 @@ void MeshBuilder::announce(std::uint64_t vertices, std::uint64_t faces, std::uin
   mesh_.corners.reserve(3 * face_room);
 }
 
-void MeshBuilder::add_vertex(const Vec3& position, Place place) {
-  if (!is_finite(position)) {
-    throw read_error(place, Code::kNonfiniteCoordinate, "a vertex with a coordinate that is not finite")
-        .at_element(mesh_.vertex_count());
-  }
-  mesh_.positions.push_back(position);
+Error MeshBuilder::nonfinite_vertex(Place place) const {
+  return read_error(place, Code::kNonfiniteCoordinate, "a vertex with a coordinate that is not finite")
+      .at_element(mesh_.vertex_count());
 }
 
-void MeshBuilder::begin_face(std::uint64_t corners, Place place) {
-  if (corners < 3) {
-    throw read_error(place, Code::kInvalidMesh,
-                     "a face with " + std::to_string(corners) + " corners; at least 3 are needed")
-        .at_element(mesh_.face_count());
-  }
-  if (corners > PolygonMesh::kMaxCorners - mesh_.corners.size())
-    throw too_large_error(place, "face corners", PolygonMesh::kMaxCorners);
-  mesh_.face_begin.push_back(static_cast<std::uint32_t>(mesh_.corners.size() + corners));
+Error MeshBuilder::too_few_corners(std::uint64_t corners, Place place) const {
+  return read_error(place, Code::kInvalidMesh,
+                    "a face with " + std::to_string(corners) + " corners; at least 3 are needed")
+      .at_element(mesh_.face_count());
 }
 
-void MeshBuilder::add_corner(std::int64_t vertex, Place place) {
-  if (vertex < 0 || static_cast<std::uint64_t>(vertex) >= vertices_announced_) {
-    throw read_error(place, Code::kIndexOutOfRange,
-                     "a face refers to vertex " + std::to_string(vertex) + "; there are " +
-                         std::to_string(vertices_announced_) + ", counted from 0")
-        .at_element(mesh_.face_count() - 1);
-  }
-  mesh_.corners.emplace_back(static_cast<std::uint32_t>(vertex));
+Error MeshBuilder::no_such_vertex(std::int64_t vertex, Place place) const {
+  return read_error(place, Code::kIndexOutOfRange,
+                    "a face refers to vertex " + std::to_string(vertex) + "; there are " +
+                        std::to_string(vertices_announced_) + ", counted from 0")
+      .at_element(mesh_.face_count() - 1);
 }
 
-void MeshBuilder::tick(std::size_t offset, std::size_t size) {
-  constexpr std::uint32_t kTicks = 4096;
-  if (++ticks_ % kTicks != 0) return;
+void MeshBuilder::tell_progress(std::size_t offset, std::size_t size) {
   control_.progress(static_cast<double>(offset) / static_cast<double>(std::max<std::size_t>(size, 1)));
 }
 

@@ -14,12 +14,14 @@ class NumberedLabels {
  public:
   using Names = std::map<std::int64_t, std::string>;
 
-  void add_face(std::int64_t number) {
+  void add_face(std::int64_t number) { add_faces(number, 1); }
+  void add_faces(std::int64_t number, std::size_t count) {
+    if (count == 0) return;
     if (of_face_.empty() || number != last_) {
       last_ = number;
       index_ = index_of_.try_emplace(number, static_cast<std::uint32_t>(index_of_.size())).first->second;
     }
-    of_face_.push_back(index_);
+    of_face_.resize(of_face_.size() + count, index_);
   }
 
   /// Makes labels of the numbers. A number without a name has its digits as its name.

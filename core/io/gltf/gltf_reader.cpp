@@ -104,6 +104,8 @@ struct AccessorView {
       default: return 0;
     }
   }
+  /// Indices may not be signed, and the real value of a negative one is no index.
+  bool may_be_indices() const { return !is_normalized && (type == 5121 || type == 5123 || type == 5125); }
   double real(std::uint64_t i, std::size_t component) const {
     if (bytes.empty()) return 0;
     const char* const at = bytes.data() + i * stride + component * size_of(type);
@@ -302,8 +304,7 @@ class GltfReader {
 
     const auto indices = number_of(member(primitive, "indices"));
     const AccessorView corners = indices ? view(*indices, "SCALAR") : AccessorView{};
-    if (indices && (corners.type == 5126 || corners.is_normalized))
-      throw gltf_error("indices that are no whole numbers");
+    if (indices && !corners.may_be_indices()) throw gltf_error("indices that are no whole numbers without a sign");
     const std::uint64_t n = indices ? corners.count : points.count;
     const auto corner = [&](std::uint64_t i) -> std::int64_t {
       const std::uint64_t vertex = indices ? static_cast<std::uint64_t>(corners.real(i, 0)) : i;

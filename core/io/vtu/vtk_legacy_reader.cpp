@@ -113,6 +113,7 @@ class VtkLegacyReader {
     at_ = before;
     std::vector<std::int64_t> flat = numbers<std::int64_t>("int", size);
     cells = {};
+    cells.begin_of.reserve(static_cast<std::size_t>(std::min<std::uint64_t>(n, size)) + 1);
     std::size_t to = 0;
     for (std::size_t i = 0; i < flat.size();) {
       mesh_.tick(at_);
@@ -128,6 +129,7 @@ class VtkLegacyReader {
   }
 
   void add_cells(const LegacyCells& cells, int type, const std::vector<std::int64_t>& types) {
+    mesh_.expect_cells(cells.begin_of.size() - 1, cells.points.size());
     for (std::size_t c = 0; c + 1 < cells.begin_of.size(); ++c) {
       mesh_.tick(at_);
       const auto begin = static_cast<std::size_t>(cells.begin_of[c]),
@@ -210,24 +212,13 @@ class VtkLegacyReader {
       const std::size_t size = size_of_type(type);
       if (n > (content_.size() - at_) / size) throw error("the data end early");
       control_.memory().ask_for<T>(static_cast<std::size_t>(n));
-      values.reserve(static_cast<std::size_t>(n));
+      values.resize(static_cast<std::size_t>(n));
       const bool is_real = type == "float" || type == "double", is_unsigned = type.starts_with("unsigned");
-      for (std::uint64_t i = 0; i < n; ++i, at_ += size) {
-        const char* const at = content_.data() + at_;
-        switch (size) {
-          case 1:
-            values.push_back(is_unsigned ? static_cast<T>(load<std::uint8_t>(at, ByteOrder::kBig))
-                                         : static_cast<T>(load<std::int8_t>(at, ByteOrder::kBig)));
-            break;
-          case 2: values.push_back(static_cast<T>(load<std::int16_t>(at, ByteOrder::kBig))); break;
-          case 4:
-            values.push_back(is_real ? static_cast<T>(whole_or<T>(load<float>(at, ByteOrder::kBig)))
-                                     : static_cast<T>(load<std::int32_t>(at, ByteOrder::kBig)));
-            break;
-          default:
-            values.push_back(is_real ? static_cast<T>(whole_or<T>(load<double>(at, ByteOrder::kBig)))
-                                     : static_cast<T>(load<std::int64_t>(at, ByteOrder::kBig)));
-        }
+      switch (size) {
+        case 1: is_unsigned ? take_all<std::uint8_t>(values) : take_all<std::int8_t>(values); break;
+        case 2: take_all<std::int16_t>(values); break;
+        case 4: is_real ? take_all<float>(values) : take_all<std::int32_t>(values); break;
+        default: is_real ? take_all<double>(values) : take_all<std::int64_t>(values);
       }
       return values;
     }
@@ -249,6 +240,17 @@ class VtkLegacyReader {
       }
     }
     return values;
+  }
+  /// Takes as many numbers as there are values.
+  template <class Stored, class T>
+  void take_all(std::vector<T>& values) {
+    load_all<Stored>(content_.data() + at_, ByteOrder::kBig, values.size(), [&](std::size_t i, Stored value) {
+      if constexpr (std::is_floating_point_v<Stored>)
+        values[i] = static_cast<T>(whole_or<T>(value));
+      else
+        values[i] = static_cast<T>(value);
+    });
+    at_ += values.size() * sizeof(Stored);
   }
   /// A real number, cut to the range of whole numbers if it is to be one.
   template <class T>

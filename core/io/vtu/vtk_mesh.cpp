@@ -49,17 +49,25 @@ void VtkMesh::begin_piece(std::uint64_t points, std::uint64_t room, Place place)
   builder_.announce(points_, 0, points_before_ == 0 ? room : 0, 0, place);
 }
 
+void VtkMesh::expect_cells(std::size_t cells, std::size_t corners) {
+  // If there were room for each of many pieces, all faces before it would be moved for each.
+  if (points_before_ > 0) return;
+  PolygonMesh& mesh = builder_.mesh();
+  mesh.face_begin.reserve(mesh.face_begin.size() + cells);
+  mesh.corners.reserve(mesh.corners.size() + corners);
+  cell_of_face_.reserve(cells);
+}
+
 void VtkMesh::add_cell(int type, std::span<const std::int64_t> points, Place place) {
   const std::size_t n = points.size();
-  const std::size_t corners = corners_of_type(type);
-  if (type == kVtkStrip) {
+  if (type == kVtkTriangle || type == kVtkQuad || type == kVtkPolygon) {
+    add_face(points, place);
+  } else if (type == kVtkStrip) {
     for (std::size_t i = 0; i + 2 < n; ++i)
       add_face(std::array{points[i], points[i + 1 + i % 2], points[i + 2 - i % 2]}, place);
   } else if (type == kVtkPixel && n == 4) {
     add_face(std::array{points[0], points[1], points[3], points[2]}, place);
-  } else if (type == kVtkTriangle || type == kVtkQuad || type == kVtkPolygon) {
-    add_face(points, place);
-  } else if (corners > 0 && n > corners) {
+  } else if (const std::size_t corners = corners_of_type(type); corners > 0 && n > corners) {
     ++curved_;
     add_face(points.first(corners), place);
   } else {
@@ -80,9 +88,12 @@ void VtkMesh::add_face(std::span<const std::int64_t> points, Place place) {
 }
 
 void VtkMesh::end_piece(const std::array<std::vector<std::int64_t>, 3>& labels_of_cells) {
-  for (std::size_t kind = 0; kind < labels_.size(); ++kind)
-    for (const std::uint32_t cell : cell_of_face_)
-      labels_[kind].add_face(labels_of_cells[kind].empty() ? 0 : labels_of_cells[kind][cell]);
+  for (std::size_t kind = 0; kind < labels_.size(); ++kind) {
+    const std::vector<std::int64_t>& label_of = labels_of_cells[kind];
+    if (label_of.empty()) labels_[kind].add_faces(0, cell_of_face_.size());
+    if (label_of.empty()) continue;
+    for (const std::uint32_t cell : cell_of_face_) labels_[kind].add_face(label_of[cell]);
+  }
   cell_of_face_.clear();
   cells_ = 0;
 }

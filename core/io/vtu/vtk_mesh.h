@@ -30,6 +30,8 @@ class VtkMesh {
   /// Errors: kMeshTooLarge - more points than the limits.
   void begin_piece(std::uint64_t points, std::uint64_t room, Place place);
   void add_point(const Vec3& point, Place place) { builder_.add_vertex(point, place); }
+  /// Makes room for faces. Input: the numbers of cells that follow and of their corners, which are in memory already.
+  void expect_cells(std::size_t cells, std::size_t corners);
   /// Adds a cell by VTK's number of its type. Strips of triangles become triangles.
   /// Errors: kIndexOutOfRange, kInvalidMesh, kMeshTooLarge.
   void add_cell(int type, std::span<const std::int64_t> points, Place place);

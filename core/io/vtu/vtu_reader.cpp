@@ -64,10 +64,213 @@ std::uint64_t number_attribute(const XmlTag& tag, std::string_view name, std::ui
   return number;
 }
 
+/// How the file packs its arrays.
+struct Packing {
+  ByteOrder order = ByteOrder::kLittle;
+  std::size_t header_size = 4;  ///< bytes of each number in the header of an array
+  std::string_view compressor;  ///< empty: none
+  std::string_view appended;    ///< the data of arrays that stand behind all others
+  bool is_raw = false;          ///< whether these are bytes; else they are base64
+};
+
+/// Makes numbers of arrays.
+class ArrayUnpacker {
+ public:
+  ArrayUnpacker(std::string_view content, const Packing& packing, RunControl& control, VtkMesh& mesh)
+      : content_(content), packing_(packing), control_(control), mesh_(mesh) {}
+
+  /// Unpacks an array that must have so many numbers.
+  template <class T>
+  std::vector<T> numbers(const PackedArray& array, std::uint64_t count) {
+    if (array.format == "ascii") return numbers_of_text<T>(array, count);
+    using Convert = void (*)(const char*, ByteOrder, std::vector<T>&);
+    struct Type {
+      std::string_view name;
+      std::size_t size;
+      Convert convert;
+    };
+    static constexpr std::array<Type, 10> kTypes{{{"Float32", 4, convert<float, T>},
+                                                  {"Float64", 8, convert<double, T>},
+                                                  {"Int8", 1, convert<std::int8_t, T>},
+                                                  {"UInt8", 1, convert<std::uint8_t, T>},
+                                                  {"Int16", 2, convert<std::int16_t, T>},
+                                                  {"UInt16", 2, convert<std::uint16_t, T>},
+                                                  {"Int32", 4, convert<std::int32_t, T>},
+                                                  {"UInt32", 4, convert<std::uint32_t, T>},
+                                                  {"Int64", 8, convert<std::int64_t, T>},
+                                                  {"UInt64", 8, convert<std::uint64_t, T>}}};
+    const auto type =
+        std::find_if(kTypes.begin(), kTypes.end(), [&](const Type& known) { return known.name == array.type; });
+    if (type == kTypes.end()) throw vtk_error(array.begin, "an array of the type " + cited(array.type));
+    const auto size = count * type->size;
+    std::vector<T> values;
+    const auto make_room = [&] {
+      control_.memory().ask_for<T>(static_cast<std::size_t>(count));
+      values.resize(static_cast<std::size_t>(count));
+    };
+    if (!packing_.compressor.empty() && type->convert == &convert<T, T> && packing_.order == kNativeOrder) {
+      inflate(array, size, [&] {
+        make_room();
+        return reinterpret_cast<char*>(values.data());
+      });
+      return values;
+    }
+    const UnpackedArray bytes = unpacked(array, size);
+    make_room();
+    type->convert(bytes.data(), packing_.order, values);
+    return values;
+  }
+
+ private:
+  template <class Stored, class T>
+  static void convert(const char* bytes, ByteOrder order, std::vector<T>& values) {
+    load_all<Stored>(bytes, order, values.size(), [&](std::size_t i, Stored value) {
+      if constexpr (std::is_floating_point_v<Stored> && !std::is_floating_point_v<T>) {
+        // A label may be stored as a real number.
+        values[i] = value > -0x1p53 && value < 0x1p53 ? static_cast<T>(value) : 0;
+      } else {
+        values[i] = static_cast<T>(value);
+      }
+    });
+  }
+
+  template <class T>
+  std::vector<T> numbers_of_text(const PackedArray& array, std::uint64_t count) {
+    constexpr std::size_t kMinNumber = 2;
+    std::vector<T> values;
+    values.reserve(static_cast<std::size_t>(std::min<std::uint64_t>(count, array.text.size() / kMinNumber + 1)));
+    TextTokens tokens(array.text);
+    const auto in_file = [&](Error error) {
+      error.line.reset();
+      error.at_byte(array.begin);
+      return error;
+    };
+    try {
+      for (std::string_view token = tokens.next(); !token.empty(); token = tokens.next()) {
+        mesh_.tick(array.begin + tokens.offset());
+        if (values.size() == count) throw tokens.expected("the end of the array", token);
+        const double real = std::is_floating_point_v<T> || token.find_first_of(".eE") != std::string_view::npos
+                                ? parse_coordinate(token, tokens.place())
+                                : 0;
+        if constexpr (std::is_floating_point_v<T>) {
+          values.push_back(real);
+        } else {
+          T whole = static_cast<T>(std::clamp(real, -0x1p53, 0x1p53));
+          const auto [stop, status] = std::from_chars(token.data(), token.data() + token.size(), whole);
+          if (status != std::errc()) throw tokens.expected("a whole number", token);
+          values.push_back(whole);
+        }
+      }
+    } catch (const Error& error) {
+      if (error.code != Code::kInvalidMesh && error.code != Code::kNonfiniteCoordinate) throw;
+      throw in_file(error);
+    }
+    if (values.size() < count) throw wrong_count(array, values.size(), count);
+    return values;
+  }
+
+  /// The bytes of an array, behind those of its header.
+  struct UnpackedArray {
+    std::string bytes;
+    std::size_t begin;
+    const char* data() const { return bytes.data() + begin; }
+  };
+
+  /// Returns the bytes of an array, which must be so many.
+  UnpackedArray unpacked(const PackedArray& array, std::uint64_t size) const {
+    UnpackedArray unpacked{{}, 0};
+    if (packing_.compressor.empty()) {
+      const std::uint64_t found = header_number(array, first_bytes(array, packing_.header_size), 0);
+      if (found != size) throw wrong_count(array, found, size);
+      unpacked = {first_bytes(array, packing_.header_size + size), packing_.header_size};
+      if (unpacked.bytes.size() != packing_.header_size + size) throw ends_early(array);
+    } else {
+      inflate(array, size, [&] {
+        control_.memory().ask_for<char>(static_cast<std::size_t>(size));
+        unpacked.bytes.resize(static_cast<std::size_t>(size));
+        return unpacked.bytes.data();
+      });
+    }
+    return unpacked;
+  }
+
+  /// Returns so many bytes of an array, or all if it has fewer, as they are before zlib unpacks them.
+  std::string first_bytes(const PackedArray& array, std::uint64_t bytes) const {
+    const bool is_appended = array.format == "appended";
+    if (!is_appended && array.format != "binary")
+      throw vtk_error(array.begin, "an array in the format " + cited(array.format));
+    if (is_appended && array.offset > packing_.appended.size())
+      throw vtk_error(array.begin, "an array whose data begin behind the end of the file");
+    const std::string_view text =
+        is_appended ? packing_.appended.substr(static_cast<std::size_t>(array.offset)) : array.text;
+    if (!is_appended || !packing_.is_raw) return from_base64(text, bytes);
+    return std::string(text.substr(0, static_cast<std::size_t>(std::min<std::uint64_t>(bytes, text.size()))));
+  }
+
+  /// Returns a number of an array's header.
+  std::uint64_t header_number(const PackedArray& array, std::string_view bytes, std::size_t i) const {
+    if (bytes.size() < (i + 1) * packing_.header_size) throw ends_early(array);
+    const char* const at = bytes.data() + i * packing_.header_size;
+    return packing_.header_size == 8 ? load<std::uint64_t>(at, packing_.order)
+                                     : load<std::uint32_t>(at, packing_.order);
+  }
+
+  /// Lets zlib unpack an array, which must have so many bytes.
+  /// Input: `make_room` - is called once the array is known to tell that size; returns where the bytes go.
+  template <class MakeRoom>
+  void inflate(const PackedArray& array, std::uint64_t size, const MakeRoom& make_room) const {
+    const std::string head = first_bytes(array, 3 * packing_.header_size);
+    const std::uint64_t blocks = header_number(array, head, 0), block = header_number(array, head, 1),
+                        last = header_number(array, head, 2);
+    if (blocks == 0 && size == 0) return;
+    // Each block of the header stands in the file, so that there cannot be more than it has bytes.
+    if (blocks == 0 || blocks > content_.size() || block == 0 || block > std::numeric_limits<std::uint32_t>::max() ||
+        last > block)
+      throw vtk_error(array.begin, "an array with a malformed list of blocks");
+    const std::uint64_t whole = last == 0 ? blocks * block : (blocks - 1) * block + last;
+    if (whole != size) throw wrong_count(array, whole, size);
+    const std::string sizes = first_bytes(array, (3 + blocks) * packing_.header_size);
+    std::uint64_t packed_size = 0;
+    for (std::uint64_t b = 0; b < blocks; ++b) {
+      const std::uint64_t of_block = header_number(array, sizes, static_cast<std::size_t>(3 + b));
+      if (of_block > content_.size() - std::min<std::uint64_t>(packed_size, content_.size())) throw ends_early(array);
+      packed_size += of_block;
+    }
+    const std::uint64_t begin = (3 + blocks) * packing_.header_size;
+    const std::string packed = first_bytes(array, begin + packed_size);
+    if (packed.size() != begin + packed_size) throw ends_early(array);
+    char* to = make_room();
+    std::size_t from = static_cast<std::size_t>(begin);
+    for (std::uint64_t b = 0; b < blocks; ++b) {
+      control_.check();
+      const auto of_block = static_cast<std::size_t>(header_number(array, sizes, static_cast<std::size_t>(3 + b)));
+      const std::size_t wanted =
+          b + 1 < blocks || last == 0 ? static_cast<std::size_t>(block) : static_cast<std::size_t>(last);
+      uLongf length = wanted;
+      const int status = uncompress(reinterpret_cast<Bytef*>(to), &length,
+                                    reinterpret_cast<const Bytef*>(packed.data() + from), of_block);
+      if (status != Z_OK || length != wanted) throw vtk_error(array.begin, "an array that zlib cannot unpack");
+      from += of_block;
+      to += wanted;
+    }
+  }
+
+  static Error ends_early(const PackedArray& array) { return vtk_error(array.begin, "an array whose data end early"); }
+  static Error wrong_count(const PackedArray& array, std::uint64_t found, std::uint64_t wanted) {
+    return vtk_error(array.begin, "the array " + cited(array.name) + " has another length (" + std::to_string(found) +
+                                      ") than its piece tells (" + std::to_string(wanted) + ")");
+  }
+
+  std::string_view content_;
+  const Packing& packing_;
+  RunControl& control_;
+  VtkMesh& mesh_;
+};
+
 class VtkXmlReader {
  public:
   VtkXmlReader(std::string_view content, const ReadLimits& limits, RunControl& control)
-      : content_(content), control_(control), mesh_(content, limits, control) {}
+      : content_(content), mesh_(content, limits, control), arrays_(content, packing_, control, mesh_) {}
 
   ReadResult read() {
     parse();
@@ -105,8 +308,8 @@ class VtkXmlReader {
         const std::size_t begin = content_.find('_', mark + tag->end);
         if (begin == std::string_view::npos)
           throw vtk_error(mark + tag->begin, "appended data without a _ before them");
-        appended_ = content_.substr(begin + 1);
-        is_raw_ = tag->attribute("encoding").value_or("") == "raw";
+        packing_.appended = content_.substr(begin + 1);
+        packing_.is_raw = tag->attribute("encoding").value_or("") == "raw";
         return;
       } else if (tag->kind == XmlTag::Kind::kOpen) {
         section = tag->name;
@@ -121,12 +324,13 @@ class VtkXmlReader {
     type_ = tag.attribute("type").value_or("");
     if (type_ != "UnstructuredGrid" && type_ != "PolyData")
       throw vtk_error(tag.begin, "a VTK file of the type " + cited(type_) + "; UnstructuredGrid and PolyData are read");
-    order_ = tag.attribute("byte_order").value_or("LittleEndian") == "BigEndian" ? ByteOrder::kBig : ByteOrder::kLittle;
-    header_size_ = tag.attribute("header_type").value_or("UInt32") == "UInt64" ? 8 : 4;
-    compressor_ = tag.attribute("compressor").value_or("");
-    if (!compressor_.empty() && compressor_ != "vtkZLibDataCompressor")
+    packing_.order =
+        tag.attribute("byte_order").value_or("LittleEndian") == "BigEndian" ? ByteOrder::kBig : ByteOrder::kLittle;
+    packing_.header_size = tag.attribute("header_type").value_or("UInt32") == "UInt64" ? 8 : 4;
+    packing_.compressor = tag.attribute("compressor").value_or("");
+    if (!packing_.compressor.empty() && packing_.compressor != "vtkZLibDataCompressor")
       throw vtk_error(tag.begin,
-                      "arrays packed by " + cited(compressor_) + " are not read, only vtkZLibDataCompressor");
+                      "arrays packed by " + cited(packing_.compressor) + " are not read, only vtkZLibDataCompressor");
   }
 
   void take_array(XmlTags& tags, std::string_view section, PackedPiece* piece, std::size_t mark) {
@@ -179,7 +383,7 @@ class VtkXmlReader {
     mesh_.begin_piece(piece.points, content_.size(), Place::byte(piece.begin));
     if (points != nullptr) {
       if (points->components != 3) throw vtk_error(points->begin, "the points do not have three coordinates");
-      const std::vector<double> coordinates = numbers<double>(*points, 3 * piece.points);
+      const std::vector<double> coordinates = arrays_.numbers<double>(*points, 3 * piece.points);
       for (std::size_t i = 0; i < coordinates.size(); i += 3) {
         mesh_.tick(points->begin);
         mesh_.add_point({coordinates[i], coordinates[i + 1], coordinates[i + 2]}, Place::byte(points->begin));
@@ -199,7 +403,7 @@ class VtkXmlReader {
     for (const PackedArray& array : piece.arrays) {
       const auto kind = array.section == "CellData" ? VtkMesh::kind_of(array.name) : std::nullopt;
       if (kind && array.components == 1 && array.type != "String" && labels[static_cast<std::size_t>(*kind)].empty()) {
-        labels[static_cast<std::size_t>(*kind)] = numbers<std::int64_t>(array, cells);
+        labels[static_cast<std::size_t>(*kind)] = arrays_.numbers<std::int64_t>(array, cells);
       } else if (array.section == "CellData" || array.section == "PointData") {
         mesh_.drop_array();
       }
@@ -217,13 +421,14 @@ class VtkXmlReader {
       throw vtk_error(piece.begin, "cells without the arrays connectivity, offsets and types");
     // Each cell but a few has corners, so there are no more cells than the largest number of corners.
     if (count > mesh_.max_corners()) throw too_large_error(Place::byte(piece.begin), "cells", mesh_.max_corners());
-    const std::vector<std::int64_t> end_of = numbers<std::int64_t>(*ends, count);
+    const std::vector<std::int64_t> end_of = arrays_.numbers<std::int64_t>(*ends, count);
     const std::int64_t last = end_of.back();
     if (last < 0 || static_cast<std::uint64_t>(last) > mesh_.max_corners())
       throw too_large_error(Place::byte(ends->begin), "corners of cells", mesh_.max_corners());
-    const std::vector<std::int64_t> points = numbers<std::int64_t>(*corners, static_cast<std::uint64_t>(last));
+    const std::vector<std::int64_t> points = arrays_.numbers<std::int64_t>(*corners, static_cast<std::uint64_t>(last));
     std::vector<std::int64_t> type_of;
-    if (type == 0) type_of = numbers<std::int64_t>(*types, count);
+    if (type == 0) type_of = arrays_.numbers<std::int64_t>(*types, count);
+    mesh_.expect_cells(end_of.size(), points.size());
     std::int64_t begin = 0;
     for (std::size_t c = 0; c < end_of.size(); ++c) {
       mesh_.tick(corners->begin);
@@ -244,168 +449,11 @@ class VtkXmlReader {
     return found == piece.arrays.end() ? nullptr : &*found;
   }
 
-  /// Unpacks an array that must have so many numbers.
-  template <class T>
-  std::vector<T> numbers(const PackedArray& array, std::uint64_t count) {
-    if (array.format == "ascii") return numbers_of_text<T>(array, count);
-    using Convert = void (*)(std::string_view, ByteOrder, std::vector<T>&);
-    struct Type {
-      std::string_view name;
-      std::size_t size;
-      Convert convert;
-    };
-    static constexpr std::array<Type, 10> kTypes{{{"Float32", 4, convert<float, T>},
-                                                  {"Float64", 8, convert<double, T>},
-                                                  {"Int8", 1, convert<std::int8_t, T>},
-                                                  {"UInt8", 1, convert<std::uint8_t, T>},
-                                                  {"Int16", 2, convert<std::int16_t, T>},
-                                                  {"UInt16", 2, convert<std::uint16_t, T>},
-                                                  {"Int32", 4, convert<std::int32_t, T>},
-                                                  {"UInt32", 4, convert<std::uint32_t, T>},
-                                                  {"Int64", 8, convert<std::int64_t, T>},
-                                                  {"UInt64", 8, convert<std::uint64_t, T>}}};
-    const auto type =
-        std::find_if(kTypes.begin(), kTypes.end(), [&](const Type& known) { return known.name == array.type; });
-    if (type == kTypes.end()) throw vtk_error(array.begin, "an array of the type " + cited(array.type));
-    const std::string bytes = unpacked(array, count * type->size);
-    std::vector<T> values;
-    control_.memory().ask_for<T>(static_cast<std::size_t>(count));
-    values.reserve(static_cast<std::size_t>(count));
-    type->convert(bytes, order_, values);
-    return values;
-  }
-
-  template <class Stored, class T>
-  static void convert(std::string_view bytes, ByteOrder order, std::vector<T>& values) {
-    for (std::size_t at = 0; at < bytes.size(); at += sizeof(Stored)) {
-      const Stored value = load<Stored>(bytes.data() + at, order);
-      if constexpr (std::is_floating_point_v<Stored> && !std::is_floating_point_v<T>) {
-        // A label may be stored as a real number.
-        values.push_back(value > -0x1p53 && value < 0x1p53 ? static_cast<T>(value) : 0);
-      } else {
-        values.push_back(static_cast<T>(value));
-      }
-    }
-  }
-
-  template <class T>
-  std::vector<T> numbers_of_text(const PackedArray& array, std::uint64_t count) {
-    constexpr std::size_t kMinNumber = 2;
-    std::vector<T> values;
-    values.reserve(static_cast<std::size_t>(std::min<std::uint64_t>(count, array.text.size() / kMinNumber + 1)));
-    TextTokens tokens(array.text);
-    const auto in_file = [&](Error error) {
-      error.line.reset();
-      error.at_byte(array.begin);
-      return error;
-    };
-    try {
-      for (std::string_view token = tokens.next(); !token.empty(); token = tokens.next()) {
-        mesh_.tick(array.begin + tokens.offset());
-        if (values.size() == count) throw tokens.expected("the end of the array", token);
-        const double real = std::is_floating_point_v<T> || token.find_first_of(".eE") != std::string_view::npos
-                                ? parse_coordinate(token, tokens.place())
-                                : 0;
-        if constexpr (std::is_floating_point_v<T>) {
-          values.push_back(real);
-        } else {
-          T whole = static_cast<T>(std::clamp(real, -0x1p53, 0x1p53));
-          const auto [stop, status] = std::from_chars(token.data(), token.data() + token.size(), whole);
-          if (status != std::errc()) throw tokens.expected("a whole number", token);
-          values.push_back(whole);
-        }
-      }
-    } catch (const Error& error) {
-      if (error.code != Code::kInvalidMesh && error.code != Code::kNonfiniteCoordinate) throw;
-      throw in_file(error);
-    }
-    if (values.size() < count) throw wrong_count(array, values.size(), count);
-    return values;
-  }
-
-  /// Returns the bytes of an array, which must be so many.
-  std::string unpacked(const PackedArray& array, std::uint64_t size) {
-    const bool is_appended = array.format == "appended";
-    if (!is_appended && array.format != "binary")
-      throw vtk_error(array.begin, "an array in the format " + cited(array.format));
-    if (is_appended && array.offset > appended_.size())
-      throw vtk_error(array.begin, "an array whose data begin behind the end of the file");
-    const std::string_view text = is_appended ? appended_.substr(static_cast<std::size_t>(array.offset)) : array.text;
-    const auto first = [&](std::uint64_t bytes) {
-      return is_appended && is_raw_
-                 ? std::string(text.substr(0, static_cast<std::size_t>(std::min<std::uint64_t>(bytes, text.size()))))
-                 : from_base64(text, bytes);
-    };
-    const auto header = [&](std::string_view bytes, std::size_t i) -> std::uint64_t {
-      if (bytes.size() < (i + 1) * header_size_) throw vtk_error(array.begin, "an array whose data end early");
-      const char* const at = bytes.data() + i * header_size_;
-      return header_size_ == 8 ? load<std::uint64_t>(at, order_) : load<std::uint32_t>(at, order_);
-    };
-    if (compressor_.empty()) {
-      const std::uint64_t found = header(first(header_size_), 0);
-      if (found != size) throw wrong_count(array, found, size);
-      std::string bytes = first(header_size_ + size);
-      if (bytes.size() != header_size_ + size) throw vtk_error(array.begin, "an array whose data end early");
-      bytes.erase(0, header_size_);
-      return bytes;
-    }
-    return inflated(array, size, first, header);
-  }
-
-  template <class First, class Header>
-  std::string inflated(const PackedArray& array, std::uint64_t size, const First& first, const Header& header) {
-    const std::string head = first(3 * header_size_);
-    const std::uint64_t blocks = header(head, 0), block = header(head, 1), last = header(head, 2);
-    if (blocks == 0 && size == 0) return {};
-    // Each block of the header stands in the file, so that there cannot be more than it has bytes.
-    if (blocks == 0 || blocks > content_.size() || block == 0 || block > std::numeric_limits<std::uint32_t>::max() ||
-        last > block)
-      throw vtk_error(array.begin, "an array with a malformed list of blocks");
-    const std::uint64_t whole = last == 0 ? blocks * block : (blocks - 1) * block + last;
-    if (whole != size) throw wrong_count(array, whole, size);
-    const std::string sizes = first((3 + blocks) * header_size_);
-    std::uint64_t packed_size = 0;
-    for (std::uint64_t b = 0; b < blocks; ++b) {
-      const std::uint64_t of_block = header(sizes, static_cast<std::size_t>(3 + b));
-      if (of_block > content_.size() - std::min<std::uint64_t>(packed_size, content_.size()))
-        throw vtk_error(array.begin, "an array whose data end early");
-      packed_size += of_block;
-    }
-    const std::uint64_t begin = (3 + blocks) * header_size_;
-    const std::string packed = first(begin + packed_size);
-    if (packed.size() != begin + packed_size) throw vtk_error(array.begin, "an array whose data end early");
-    control_.memory().ask_for<char>(static_cast<std::size_t>(size));
-    std::string bytes(static_cast<std::size_t>(size), '\0');
-    std::size_t from = static_cast<std::size_t>(begin), to = 0;
-    for (std::uint64_t b = 0; b < blocks; ++b) {
-      control_.check();
-      const auto of_block = static_cast<std::size_t>(header(sizes, static_cast<std::size_t>(3 + b)));
-      const std::size_t wanted =
-          b + 1 < blocks || last == 0 ? static_cast<std::size_t>(block) : static_cast<std::size_t>(last);
-      uLongf length = wanted;
-      const int status = uncompress(reinterpret_cast<Bytef*>(bytes.data() + to), &length,
-                                    reinterpret_cast<const Bytef*>(packed.data() + from), of_block);
-      if (status != Z_OK || length != wanted) throw vtk_error(array.begin, "an array that zlib cannot unpack");
-      from += of_block;
-      to += wanted;
-    }
-    return bytes;
-  }
-
-  static Error wrong_count(const PackedArray& array, std::uint64_t found, std::uint64_t wanted) {
-    return vtk_error(array.begin, "the array " + cited(array.name) + " has another length (" + std::to_string(found) +
-                                      ") than its piece tells (" + std::to_string(wanted) + ")");
-  }
-
   std::string_view content_;
-  RunControl& control_;
   VtkMesh mesh_;
   std::string_view type_;
-  std::string_view compressor_;
-  std::string_view appended_;
-  ByteOrder order_ = ByteOrder::kLittle;
-  std::size_t header_size_ = 4;
-  bool is_raw_ = false;
+  Packing packing_;
+  ArrayUnpacker arrays_;
   std::vector<PackedPiece> pieces_;
 };
 

@@ -141,6 +141,7 @@ TEST(gltf_reader, what_is_wrong_is_refused) {
       {changed("/accessors/0/sparse", {{"count", 1}}), Code::kInvalidMesh},
       {changed("/accessors/1/count", 5), Code::kInvalidMesh},
       {changed("/accessors/1/componentType", 5126), Code::kInvalidMesh},
+      {changed("/accessors/1/componentType", 5120), Code::kInvalidMesh},
       {changed("/bufferViews/0/byteStride", 4), Code::kInvalidMesh},
       {changed("/bufferViews/0/byteLength", 18446744073709551615u), Code::kInvalidMesh},
       {changed("/bufferViews/1/byteOffset", 50), Code::kInvalidMesh},
