@@ -271,6 +271,12 @@ std::int32_t RayWinding::crossing(std::uint32_t f, const Vec3& p) const {
 
 Cells find_cells(const WeighedFaces& faces, RunControl& control) { return CellSearch(faces, control).find(); }
 
+std::size_t count_cells(const Arrangement& arranged, RunControl& control) {
+  const std::vector<Vec3> scaled = scaled_for_predicates(arranged.positions, control);
+  const std::vector<std::int32_t> weights(arranged.faces.size(), 0);
+  return find_cells({scaled, arranged.faces, weights}, control).count;
+}
+
 UnionFaces find_union(const Arrangement& arranged, std::span<const Vec3> positions, std::span<const Triangle> faces,
                       const Shells& shells, RunControl& control) {
   UnionFaces found;
@@ -286,7 +292,6 @@ UnionFaces find_union(const Arrangement& arranged, std::span<const Vec3> positio
       weights[f] += cover.is_reversed ? -weight : weight;
     }
   const Cells cells = find_cells({scaled, arranged.faces, weights}, control);
-  found.cells = cells.count;
   found.are_consistent = cells.are_consistent;
   found.stays.assign(n, 1);
   found.is_turned.assign(n, 0);
