@@ -346,6 +346,8 @@ void keep_union(Arrangement& arranged, const UnionFaces& found, RunControl& cont
   arranged.faces = std::move(kept.faces);
   arranged.cover_begin = std::move(kept.cover_begin);
   arranged.covers = std::move(kept.covers);
+  arranged.flaps.clear();
+  arranged.flap_positions.clear();
 }
 
 }  // namespace remesh

@@ -49,7 +49,7 @@ struct Report {
   std::optional<Vec3> output_origin;
   std::vector<PatchSummary> patches;
   RecognisedSurfaces surfaces;  ///< those of the input; `of_patch` has one entry per item of `patches`
-  /// What was cut and dropped, if a repair asked for that and some faces met; empty otherwise.
+  /// These numbers tell what was cut and dropped. They are empty unless a repair asked for that and some faces met.
   std::optional<SolidCounts> solids;
   std::vector<Diagnostic> diagnostics;
   /// The names of labels that the output format has in another form, because mesh programs would not read them.

@@ -1,4 +1,4 @@
-/// What became of faces that intersected, in numbers.
+/// Numbers that tell what became of faces that intersected.
 #pragma once
 
 #include <cstddef>

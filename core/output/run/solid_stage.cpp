@@ -21,6 +21,7 @@
 #include "core/output/result/face_source.h"
 #include "core/solids/arrangement.h"
 #include "core/solids/solid_union.h"
+#include "core/verify/arrangement_check.h"
 
 namespace remesh {
 namespace {
@@ -164,6 +165,16 @@ class ArrangedSurface {
   const IdVector<FaceId, FaceId> source_;
 };
 
+/// Returns by how much each triangle changes the winding number.
+std::vector<std::int32_t> weights_of_triangles(const Shells& shells, const UnionFaces& found) {
+  std::vector<std::int32_t> of_shell;
+  for (const Shell& shell : shells.all) of_shell.push_back(shell.is_closed ? 1 : 0);
+  for (const std::uint32_t s : found.turned_shells) of_shell[s] = -1;
+  std::vector<std::int32_t> weights;
+  for (const std::uint32_t s : shells.of_face) weights.push_back(of_shell[s]);
+  return weights;
+}
+
 /// Drops the triangles that do not bound the union of the solids.
 /// Output: by triangle of the candidate: whether pieces of it were dropped or turned over; empty if none were.
 std::vector<std::uint8_t> drop_inner_faces(const SolidContext& context, const Candidate& candidate,
@@ -184,6 +195,14 @@ std::vector<std::uint8_t> drop_inner_faces(const SolidContext& context, const Ca
   if (!found.are_consistent) told.union_in_vain = "it is not clear what is inside";
   const bool is_any_turned = std::find(found.is_turned.begin(), found.is_turned.end(), 1) != found.is_turned.end();
   if (!found.are_consistent || (found.dropped == 0 && !is_any_turned)) return {};
+  const std::vector<std::int32_t> weights = weights_of_triangles(shells, found);
+  const std::string fault = find_fault_of_union(
+      {candidate.positions.items(), faces, weights, arranged, found.stays, found.is_turned, context.plane_tolerance},
+      control);
+  if (!fault.empty()) {
+    told.union_in_vain = "the check of the union failed: " + fault;
+    return {};
+  }
   told.counts.dropped = found.dropped;
   told.counts.turned = found.turned_shells.size();
   std::vector<std::uint8_t> is_dropped(faces.size(), 0);
@@ -236,6 +255,14 @@ std::optional<Replaced> arrange_proven(const SolidContext& context, const Candid
     told.reason_in_vain = "points of the curves could not be told apart";
     return std::nullopt;
   }
+  ArrangementProof proof{0.0, {}};
+  if (arranged.is_changed)
+    proof = prove_arrangement(
+        {candidate.positions.items(), candidate.assembled.faces.items(), arranged, context.plane_tolerance}, control);
+  if (!proof.distance) {
+    told.reason_in_vain = "the faces that were cut failed their check: " + proof.failure;
+    return std::nullopt;
+  }
   const ArrangedSurface made(context.surface, context.patches, candidate, arranged, control);
   const std::vector<std::uint8_t> is_shared =
       count_arranged(candidate, context.patches, arranged, told.counts, control);
@@ -248,7 +275,7 @@ std::optional<Replaced> arrange_proven(const SolidContext& context, const Candid
   if (!is_dropped.empty()) made.add_faces([&](FaceId f) { return is_dropped[f.value] != 0; }, told.dropped_faces);
 
   Replaced replaced;
-  replaced.distance = arranged.moved + verdict.deviation;
+  replaced.distance = *proof.distance + verdict.deviation;
   told.distance = replaced.distance;
   told.is_done = true;
   replaced.plane_tolerance = context.plane_tolerance + kToleranceOfMoves * arranged.moved;
