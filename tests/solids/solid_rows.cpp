@@ -28,6 +28,7 @@ SolidRow bricks_of_sponge(int number, int levels, int euler, double volume, doub
         if (!is_hole(x, y, z) && !is_hole(x / 3, y / 3, z / 3))
           row.parts.push_back(box({at(x), at(y), at(z)}, {at(x + 1), at(y + 1), at(z + 1)}));
   row.cells = equal_cells(row.parts.size(), 1.0 / (side * side * side));
+  row.is_large = levels > 1;
   return row;
 }
 
@@ -83,7 +84,16 @@ std::vector<SolidRow> solid_rows() {
   };
   const PolygonMesh tetrahedron =
       shapes::from_lists({{.5, .5, 1}, {0, 0, 2}, {1, 0, 2}, {.5, 1, 2}}, {{1, 2, 3}, {0, 2, 1}, {0, 3, 2}, {0, 1, 3}});
-  rows.push_back({9, "corner in face", {unit, tetrahedron}, 7.0 / 6, 8.204661, 3, 2, 0, 0, {1.0 / 6, 1}});
+  rows.push_back({9,
+                  "corner in face",
+                  {unit, tetrahedron},
+                  7.0 / 6,
+                  6.5 + std::sqrt(1.25) / 2 + std::sqrt(1.3125),
+                  3,
+                  2,
+                  0,
+                  0,
+                  {1.0 / 6, 1}});
   rows.push_back({10, "one in the other", {unit, small}, 1, 6, 2, 1, 0, 0, {.125, 1}});
   rows.push_back({11, "cavity", {unit, shapes::turned_over(small)}, .875, 7.5, 4, 2, 0, 0, {.125, 1}});
   rows.push_back({12, "twice the same", {unit, unit}, 1, 6, 2, 1, 0, 12, {1}});

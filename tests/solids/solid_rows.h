@@ -20,7 +20,7 @@ struct SolidRow {
   std::size_t four_faces = 0;      ///< edges of the union with four faces, without refinement
   std::size_t triangles = 0;       ///< of the union without refinement; 0: not given
   std::vector<double> cells{};     ///< volumes, ascending; a cell of nested parts that touch nothing counts whole
-  bool is_large = false;           ///< it has thousands of parts
+  bool is_large = false;           ///< it has hundreds or thousands of parts
 };
 
 /// Makes the twenty rows of the table.
