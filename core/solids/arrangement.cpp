@@ -21,6 +21,9 @@ namespace {
 
 /// Contacts make new points, which may be near other faces. So they are looked for so often at most.
 constexpr int kMaxPasses = 4;
+/// Cut faces have new edges, which may touch others. Passes end if they find more than this many times the contacts of
+/// the pass with the fewest.
+constexpr std::size_t kMaxGrowthOfContacts = 4;
 /// A contact moves features by up to its distance, which may make new contacts. Each time, the distance is smaller.
 constexpr double kShareOfPass = 0.5;
 /// Rounds end if more than this many times the pairs of the best one intersect.
@@ -176,15 +179,15 @@ class Arranging {
   /// Makes shared what is within a distance.
   /// Output: false if that is too much.
   bool join_contacts(double distance) {
-    std::size_t last = std::numeric_limits<std::size_t>::max();
+    std::size_t least = std::numeric_limits<std::size_t>::max();
     for (int pass = 0; pass < kMaxPasses; ++pass, distance *= kShareOfPass) {
       control_.check_and_move();
       const SoupEdges edges(soup_, control_);
       std::optional<CutPlan> plan = find_contacts(soup_, edges, distance, active_, control_);
       if (!plan) return false;
-      // Contacts become fewer from pass to pass, or they are made by joining others, and would go on for ever.
-      if (plan->is_empty() || plan->size() >= last) return true;
-      last = plan->size();
+      // Contacts become fewer in the end, or they are made by joining others, and would go on for ever.
+      if (plan->is_empty() || plan->size() / kMaxGrowthOfContacts >= least) return true;
+      least = std::min(least, plan->size());
       take(cut_faces(soup_, edges, *plan, active_, control_));
     }
     return true;

@@ -41,7 +41,7 @@ Mesh as_cgal(const PolygonMesh& mesh) {
   return result;
 }
 
-/// What is compared of a union.
+/// The figures of a union that are compared.
 struct Figures {
   double volume = 0, area = 0, largest = 0;
   long euler = 0;

@@ -63,8 +63,24 @@ PolygonMesh crossing_tube() {
   return shapes::turned_over(tube);
 }
 
+/// A prism over an L of three unit squares, 2 high. All of the L is seen from its first corner.
 PolygonMesh letter(const Vec3& at) {
-  return shapes::moved(shapes::prism({{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}}, 2), at);
+  const std::vector<Vec2> rim{{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}};
+  const auto n = static_cast<std::uint32_t>(rim.size());
+  std::vector<Vec3> positions;
+  for (const double z : {0.0, 2.0})
+    for (const Vec2& p : rim) positions.push_back({p.x, p.y, z});
+  std::vector<std::vector<std::uint32_t>> faces;
+  for (std::uint32_t i = 1; i + 1 < n; ++i) {
+    faces.push_back({0, i + 1, i});
+    faces.push_back({n, n + i, n + i + 1});
+  }
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const std::uint32_t next = (i + 1) % n;
+    faces.push_back({i, next, n + next});
+    faces.push_back({i, n + next, n + i});
+  }
+  return shapes::moved(shapes::from_lists(positions, faces), at);
 }
 
 }  // namespace
