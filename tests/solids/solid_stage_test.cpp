@@ -13,6 +13,7 @@
 #include "tests/solids/solid_rows.h"
 #include "tests/support/remeshed.h"
 #include "tests/support/shapes.h"
+#include "tests/support/time_to_stop.h"
 
 namespace remesh {
 namespace {
@@ -120,6 +121,18 @@ TEST(solid_stage, where_nothing_meets_the_result_is_that_without_the_options) {
     EXPECT_FALSE(result.report.solids);
     EXPECT_EQ(result.mesh.positions, plain.mesh.positions);
     EXPECT_EQ(result.mesh.faces, plain.mesh.faces);
+  }
+}
+
+TEST(solid_stage, it_stops_soon_at_any_moment) {
+  std::vector<PolygonMesh> parts;
+  for (const SolidRow& row : solid_rows())
+    if (row.number == 20) parts.assign(row.parts.begin(), row.parts.begin() + 1000);
+  const PolygonMesh mesh = as_one(parts);
+  for (const double after : {0.05, 0.1, 0.2, 0.3, 0.5, 0.8, 1.2}) {
+    const auto took = test::time_to_stop(
+        test::Seconds(after), [&](RunControl& control) { (void)remesh_surface(mesh, repairing(true), {}, control); });
+    EXPECT_LT(took.value_or(test::Seconds(0)).count(), 0.2) << after;
   }
 }
 
