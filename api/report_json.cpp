@@ -490,6 +490,23 @@ void write_programs(JsonWriter& json, Format format, std::span<const std::string
   json.end_array();
 }
 
+void write_solids(JsonWriter& json, const std::optional<SolidCounts>& solids) {
+  json.key("solids");
+  if (!solids) return json.null();
+  json.begin_object();
+  json.member("curves", std::uint64_t{solids->curves});
+  json.member("cut_patches", std::uint64_t{solids->cut_patches});
+  json.member("shared_triangles", std::uint64_t{solids->shared});
+  json.member("coplanar_classes", std::uint64_t{solids->coplanar_classes});
+  json.member("cells", solids->cells ? std::optional<std::uint64_t>(*solids->cells) : std::nullopt);
+  json.member("dropped_pieces", std::uint64_t{solids->dropped});
+  json.member("turned_shells", std::uint64_t{solids->turned});
+  json.member("rounds", std::uint64_t{solids->rounds});
+  json.member("intersecting_pairs", std::uint64_t{solids->left});
+  json.member("moved", solids->moved);
+  json.end_object();
+}
+
 void write_report(JsonWriter& json, const Report& report, const RequestOptions& options, ReportKind kind,
                   const StageTimes& times, RunControl& control) {
   RequestOptions used = with_defaults({report.options, options.preset, options.format, options.writing});
@@ -518,6 +535,7 @@ void write_report(JsonWriter& json, const Report& report, const RequestOptions& 
   json.key("surfaces");
   write_surfaces(json, report.surfaces, kind, control);
   write_distance_bound(json, report.distance_bound);
+  write_solids(json, report.solids);
   json.key("diagnostics");
   write_diagnostics(json, report.diagnostics);
   if (is_remesh) {

@@ -21,6 +21,9 @@ namespace {
 
 /// Contacts make new points, which may be near other faces. So they are looked for so often at most.
 constexpr int kMaxPasses = 4;
+/// Cut faces have new edges, which may touch others. Passes end if they find more than this many times the contacts of
+/// the pass with the fewest.
+constexpr std::size_t kMaxGrowthOfContacts = 4;
 /// A contact moves features by up to its distance, which may make new contacts. Each time, the distance is smaller.
 constexpr double kShareOfPass = 0.5;
 /// Rounds end if more than this many times the pairs of the best one intersect.
@@ -37,6 +40,11 @@ constexpr double kShareOfRounds = 0.125;
 constexpr double kThinFlap = 8;
 /// A rounding step of coordinates that are at most 1.
 constexpr double kRoundingStep = 0x1p-53;
+
+double smallest_height(const Corners3& t) {
+  const double longest = std::max({norm(t[1] - t[0]), norm(t[2] - t[1]), norm(t[0] - t[2])});
+  return longest > 0 ? norm(cross(t[1] - t[0], t[2] - t[0])) / longest : 0;
+}
 
 class Arranging {
  public:
@@ -87,7 +95,7 @@ class Arranging {
       soup_ = *std::move(best);
       result.left = std::move(left_of_best);
     }
-    drop_flaps();
+    drop_flaps(result.left);
     finish(result);
     return result;
   }
@@ -171,15 +179,15 @@ class Arranging {
   /// Makes shared what is within a distance.
   /// Output: false if that is too much.
   bool join_contacts(double distance) {
-    std::size_t last = std::numeric_limits<std::size_t>::max();
+    std::size_t least = std::numeric_limits<std::size_t>::max();
     for (int pass = 0; pass < kMaxPasses; ++pass, distance *= kShareOfPass) {
       control_.check_and_move();
       const SoupEdges edges(soup_, control_);
       std::optional<CutPlan> plan = find_contacts(soup_, edges, distance, active_, control_);
       if (!plan) return false;
-      // Contacts become fewer from pass to pass, or they are made by joining others, and would go on for ever.
-      if (plan->is_empty() || plan->size() >= last) return true;
-      last = plan->size();
+      // Contacts become fewer in the end, or they are made by joining others, and would go on for ever.
+      if (plan->is_empty() || plan->size() / kMaxGrowthOfContacts >= least) return true;
+      least = std::min(least, plan->size());
       take(cut_faces(soup_, edges, *plan, active_, control_));
     }
     return true;
@@ -226,7 +234,8 @@ class Arranging {
 
   /// Drops thin faces that cover as many triangles from one side as from the other, and have an edge of their own.
   /// Joins leave such faces where a part was hardly wider than the distance.
-  void drop_flaps() {
+  /// Input: pairs of faces, which get the new numbers of faces that stay.
+  void drop_flaps(std::vector<std::pair<FaceId, FaceId>>& pairs) {
     const SoupEdges edges(soup_, control_);
     StopCheck check(control_);
     std::vector<std::uint32_t> left(edges.count());
@@ -235,7 +244,8 @@ class Arranging {
     for (EdgeId e(0); e.value < edges.count(); ++e.value)
       left[e.value] = static_cast<std::uint32_t>(edges.half_edges(e).size());
     const auto drop_if_flap = [&](FaceId f) {
-      if (is_flap[f.value] != 0 || !is_balanced(f.value) || height(corners(f.value)) > kThinFlap * distance_) return;
+      if (is_flap[f.value] != 0 || !is_balanced(f.value) || smallest_height(corners(f.value)) > kThinFlap * distance_)
+        return;
       for (std::size_t k = 0; k < 3; ++k)
         if (left[edges.of(f, k).value] == 1) is_flap[f.value] = 1;
       if (is_flap[f.value] != 0) stack.push_back(f);
@@ -256,14 +266,24 @@ class Arranging {
       }
     }
     Soup kept;
+    std::vector<FaceId> number(soup_.faces.size());
     for (std::size_t f = 0; f < soup_.faces.size(); ++f) {
       check();
-      if (is_flap[f] != 0) continue;
-      kept.faces.push_back(soup_.faces[f]);
       const auto covers = soup_.covers_of(f);
+      if (is_flap[f] != 0) {
+        flaps_.push_back({soup_.faces[f], {covers.begin(), covers.end()}});
+        continue;
+      }
+      number[f] = FaceId(kept.faces.size());
+      kept.faces.push_back(soup_.faces[f]);
       kept.covers.insert(kept.covers.end(), covers.begin(), covers.end());
       kept.cover_begin.push_back(static_cast<std::uint32_t>(kept.covers.size()));
     }
+    for (auto& [f, g] : pairs) {
+      f = number[f.value];
+      g = number[g.value];
+    }
+    std::erase_if(pairs, [](const auto& pair) { return !pair.first.is_valid() || !pair.second.is_valid(); });
     kept.positions = std::move(soup_.positions);
     soup_ = std::move(kept);
   }
@@ -272,12 +292,6 @@ class Arranging {
     const Triangle& t = soup_.faces[f];
     return {soup_.positions[t[0].value], soup_.positions[t[1].value], soup_.positions[t[2].value]};
   }
-  /// Returns the smallest height of a triangle.
-  static double height(const Corners3& t) {
-    const double longest = std::max({norm(t[1] - t[0]), norm(t[2] - t[1]), norm(t[0] - t[2])});
-    return longest > 0 ? norm(cross(t[1] - t[0], t[2] - t[0])) / longest : 0;
-  }
-
   /// Returns whether as many triangles that a face covers face one way as the other.
   bool is_balanced(std::size_t f) const {
     const auto covers = soup_.covers_of(f);
@@ -298,6 +312,17 @@ class Arranging {
       result.vertex.push_back(is_old ? VertexId(vertex_[v]) : VertexId());
       result.positions.push_back(is_old ? input_positions_[vertex_[v]] : to_model(soup_.positions[v]));
     }
+    for (Flap& flap : flaps_)
+      for (VertexId& v : flap.corners) {
+        if (!number[v.value].is_valid()) {
+          number[v.value] = VertexId(result.positions.size() + result.flap_positions.size());
+          const bool is_old = v.value < vertex_.size();
+          result.flap_positions.push_back(is_old ? input_positions_[vertex_[v.value]]
+                                                 : to_model(soup_.positions[v.value]));
+        }
+        v = number[v.value];
+      }
+    result.flaps = std::move(flaps_);
     result.moved = std::ldexp(find_moved(), exponent_);
     result.was_cut.assign(input_faces_.size(), 1);
     for (std::size_t f = 0; f < soup_.faces.size(); ++f) {
@@ -350,7 +375,7 @@ class Arranging {
     for (const double of_block : largest) moved = std::max(moved, of_block);
     for (std::size_t f = 0; f < is_there.size(); ++f) {
       if (is_there[f] != 0) continue;
-      moved = std::max(moved, height(corners_of_input(FaceId(f))) + distance_);
+      moved = std::max(moved, smallest_height(corners_of_input(FaceId(f))) + distance_);
     }
     return moved;
   }
@@ -364,6 +389,7 @@ class Arranging {
   double distance_ = 0;                ///< in the soup's unit
   std::vector<std::uint32_t> vertex_;  ///< by vertex of the soup: that of the input; new vertices follow
   Soup soup_;
+  std::vector<Flap> flaps_;           ///< with corners of the soup
   std::vector<std::uint8_t> active_;  ///< by face: it may have contacts; empty: all may
   bool is_changed_ = false;
 };

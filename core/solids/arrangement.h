@@ -15,13 +15,22 @@
 
 namespace remesh {
 
+/// A thin triangle that the arrangement has dropped, because it covers as much from one side as from the other, and has
+/// an edge of its own.
+struct Flap {
+  Triangle corners;  ///< vertices of the arrangement, and behind these the flaps' own
+  std::vector<Cover> covers;
+};
+
 /// A surface whose triangles meet in common vertices and edges only, as far as `left` is empty.
 struct Arrangement {
   std::vector<Vec3> positions;   ///< in the unit of the input; those of input vertices are unchanged, bit for bit
   std::vector<VertexId> vertex;  ///< by vertex: the vertex of the input; invalid for new ones
   std::vector<Triangle> faces;
   std::vector<std::uint32_t> cover_begin{0};
-  std::vector<Cover> covers;          ///< the input's triangles of which each triangle is a piece, as in a Soup
+  std::vector<Cover> covers;  ///< the input's triangles of which each triangle is a piece, as in a Soup
+  std::vector<Flap> flaps;
+  std::vector<Vec3> flap_positions;   ///< those of the flaps' own vertices
   std::vector<std::uint8_t> was_cut;  ///< by triangle of the input
   std::size_t curves = 0;             ///< the pairs of triangles that crossed each other
   std::size_t shared = 0;             ///< the triangles that are pieces of several ones of the input

@@ -137,15 +137,24 @@ class CellSearch {
   void nest() {
     const std::size_t n = faces_.faces.size();
     std::vector<std::uint32_t> part(n);
-    std::vector<VertexId> smallest(n);  // of each part, by its root
+    std::vector<VertexId> smallest(n), own(n);  // of each part, by its root; the second one is of no other part
+    std::vector<std::uint32_t> part_at(faces_.positions.size(), kNone);
+    constexpr std::uint32_t kSeveral = kNone - 1;
     StopCheck check(control_);
     for (std::uint32_t f = 0; f < n; ++f) {
       check();
       part[f] = parts_.find(f);
       VertexId& least = smallest[part[f]];
-      for (const VertexId v : faces_.faces[f])
+      for (const VertexId v : faces_.faces[f]) {
         if (!least.is_valid() || at(v) < at(least)) least = v;
+        std::uint32_t& of_vertex = part_at[v.value];
+        of_vertex = of_vertex == kNone || of_vertex == part[f] ? part[f] : kSeveral;
+      }
     }
+    for (std::uint32_t f = 0; f < n; ++f)
+      for (const VertexId v : faces_.faces[f])
+        if (VertexId& found = own[part[f]]; part_at[v.value] == part[f] && (!found.is_valid() || at(v) < at(found)))
+          found = v;
     const Grouping of_part = group_by(
         n, n, [&](std::uint32_t f) { return part[f]; }, control_);
     std::vector<std::uint32_t> roots;
@@ -158,7 +167,12 @@ class CellSearch {
         const std::uint32_t root = roots[i];
         const std::uint32_t outer = cells_.of_side[outer_side(of_part[root], smallest[root])];
         std::int32_t around = 0;
-        if (roots.size() > 1) around = rays.at(at(smallest[root]), [&](std::uint32_t f) { return part[f] == root; });
+        // A part may touch others in some of its vertices. Everywhere else, all of it lies in one cell of the others.
+        const Triangle& t = faces_.faces[root];
+        constexpr double kThird = 1.0 / 3;
+        const Vec3 place =
+            own[root].is_valid() ? at(own[root]) : kThird * at(t[0]) + kThird * at(t[1]) + kThird * at(t[2]);
+        if (roots.size() > 1) around = rays.at(place, [&](std::uint32_t f) { return part[f] == root; });
         shift[root] = around - cells_.winding[outer];
       }
     });
@@ -271,6 +285,12 @@ std::int32_t RayWinding::crossing(std::uint32_t f, const Vec3& p) const {
 
 Cells find_cells(const WeighedFaces& faces, RunControl& control) { return CellSearch(faces, control).find(); }
 
+std::size_t count_cells(const Arrangement& arranged, RunControl& control) {
+  const std::vector<Vec3> scaled = scaled_for_predicates(arranged.positions, control);
+  const std::vector<std::int32_t> weights(arranged.faces.size(), 0);
+  return find_cells({scaled, arranged.faces, weights}, control).count;
+}
+
 UnionFaces find_union(const Arrangement& arranged, std::span<const Vec3> positions, std::span<const Triangle> faces,
                       const Shells& shells, RunControl& control) {
   UnionFaces found;
@@ -286,7 +306,6 @@ UnionFaces find_union(const Arrangement& arranged, std::span<const Vec3> positio
       weights[f] += cover.is_reversed ? -weight : weight;
     }
   const Cells cells = find_cells({scaled, arranged.faces, weights}, control);
-  found.cells = cells.count;
   found.are_consistent = cells.are_consistent;
   found.stays.assign(n, 1);
   found.is_turned.assign(n, 0);
@@ -341,6 +360,8 @@ void keep_union(Arrangement& arranged, const UnionFaces& found, RunControl& cont
   arranged.faces = std::move(kept.faces);
   arranged.cover_begin = std::move(kept.cover_begin);
   arranged.covers = std::move(kept.covers);
+  arranged.flaps.clear();
+  arranged.flap_positions.clear();
 }
 
 }  // namespace remesh

@@ -43,12 +43,16 @@ struct Cells {
 /// Cost:    O(n log n), and for each part the triangles whose boxes its ray meets.
 Cells find_cells(const WeighedFaces& faces, RunControl& control);
 
+/// Returns the number of cells into which an arrangement divides space, without the one outside.
+/// Errors: as find_cells.
+/// Cost:   as find_cells.
+std::size_t count_cells(const Arrangement& arranged, RunControl& control);
+
 /// The faces of an arrangement that stay if only the boundary of a union does.
 struct UnionFaces {
   std::vector<std::uint8_t> stays;           ///< by face of the arrangement
   std::vector<std::uint8_t> is_turned;       ///< by face: it has to face the other way, out of the union
   std::size_t dropped = 0;                   ///< the number of faces that do not stay
-  std::size_t cells = 0;                     ///< the number of cells without the one outside
   std::vector<std::uint32_t> turned_shells;  ///< outermost closed shells of the input that faced inwards
   bool are_consistent = true;                ///< false: it is not clear what is inside, so all faces stay
 };

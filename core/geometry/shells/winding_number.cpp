@@ -45,12 +45,8 @@ WindingNumber::Node WindingNumber::node_of(std::size_t slot) const {
   return {tree_.box(slot), twice_area, size * (kThird * a + kThird * b + kThird * c), size};
 }
 
-/// The solid angle of a triangle as seen from a point. It is positive if the triangle is seen from behind.
-/// Source: van Oosterom, Strackee, The Solid Angle of a Plane Triangle, 1983.
-double WindingNumber::solid_angle(std::size_t slot, const Vec3& p) const {
-  const Triangle& t = triangles_[tree_.face(slot).value];
-  const Vec3 a = normalized(positions_[t[0].value] - p), b = normalized(positions_[t[1].value] - p),
-             c = normalized(positions_[t[2].value] - p);
+double solid_angle(const Corners3& triangle, const Vec3& p) {
+  const Vec3 a = normalized(triangle[0] - p), b = normalized(triangle[1] - p), c = normalized(triangle[2] - p);
   return 2 * std::atan2(dot(a, cross(b, c)), 1 + dot(a, b) + dot(b, c) + dot(c, a));
 }
 
@@ -78,7 +74,10 @@ double WindingNumber::at(const Vec3& p) const {
       continue;
     }
     const auto [begin, end] = tree_.slots(index);
-    for (std::size_t slot = begin; slot < end; ++slot) sum += solid_angle(slot, p);
+    for (std::size_t slot = begin; slot < end; ++slot) {
+      const Triangle& t = triangles_[tree_.face(slot).value];
+      sum += solid_angle({positions_[t[0].value], positions_[t[1].value], positions_[t[2].value]}, p);
+    }
   }
   return sum / (4 * std::numbers::pi);
 }

@@ -7,9 +7,14 @@
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
 #include "core/geometry/trees/triangle_tree.h"
+#include "core/geometry/triangles/distances.h"
 #include "core/mesh/mesh.h"
 
 namespace remesh {
+
+/// The solid angle of a triangle as seen from a point. It is positive if the triangle is seen from behind.
+/// Source: van Oosterom, Strackee, The Solid Angle of a Plane Triangle, 1983.
+double solid_angle(const Corners3& triangle, const Vec3& p);
 
 /// The winding number of triangles around points. It is 1 inside a closed surface that faces outwards, and 0 outside of
 /// it. Around an open surface it is the part of all directions that the triangles cover.
@@ -34,7 +39,6 @@ class WindingNumber {
     double twice_sizes = 0;  ///< the sum of the lengths of these area vectors, doubled
   };
   Node node_of(std::size_t slot) const;
-  double solid_angle(std::size_t slot, const Vec3& p) const;
 
   std::span<const Vec3> positions_;
   std::span<const Triangle> triangles_;

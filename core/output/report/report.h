@@ -13,6 +13,7 @@
 #include "core/base/vec.h"
 #include "core/io/common/writing.h"
 #include "core/mesh/statistics.h"
+#include "core/output/report/solid_counts.h"
 #include "core/output/report/volume_obstacle.h"
 #include "core/patches/planar/patch_summary.h"
 #include "core/patches/recognition/recognised_surfaces.h"
@@ -48,6 +49,8 @@ struct Report {
   std::optional<Vec3> output_origin;
   std::vector<PatchSummary> patches;
   RecognisedSurfaces surfaces;  ///< those of the input; `of_patch` has one entry per item of `patches`
+  /// These numbers tell what was cut and dropped. They are empty unless a repair asked for that and some faces met.
+  std::optional<SolidCounts> solids;
   std::vector<Diagnostic> diagnostics;
   /// The names of labels that the output format has in another form, because mesh programs would not read them.
   std::vector<RenamedLabel> renamed_labels;

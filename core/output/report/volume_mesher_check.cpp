@@ -11,6 +11,7 @@
 #include "core/geometry/exact/predicates_3d.h"
 #include "core/geometry/shells/inside_out.h"
 #include "core/geometry/triangles/overlap.h"
+#include "core/solids/solid_union.h"
 
 namespace remesh {
 namespace {
@@ -25,6 +26,7 @@ struct Obstacles {
       winding{DiagnosticCode::kInconsistentWinding, 0, {}}, duplicate{DiagnosticCode::kDuplicateFace, 0, {}},
       crossing{DiagnosticCode::kSelfIntersection, 0, {}}, overlap{DiagnosticCode::kOverlappingFaces, 0, {}},
       dihedral{DiagnosticCode::kSmallDihedral, 0, {}}, inside_out{DiagnosticCode::kInsideOut, 0, {}};
+  std::vector<EdgeId> crowded;  ///< edges with more than two faces
 
   std::array<VolumeObstacle*, 8> all() {
     return {&open, &non_manifold, &winding, &duplicate, &crossing, &overlap, &dihedral, &inside_out};
@@ -54,7 +56,7 @@ class EdgeExamination {
     if (from == to) return;
     const Vec3 middle = 0.5 * positions_[from.value] + 0.5 * positions_[to.value];
     if (around.size() == 1) found_.open.add(middle);
-    if (around.size() > 2) found_.non_manifold.add(middle);
+    if (around.size() > 2) found_.crowded.push_back(e);
     if (around.size() == 2 && edges_.twin(around[0]) == kNone) found_.winding.add(middle);
     if (around.size() > 1 && has_small_angle(around)) found_.dihedral.add(middle);
     if (around.size() > 1) count_duplicates(around);
@@ -147,6 +149,7 @@ class Examination {
   std::vector<VolumeObstacle> run(std::span<const std::pair<FaceId, FaceId>> intersections, double plane_tolerance) {
     examine_edges();
     examine_pairs(intersections, plane_tolerance);
+    examine_crowded_edges(!intersections.empty() || found_.duplicate.count > 0);
     examine_shells();
     std::vector<VolumeObstacle> found;
     for (VolumeObstacle* o : found_.all())
@@ -160,8 +163,53 @@ class Examination {
         map_blocks<Obstacles>(edges_.edge_count(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
           return EdgeExamination(positions_, edges_, control_).run(begin, end);
         });
-    for (Obstacles& of_block : found)
+    for (Obstacles& of_block : found) {
       for (std::size_t kind = 0; kind < of_block.all().size(); ++kind) found_.all()[kind]->add(*of_block.all()[kind]);
+      found_.crowded.insert(found_.crowded.end(), of_block.crowded.begin(), of_block.crowded.end());
+    }
+  }
+
+  /// Adds the edges with more than two faces at which some face has the same cell on both sides: there a sheet ends, or
+  /// does not close anything. All other faces there bound cells that are closed, and meshers fill these.
+  void examine_crowded_edges(bool do_faces_meet) {
+    if (found_.crowded.empty()) return;
+    if (!do_faces_meet) find_cells_of_edges();
+    const auto bounds_nothing = [&](std::uint32_t h) {
+      const std::size_t f = h / 3;
+      return cells_.of_side[2 * f] == cells_.of_side[2 * f + 1];
+    };
+    StopCheck check(control_);
+    for (const EdgeId e : found_.crowded) {
+      check();
+      const auto around = edges_.half_edges(e);
+      if (!do_faces_meet && std::none_of(around.begin(), around.end(), bounds_nothing)) continue;
+      found_.non_manifold.add(0.5 * positions_[edges_.from(around[0]).value] +
+                              0.5 * positions_[edges_.to(around[0]).value]);
+    }
+  }
+
+  void find_cells_of_edges() {
+    const std::vector<Vec3> scaled = scaled_for_predicates(positions_, control_);
+    std::vector<Triangle> faces;
+    for (FaceId f(0); f.value < corners_.size() / 3; ++f.value) faces.push_back(face(f));
+    const std::vector<std::int32_t> weights(faces.size(), 0);
+    cells_ = find_cells({scaled, faces, weights}, control_);
+    volumes_.assign(cells_.winding.size(), 0);
+    StopCheck check(control_);
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+      check();
+      const Vec3 &a = scaled[faces[f][0].value], &b = scaled[faces[f][1].value], &c = scaled[faces[f][2].value];
+      const Vec3& origin = scaled[faces.front()[0].value];
+      const double volume = dot(a - origin, cross(b - a, c - a));
+      volumes_[cells_.of_side[2 * f]] -= volume;
+      volumes_[cells_.of_side[2 * f + 1]] += volume;
+    }
+  }
+
+  /// Returns whether a face lies between two closed cells that hang together, so that it may face either way.
+  bool is_between_cells(FaceId f) const {
+    return !volumes_.empty() && volumes_[cells_.of_side[2 * std::size_t{f.value}]] > 0 &&
+           volumes_[cells_.of_side[2 * std::size_t{f.value} + 1]] > 0;
   }
 
   Triangle face(FaceId f) const {
@@ -184,7 +232,7 @@ class Examination {
   void examine_shells() {
     const std::vector<Vec3> scaled = scaled_for_predicates(positions_, control_);
     for (const FaceId f : find_inside_out(scaled, corners_, edges_, labels_, control_).first_faces)
-      found_.inside_out.add(centroid(face(f), positions_));
+      if (!is_between_cells(f)) found_.inside_out.add(centroid(face(f), positions_));
   }
 
   std::span<const Vec3> positions_;
@@ -193,6 +241,8 @@ class Examination {
   const BodyLabels& labels_;
   RunControl& control_;
   Obstacles found_;
+  Cells cells_;                  ///< empty unless edges have more than two faces, and no faces intersect
+  std::vector<double> volumes_;  ///< of the cells, up to a factor; those outside of parts are not positive
 };
 
 }  // namespace

@@ -21,11 +21,14 @@ inline constexpr double kSmallDihedralDeg = 0.1;
 /// Input:   three corners per face, their edges and labels; `intersections` of the faces, sorted. Faces that are
 ///          coplanar within the tolerance count as overlapping.
 /// Output:  the obstacles, by code. If there is none, the surface bounds volumes.
-///          - open_boundary, non_manifold_edge and inconsistent_winding count edges.
+///          - open_boundary, non_manifold_edge and inconsistent_winding count edges. An edge with more than two faces
+///            counts only if one of these has the same cell on both sides. If faces intersect or lie on each other,
+///            cells are not known, and all such edges count.
 ///          - duplicate_face counts faces over the same vertices as an earlier one.
 ///          - self_intersection and overlapping_faces count the given pairs, without duplicates.
 ///          - small_dihedral counts edges at which two faces nearly lie on each other.
-///          - inside_out counts closed shells that have the wrong orientation, by their first faces.
+///          - inside_out counts closed shells that have the wrong orientation, by their first faces. A shell between
+///            two closed cells that hang together may have either.
 /// Holds:   the result is the same for any number of threads.
 /// Cost:    O(n log n).
 std::vector<VolumeObstacle> find_volume_obstacles(std::span<const Vec3> positions, std::span<const VertexId> corners,

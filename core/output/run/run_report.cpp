@@ -257,6 +257,7 @@ class RunReporter {
   }
 
   void report_removal() {
+    if (run_.arranged.is_done) run_.report.solids = run_.arranged.counts;
     report_arrangement(run_.arranged, run_.report.diagnostics);
     const int others = (run_.coarsening.is_done() ? 1 : 0) + (run_.arranged.is_done ? 1 : 0);
     if (run_.spent.stages > others)

@@ -11,6 +11,7 @@
 
 #include "core/base/number_text.h"
 #include "core/base/stoppable.h"
+#include "core/base/union_find.h"
 #include "core/geometry/exact/predicates_3d.h"
 #include "core/geometry/shells/shells.h"
 #include "core/mending/common/body_labels.h"
@@ -20,6 +21,7 @@
 #include "core/output/result/face_source.h"
 #include "core/solids/arrangement.h"
 #include "core/solids/solid_union.h"
+#include "core/verify/arrangement_check.h"
 
 namespace remesh {
 namespace {
@@ -88,9 +90,10 @@ class ArrangedSurface {
     return after;
   }
 
-  /// The input's faces under the patches some of whose triangles are marked.
+  /// Adds the input's faces under the patches some of whose triangles are marked.
+  /// Output: the number of these patches.
   template <class IsMarked>
-  void add_faces(const IsMarked& is_marked, Diagnostic& told) const {
+  std::size_t add_faces(const IsMarked& is_marked, Diagnostic& told) const {
     std::vector<std::uint8_t> is_of_patch(patches_.count(), 0);
     for (FaceId f(0); f.value < candidate_.assembled.faces.size(); ++f.value)
       if (is_marked(f)) is_of_patch[candidate_.assembled.face_patch[f].value] = 1;
@@ -103,6 +106,7 @@ class ArrangedSurface {
     std::sort(faces.begin(), faces.end());
     faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
     for (const FaceId f : faces) told.add(f.value);
+    return static_cast<std::size_t>(std::count(is_of_patch.begin(), is_of_patch.end(), 1));
   }
 
  private:
@@ -161,6 +165,16 @@ class ArrangedSurface {
   const IdVector<FaceId, FaceId> source_;
 };
 
+/// Returns by how much each triangle changes the winding number.
+std::vector<std::int32_t> weights_of_triangles(const Shells& shells, const UnionFaces& found) {
+  std::vector<std::int32_t> of_shell;
+  for (const Shell& shell : shells.all) of_shell.push_back(shell.is_closed ? 1 : 0);
+  for (const std::uint32_t s : found.turned_shells) of_shell[s] = -1;
+  std::vector<std::int32_t> weights;
+  for (const std::uint32_t s : shells.of_face) weights.push_back(of_shell[s]);
+  return weights;
+}
+
 /// Drops the triangles that do not bound the union of the solids.
 /// Output: by triangle of the candidate: whether pieces of it were dropped or turned over; empty if none were.
 std::vector<std::uint8_t> drop_inner_faces(const SolidContext& context, const Candidate& candidate,
@@ -178,12 +192,19 @@ std::vector<std::uint8_t> drop_inner_faces(const SolidContext& context, const Ca
   const Adjacency edges(scaled.size(), begins, corners_of(faces), control);
   const Shells shells = find_shells(scaled, corners_of(faces), edges, labels, control);
   const UnionFaces found = find_union(arranged, candidate.positions.items(), faces, shells, control);
-  told.cells = found.cells;
   if (!found.are_consistent) told.union_in_vain = "it is not clear what is inside";
   const bool is_any_turned = std::find(found.is_turned.begin(), found.is_turned.end(), 1) != found.is_turned.end();
   if (!found.are_consistent || (found.dropped == 0 && !is_any_turned)) return {};
-  told.dropped = found.dropped;
-  told.turned = found.turned_shells.size();
+  const std::vector<std::int32_t> weights = weights_of_triangles(shells, found);
+  const std::string fault = find_fault_of_union(
+      {candidate.positions.items(), faces, weights, arranged, found.stays, found.is_turned, context.plane_tolerance},
+      control);
+  if (!fault.empty()) {
+    told.union_in_vain = "the check of the union failed: " + fault;
+    return {};
+  }
+  told.counts.dropped = found.dropped;
+  told.counts.turned = found.turned_shells.size();
   std::vector<std::uint8_t> is_dropped(faces.size(), 0);
   for (std::size_t f = 0; f < arranged.faces.size(); ++f)
     if (found.stays[f] == 0)
@@ -191,6 +212,37 @@ std::vector<std::uint8_t> drop_inner_faces(const SolidContext& context, const Ca
   keep_union(arranged, found, control);
   arranged.is_changed = true;
   return is_dropped;
+}
+
+/// Counts what the arrangement has found and done.
+/// Output: by triangle of the candidate: whether pieces of it lie on others.
+std::vector<std::uint8_t> count_arranged(const Candidate& candidate, const PatchSet& patches,
+                                         const Arrangement& arranged, SolidCounts& counts, RunControl& control) {
+  std::vector<std::uint8_t> is_shared(candidate.assembled.faces.size(), 0);
+  if (!arranged.is_changed) return is_shared;
+  counts.curves = arranged.curves;
+  counts.shared = arranged.shared;
+  counts.rounds = arranged.rounds;
+  counts.left = arranged.left.size();
+  counts.moved = arranged.moved;
+  const auto patch = [&](FaceId f) { return candidate.assembled.face_patch[f].value; };
+  UnionFind classes(patches.count());
+  StopCheck check(control);
+  for (std::size_t f = 0; f < arranged.faces.size(); ++f) {
+    check();
+    const auto covers = arranged.covers_of(f);
+    if (covers.size() < 2) continue;
+    for (const Cover& cover : covers) {
+      is_shared[cover.face.value] = 1;
+      classes.join(patch(covers.front().face), patch(cover.face));
+    }
+  }
+  std::vector<std::uint8_t> is_class(patches.count(), 0);
+  for (FaceId f(0); f.value < is_shared.size(); ++f.value)
+    if (is_shared[f.value] != 0) is_class[classes.find(patch(f))] = 1;
+  counts.coplanar_classes = static_cast<std::size_t>(std::count(is_class.begin(), is_class.end(), 1));
+  if (arranged.left.empty()) counts.cells = count_cells(arranged, control);
+  return is_shared;
 }
 
 std::optional<Replaced> arrange_proven(const SolidContext& context, const Candidate& candidate, const Verdict& verdict,
@@ -203,27 +255,27 @@ std::optional<Replaced> arrange_proven(const SolidContext& context, const Candid
     told.reason_in_vain = "points of the curves could not be told apart";
     return std::nullopt;
   }
+  ArrangementProof proof{0.0, {}};
+  if (arranged.is_changed)
+    proof = prove_arrangement(
+        {candidate.positions.items(), candidate.assembled.faces.items(), arranged, context.plane_tolerance}, control);
+  if (!proof.distance) {
+    told.reason_in_vain = "the faces that were cut failed their check: " + proof.failure;
+    return std::nullopt;
+  }
+  const ArrangedSurface made(context.surface, context.patches, candidate, arranged, control);
+  const std::vector<std::uint8_t> is_shared =
+      count_arranged(candidate, context.patches, arranged, told.counts, control);
   const std::vector<std::uint8_t> is_dropped = context.is_union_wanted
                                                    ? drop_inner_faces(context, candidate, arranged, told, control)
                                                    : std::vector<std::uint8_t>();
   if (!arranged.is_changed) return std::nullopt;
-  const ArrangedSurface made(context.surface, context.patches, candidate, arranged, control);
-  told.curves = arranged.curves;
-  told.shared = arranged.shared;
-  told.rounds = arranged.rounds;
-  told.left = arranged.left.size();
-  told.moved = arranged.moved;
-  std::vector<std::uint8_t> is_shared(candidate.assembled.faces.size(), 0);
-  for (std::size_t f = 0; f < arranged.faces.size(); ++f)
-    if (arranged.covers_of(f).size() > 1)
-      for (const Cover& cover : arranged.covers_of(f)) is_shared[cover.face.value] = 1;
-  made.add_faces([&](FaceId f) { return arranged.was_cut[f.value] != 0; }, told.faces);
+  told.counts.cut_patches = made.add_faces([&](FaceId f) { return arranged.was_cut[f.value] != 0; }, told.faces);
   made.add_faces([&](FaceId f) { return is_shared[f.value] != 0; }, told.shared_faces);
-
   if (!is_dropped.empty()) made.add_faces([&](FaceId f) { return is_dropped[f.value] != 0; }, told.dropped_faces);
 
   Replaced replaced;
-  replaced.distance = arranged.moved + verdict.deviation;
+  replaced.distance = *proof.distance + verdict.deviation;
   told.distance = replaced.distance;
   told.is_done = true;
   replaced.plane_tolerance = context.plane_tolerance + kToleranceOfMoves * arranged.moved;
@@ -266,11 +318,11 @@ void report_arrangement(const ArrangedFaces& told, std::vector<Diagnostic>& diag
   if (told.faces.count > 0) {
     Diagnostic cut = told.faces;
     cut.code = DiagnosticCode::kCutIntersections;
-    cut.message = "faces were cut along their intersections with others: " + grouped_digits(told.curves) +
+    cut.message = "faces were cut along their intersections with others: " + grouped_digits(told.counts.curves) +
                   " pairs of triangles crossed each other at an angle; points have moved by at most " +
-                  number_text(told.moved);
-    if (told.left > 0)
-      cut.message += "; " + grouped_digits(told.left) +
+                  number_text(told.counts.moved);
+    if (told.counts.left > 0)
+      cut.message += "; " + grouped_digits(told.counts.left) +
                      " pairs of triangles still intersect, since the rounding of new points makes them cross; a larger "
                      "plane_tolerance or defeature_size may help";
     diagnostics.push_back(std::move(cut));
@@ -278,19 +330,20 @@ void report_arrangement(const ArrangedFaces& told, std::vector<Diagnostic>& diag
   if (told.shared_faces.count > 0) {
     Diagnostic shared = told.shared_faces;
     shared.code = DiagnosticCode::kSharedFaces;
-    shared.message =
-        "faces lay on others within the plane tolerance, and are one surface there: " + grouped_digits(told.shared) +
-        " triangles take the place of two or more";
+    shared.message = "faces lay on others within the plane tolerance, and are one surface there: " +
+                     grouped_digits(told.counts.shared) + " triangles take the place of two or more";
     diagnostics.push_back(std::move(shared));
   }
-  if (told.dropped > 0 || told.turned > 0 || !told.union_in_vain.empty()) {
+  if (told.counts.dropped > 0 || told.counts.turned > 0 || !told.union_in_vain.empty()) {
     Diagnostic dropped = told.dropped_faces;
     dropped.code = DiagnosticCode::kDroppedPieces;
     if (told.union_in_vain.empty()) {
-      dropped.message = "faces lay inside the union of the solids, at least in part: " + grouped_digits(told.dropped) +
-                        " triangles were dropped";
-      if (told.turned > 0)
-        dropped.message += "; " + grouped_digits(told.turned) + " closed shells that faced inwards were turned over";
+      dropped.message =
+          "faces lay inside the union of the solids, at least in part: " + grouped_digits(told.counts.dropped) +
+          " triangles were dropped";
+      if (told.counts.turned > 0)
+        dropped.message +=
+            "; " + grouped_digits(told.counts.turned) + " closed shells that faced inwards were turned over";
     } else {
       dropped.message = "no face was dropped for a union, because " + told.union_in_vain;
     }

@@ -1,7 +1,6 @@
 /// Cuts faces of the surface that intersect along their intersections.
 #pragma once
 
-#include <cstddef>
 #include <optional>
 #include <string>
 
@@ -10,6 +9,7 @@
 #include "core/base/stopwatch.h"
 #include "core/mesh/mesh.h"
 #include "core/mesh/surface.h"
+#include "core/output/report/solid_counts.h"
 #include "core/output/run/candidate.h"
 #include "core/output/run/replaced.h"
 #include "core/patch_types/patch_set.h"
@@ -20,14 +20,7 @@ namespace remesh {
 struct ArrangedFaces {
   bool is_done = false;        ///< the surface was replaced
   double distance = 0;         ///< between the surface before and the one after, in model units
-  std::size_t curves = 0;      ///< pairs of triangles that crossed each other, and were cut along their curve
-  std::size_t shared = 0;      ///< triangles that took the place of several that lay on each other
-  std::size_t rounds = 0;      ///< how often rounding made new intersections, and points were joined
-  std::size_t left = 0;        ///< pairs of triangles that still intersect
-  double moved = 0;            ///< how far points have moved at most, in model units
-  std::size_t cells = 0;       ///< the cells into which space is divided, without the one outside
-  std::size_t dropped = 0;     ///< triangles that do not bound the union
-  std::size_t turned = 0;      ///< outermost closed shells that faced inwards
+  SolidCounts counts;          ///< those of a surface that was replaced
   std::string union_in_vain;   ///< why no triangle was dropped, if a union was wanted and could not be made
   Diagnostic dropped_faces;    ///< the input's faces of whose patches some triangles were dropped
   Diagnostic faces;            ///< the input's faces that were cut

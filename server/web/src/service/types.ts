@@ -143,6 +143,19 @@ export interface Places {
   count: number;
   places: Point[];
 }
+/** What became of faces that met. */
+export interface Solids {
+  curves: number;
+  cut_patches: number;
+  shared_triangles: number;
+  coplanar_classes: number;
+  cells: number | null;
+  dropped_pieces: number;
+  turned_shells: number;
+  rounds: number;
+  intersecting_pairs: number;
+  moved: number;
+}
 /** Of a remeshing, or of an analysis, which lacks what only a remeshing has. */
 export interface Report {
   version: string;
@@ -153,6 +166,7 @@ export interface Report {
   patches: Patch[];
   surfaces: RecognisedSurface[];
   distance_bound: { output_to_input: number; input_to_output: number } | null;
+  solids: Solids | null;
   diagnostics: Diagnostic[];
   volume_ready: { ready: boolean; reasons: ({ code: string } & Places)[] };
   /** Of an analysis. */

@@ -69,7 +69,7 @@ export function reportTables(report: Report): HTMLElement {
     ),
   );
   const [size, topology, shape] = tables;
-  return h("div", { class: "tables" }, size, topology, aboutRun(report), timing(report), shape);
+  return h("div", { class: "tables" }, size, topology, aboutSolids(report), aboutRun(report), timing(report), shape);
 }
 
 function factTable(title: string, facts: [string, string][]): HTMLElement {
@@ -119,6 +119,23 @@ function aboutRun(report: Report): HTMLElement {
     );
   }
   return factTable(report.output ? "This run" : "This analysis", facts);
+}
+
+/** What became of faces that met, if that was asked for and some did. */
+function aboutSolids({ solids }: Report): HTMLElement | null {
+  if (!solids) return null;
+  return factTable("Faces that met", [
+    ["Curves", whole(solids.curves)],
+    ["Patches that were cut", whole(solids.cut_patches)],
+    ["Triangles that were shared", whole(solids.shared_triangles)],
+    ["Groups of coplanar patches", whole(solids.coplanar_classes)],
+    ["Cells", solids.cells === null ? "not counted" : whole(solids.cells)],
+    ["Triangles that were dropped", whole(solids.dropped_pieces)],
+    ["Shells that were turned over", whole(solids.turned_shells)],
+    ["Rounds of joining points", whole(solids.rounds)],
+    ["Pairs that still intersect", whole(solids.intersecting_pairs)],
+    ["Moved by at most", real(solids.moved)],
+  ]);
 }
 
 function timing(report: Report): HTMLElement {

@@ -1,0 +1,145 @@
+// Tests what a run says of faces that met: by figures of the table of solids that do not depend on diagonals.
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <set>
+#include <vector>
+
+#include "tests/solids/solid_rows.h"
+#include "tests/support/remeshed.h"
+#include "tests/support/shapes.h"
+#include "tests/support/time_to_stop.h"
+
+namespace remesh {
+namespace {
+
+Options repairing(bool is_union) {
+  Options options = unrefined();
+  options.repair.self_intersections = true;
+  options.repair.make_union = is_union;
+  return options;
+}
+
+std::optional<SolidCounts> counts_of(int number, bool is_union) {
+  for (const SolidRow& row : solid_rows())
+    if (row.number == number) return remeshed(as_one(row.parts), repairing(is_union)).report.solids;
+  return {};
+}
+
+TEST(solid_stage, the_report_counts_what_met_and_what_became_of_it) {
+  // By row: patches that are cut, groups of coplanar patches, cells, and triangles that a union drops.
+  struct Known {
+    int row;
+    std::size_t cut_patches, coplanar_classes, cells, dropped;
+  };
+  // Row 1: the corners of both boxes inside each other, each of three squares of two triangles. Rows 3 and 4: a square
+  // wall, whose sides have different diagonals, so that both are cut into four triangles.
+  for (const Known& known : {Known{1, 6, 0, 3, 12}, Known{3, 2, 1, 2, 4}, Known{4, 2, 1, 2, 4}}) {
+    SCOPED_TRACE(known.row);
+    const std::optional<SolidCounts> whole = counts_of(known.row, false), united = counts_of(known.row, true);
+    ASSERT_TRUE(whole && united);
+    for (const SolidCounts& counts : {*whole, *united}) {
+      EXPECT_EQ(counts.cut_patches, known.cut_patches);
+      EXPECT_EQ(counts.coplanar_classes, known.coplanar_classes);
+      EXPECT_EQ(counts.cells, known.cells);
+      EXPECT_EQ(counts.rounds, 0u);
+      EXPECT_EQ(counts.left, 0u);
+      EXPECT_EQ(counts.moved, 0);
+      EXPECT_EQ(counts.turned, 0u);
+    }
+    EXPECT_EQ(whole->dropped, 0u);
+    EXPECT_EQ(united->dropped, known.dropped);
+  }
+  EXPECT_EQ(counts_of(13, false)->coplanar_classes, 6u);
+  EXPECT_EQ(counts_of(13, false)->cells, 7u);
+  // Nothing meets here but a common corner.
+  EXPECT_FALSE(counts_of(8, false));
+}
+
+/// Solids that touch, overlap and cross, turned so that coordinates are rounded.
+PolygonMesh turned(int number) {
+  std::vector<PolygonMesh> parts;
+  for (const SolidRow& row : solid_rows())
+    if (row.number == number)
+      for (const PolygonMesh& part : row.parts) parts.push_back(shapes::rotated(part, {1, 2, 5}, 40));
+  return as_one(parts);
+}
+
+TEST(solid_stage, results_are_the_same_for_any_number_of_workers) {
+  // There may be more workers than processors.
+  const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 8);
+  for (const int number : {2, 13, 18, 19}) {
+    SCOPED_TRACE(number);
+    const PolygonMesh mesh = turned(number);
+    for (const bool is_union : {false, true}) {
+      const auto with = [&](int workers) {
+        tbb::task_arena arena(workers);
+        return arena.execute([&] { return remeshed(mesh, repairing(is_union)); });
+      };
+      const Result one = with(1);
+      for (const int workers : {2, 8}) {
+        const Result more = with(workers);
+        EXPECT_EQ(more.mesh.positions, one.mesh.positions);
+        EXPECT_EQ(more.mesh.faces, one.mesh.faces);
+      }
+    }
+  }
+}
+
+TEST(solid_stage, results_have_the_same_triangles_for_any_order_of_the_input) {
+  const auto places_of = [](const TriangleMesh& mesh) {
+    std::set<std::array<Vec3, 3>> all;
+    for (const Triangle& t : mesh.faces) {
+      std::array<Vec3, 3> places;
+      for (std::size_t k = 0; k < 3; ++k) places[k] = mesh.positions[t[k]];
+      std::rotate(places.begin(), std::min_element(places.begin(), places.end()), places.end());
+      all.insert(places);
+    }
+    return all;
+  };
+  for (const int number : {2, 13, 18}) {
+    SCOPED_TRACE(number);
+    const PolygonMesh mesh = turned(number);
+    for (const bool is_union : {false, true})
+      for (const unsigned seed : {1U, 2U, 3U})
+        EXPECT_EQ(places_of(remeshed(shapes::renumbered(mesh, seed), repairing(is_union)).mesh),
+                  places_of(remeshed(mesh, repairing(is_union)).mesh));
+  }
+}
+
+TEST(solid_stage, where_nothing_meets_the_result_is_that_without_the_options) {
+  const PolygonMesh apart = shapes::joined(
+      shapes::sphere(3), shapes::moved(shapes::rotated(shapes::box({1, 2, 3}, 2), {1, 2, 3}, 50), {4, 0, 0}));
+  const Result plain = remeshed(apart);
+  for (const bool is_union : {false, true}) {
+    const Result result = remeshed(apart, repairing(is_union));
+    EXPECT_FALSE(result.report.solids);
+    EXPECT_EQ(result.mesh.positions, plain.mesh.positions);
+    EXPECT_EQ(result.mesh.faces, plain.mesh.faces);
+  }
+}
+
+TEST(solid_stage, it_stops_soon_at_any_moment) {
+  std::vector<PolygonMesh> parts;
+  for (const SolidRow& row : solid_rows())
+    if (row.number == 20) parts.assign(row.parts.begin(), row.parts.begin() + 1000);
+  const PolygonMesh mesh = as_one(parts);
+  for (const double after : {0.05, 0.1, 0.2, 0.3, 0.5, 0.8, 1.2}) {
+    const auto took = test::time_to_stop(
+        test::Seconds(after), [&](RunControl& control) { (void)remesh_surface(mesh, repairing(true), {}, control); });
+    EXPECT_LT(took.value_or(test::Seconds(0)).count(), 0.2) << after;
+  }
+}
+
+TEST(solid_stage, without_the_options_nothing_is_counted) {
+  const SolidRow row = solid_rows().front();
+  EXPECT_FALSE(remeshed(as_one(row.parts)).report.solids);
+}
+
+}  // namespace
+}  // namespace remesh
