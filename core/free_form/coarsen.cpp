@@ -332,8 +332,8 @@ bool CoarseSheet::refine(const CoarseningFaults& faults, bool are_all_moved, Run
   FreeSheet& free = state_->free;
   const std::size_t before = free.sheet.faces.size();
   SheetSplitter splitter(free, state_->surface, control);
-  splitter.move_to_input(faults.crossing_faces);
-  if (are_all_moved) splitter.move_to_input(faults.far_faces);
+  bool is_changed = splitter.move_to_input(faults.crossing_faces);
+  if (are_all_moved && splitter.move_to_input(faults.far_faces)) is_changed = true;
   const std::vector<VertexId> touched = splitter.split(faces_at(faults, state_->input, free));
   std::vector<std::uint32_t> tried(3 * free.sheet.faces.size(), 0);
   const std::size_t n = free.sheet.positions.size();
@@ -342,10 +342,10 @@ bool CoarseSheet::refine(const CoarseningFaults& faults, bool are_all_moved, Run
   rules.max_steps = kLooks * free.witnesses.all.size() + kLooksAlways;
   SheetPart whole(free, state_->surface, rules, VertexId(0), VertexId(n), tried, changed, control);
   for (int pass = 0; pass < kImprovements; ++pass) whole.improve_angles(touched);
-  const bool is_split = free.sheet.faces.size() > before;
+  if (free.sheet.faces.size() > before) is_changed = true;
   result_ = result_of(free, state_->input, state_->surface, control);
   result_.dropped_features = state_->dropped;
-  return is_split;
+  return is_changed;
 }
 
 }  // namespace remesh

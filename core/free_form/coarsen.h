@@ -58,8 +58,8 @@ class CoarseSheet {
   Coarsened take_result() { return std::move(result_); }
   /// Makes the result finer where it is not good enough: faces are split at places of the input. Vertices of crossing
   /// faces move to the input, and those of far faces if `are_all_moved`.
-  /// Holds:  as above, but for the tolerance.
-  /// Output: whether any face was split.
+  /// Holds:  as above, but for the tolerance; edges of the input may get new vertices in their middle.
+  /// Output: whether anything has changed.
   /// Errors: as above.
   bool refine(const CoarseningFaults& faults, bool are_all_moved, RunControl& control);
 

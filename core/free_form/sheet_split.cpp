@@ -13,9 +13,18 @@ constexpr double kFlat = 0.9998;
 
 }  // namespace
 
-void SheetSplitter::move_to_input(std::span<const FaceId> faces) {
+bool SheetSplitter::move_to_input(std::span<const FaceId> faces) {
+  std::vector<VertexId> vertices;
   for (const FaceId f : faces)
-    for (const VertexId v : free_.sheet.faces[f]) move_to_input(v);
+    vertices.insert(vertices.end(), free_.sheet.faces[f].begin(), free_.sheet.faces[f].end());
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  bool is_any_moved = false;
+  for (const VertexId v : vertices) {
+    control_.check();
+    if (move_to_input(v)) is_any_moved = true;
+  }
+  return is_any_moved;
 }
 
 std::vector<VertexId> SheetSplitter::split(std::span<const FaceId> faces) {
@@ -65,16 +74,19 @@ FaceId SheetSplitter::start_near(std::initializer_list<VertexId> vertices, const
                           : input_.nearest_face(place, sheet.origin[Sheet::face_of(sheet.first[*vertices.begin()])]);
 }
 
-void SheetSplitter::move_to_input(VertexId v) {
+bool SheetSplitter::move_to_input(VertexId v) {
   Sheet& sheet = free_.sheet;
-  if (free_.source[v].is_valid() || sheet.kind[v] != Sheet::Kind::kFree || !sheet.has_small_star(v)) return;
+  if (free_.source[v].is_valid() || sheet.kind[v] != Sheet::Kind::kFree || !sheet.has_small_star(v)) return false;
   trial_.clear();
   sheet.for_star(v, [&](std::uint32_t c) {
     trial_.add_changed(Sheet::face_of(c),
                        {sheet.positions[v], sheet.place(Sheet::after(c)), sheet.place(Sheet::before(c))});
   });
   const Vec3 place = input_.near_place(sheet.positions[v], start_near({v}, sheet.positions[v]));
-  if (trial_.has_good_shapes(place, std::max(kNeedle, trial_.cosine_before()))) sheet.positions[v] = place;
+  if (place == sheet.positions[v] || !trial_.has_good_shapes(place, std::max(kNeedle, trial_.cosine_before())))
+    return false;
+  sheet.positions[v] = place;
+  return true;
 }
 
 /// Returns whether all triangles at an edge may be split at a place.
@@ -161,7 +173,7 @@ bool SheetSplitter::split(std::uint32_t corner) {
   } else if (chain == kNone) {
     place = input_.near_place(middle, start_near({v, w}, middle));
     if (!is_split_possible(v, w, place, kNeedle)) place = middle;
-  } else if (sheet.is_border_of_plane(corner)) {
+  } else if (std::any_of(faces.begin(), faces.end(), [&](FaceId f) { return sheet.is_of_plane[f] != 0; })) {
     return false;  // an edge of the input: its middle would not be in the plane
   }
   if (!is_split_possible(v, w, place, kFlat)) return false;
@@ -174,7 +186,9 @@ bool SheetSplitter::split(std::uint32_t corner) {
     if (witness != kNone) divide_chain(chain, witness, v, w, far_chain);
   }
   sheet.split(v, w, place, far_chain);
-  sheet.kind.push_back(chain == kNone ? Sheet::Kind::kFree : Sheet::Kind::kChain);
+  sheet.kind.push_back(chain == kNone     ? Sheet::Kind::kFree
+                       : witness == kNone ? Sheet::Kind::kFixed
+                                          : Sheet::Kind::kChain);
   free_.quadrics.push_back({});
   free_.source.push_back(witness == kNone ? VertexId() : witnesses.on_chains[witness].vertex);
   witnesses.of_vertex.push_back(witness);

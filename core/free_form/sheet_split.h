@@ -21,14 +21,15 @@ class SheetSplitter {
       : free_(free), input_(input), trial_(free.sheet, free.witnesses, input, control), control_(control) {}
 
   /// Moves the vertices of faces to the nearest places of the input, if no triangle is turned over by that.
-  void move_to_input(std::span<const FaceId> faces);
+  /// Output: whether any was moved.
+  bool move_to_input(std::span<const FaceId> faces);
   /// Splits the longest edge of each face that can be split.
   /// Input:  faces that are there, ascending.
-  /// Output: the new vertices and those around them, ascending.
+  /// Output: the vertices that the faces had and have, ascending.
   std::vector<VertexId> split(std::span<const FaceId> faces);
 
  private:
-  void move_to_input(VertexId v);
+  bool move_to_input(VertexId v);
   bool split(std::uint32_t corner);
   bool is_split_possible(VertexId v, VertexId w, const Vec3& place, double max_cosine);
   FaceId start_near(std::initializer_list<VertexId> vertices, const Vec3& place) const;

@@ -109,8 +109,8 @@ class ArrangementTest {
     StopCheck check(control_);
     for (std::size_t f = 0; f < after_.faces.size(); ++f) {
       check();
-      if (after_.cover_begin[f] > after_.cover_begin[f + 1] || !are_below(after_.faces[f], after_.positions.size()) ||
-          !are_covers_right(after_.covers_of(f)))
+      if (after_.cover_begin[f] > after_.cover_begin[f + 1] || after_.cover_begin[f + 1] > after_.covers.size() ||
+          !are_below(after_.faces[f], after_.positions.size()) || !are_covers_right(after_.covers_of(f)))
         return false;
     }
     const std::size_t all = after_.positions.size() + after_.flap_positions.size();

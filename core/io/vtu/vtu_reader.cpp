@@ -149,13 +149,15 @@ class ArrayUnpacker {
       for (std::string_view token = tokens.next(); !token.empty(); token = tokens.next()) {
         mesh_.tick(array.begin + tokens.offset());
         if (values.size() == count) throw tokens.expected("the end of the array", token);
-        const double real = std::is_floating_point_v<T> || token.find_first_of(".eE") != std::string_view::npos
-                                ? parse_coordinate(token, tokens.place())
-                                : 0;
-        if constexpr (std::is_floating_point_v<T>) {
-          values.push_back(real);
-        } else {
-          T whole = static_cast<T>(std::clamp(real, -0x1p53, 0x1p53));
+        const bool is_real = std::is_floating_point_v<T> || token.find_first_of(".eE") != std::string_view::npos;
+        if (is_real) {
+          const double real = parse_coordinate(token, tokens.place());
+          values.push_back(std::is_floating_point_v<T> ? static_cast<T>(real)
+                                                       : static_cast<T>(std::clamp(real, -0x1p53, 0x1p53)));
+          continue;
+        }
+        if constexpr (!std::is_floating_point_v<T>) {
+          T whole{};
           const auto [stop, status] = std::from_chars(token.data(), token.data() + token.size(), whole);
           if (status != std::errc()) throw tokens.expected("a whole number", token);
           values.push_back(whole);
@@ -236,6 +238,9 @@ class ArrayUnpacker {
       if (of_block > content_.size() - std::min<std::uint64_t>(packed_size, content_.size())) throw ends_early(array);
       packed_size += of_block;
     }
+    // Deflate makes at most 1,032 bytes of one, so no room is made for what cannot come.
+    constexpr std::uint64_t kMaxRatio = 1032;
+    if (size / kMaxRatio > packed_size) throw ends_early(array);
     const std::uint64_t begin = (3 + blocks) * packing_.header_size;
     const std::string packed = first_bytes(array, begin + packed_size);
     if (packed.size() != begin + packed_size) throw ends_early(array);

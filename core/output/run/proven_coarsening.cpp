@@ -221,18 +221,18 @@ std::optional<ProvenCoarsening> coarsen_with_proof(const FreeForm& input, const 
     CoarseSheet sheet(shares.form(), {goals.tolerance * share, goals.min_angle_deg}, control);
     fault = CoarseningFault::kAngles;
     if (made == 1 && !is_wanted(sheet.result())) return std::nullopt;
-    fault = CoarseningFault::kTopology;
-    if (Topology(sheet.result().positions, sheet.result().faces, control) != before) return std::nullopt;
     CoarseningProof proof(input, goals.tolerance, control);
     std::optional<FaultyPlaces> places;
     double allowed = HUGE_VAL;
-    for (int vain = 0; vain <= kVainRefinements;) {
+    for (int vain = 0;;) {
       const Coarsened& surface = sheet.result();
       CoarseningFaults faults = proof.check(surface);
       bool are_all_known = false;
       std::tie(faults.crossing_faces, are_all_known) =
           crossing_faces(input, surface, surface.positions.items(), around, control);
       if (count(faults) == 0 && are_all_known) {
+        fault = CoarseningFault::kTopology;
+        if (Topology(surface.positions, surface.faces, control) != before) return std::nullopt;
         fault = CoarseningFault::kNone;
         return ProvenCoarsening{sheet.take_result(), made};
       }
@@ -247,7 +247,7 @@ std::optional<ProvenCoarsening> coarsen_with_proof(const FreeForm& input, const 
       const bool is_vain = static_cast<double>(count(faults)) > allowed;
       if (!is_vain) allowed = kFewer * static_cast<double>(count(faults));
       vain = is_vain ? vain + 1 : 0;
-      if (!sheet.refine(faults, is_vain, control)) break;
+      if (vain > kVainRefinements || !sheet.refine(faults, is_vain, control)) break;
     }
     share = kShareAfterFaults;
     if (!places) continue;

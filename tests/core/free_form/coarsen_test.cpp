@@ -247,6 +247,36 @@ TEST(coarsen, refining_brings_the_surface_nearer_and_keeps_topology_and_outline)
   }
 }
 
+/// The middle of an edge would not be in a plane beside it, also where two free faces are between.
+TEST(coarsen, refining_splits_no_edge_of_the_input_at_a_plane) {
+  RunControl control;
+  const Given pages = given(shapes::three_pages(6));
+  std::vector<std::uint8_t> is_of_plane;
+  for (const Triangle& t : pages.faces)
+    is_of_plane.push_back(pages.positions[t[0]].y == 0 && pages.positions[t[1]].y == 0 && pages.positions[t[2]].y == 0);
+  FreeForm form = pages.form();
+  form.is_of_plane = is_of_plane;
+  CoarseSheet sheet(form, {0.05, 25}, control);
+  const auto spine = [&] {
+    std::set<Vec3> places;
+    for (const Triangle& t : sheet.result().faces)
+      for (const VertexId v : t) {
+        const Vec3& p = sheet.result().positions[v];
+        if (p.x == 0 && p.y == 0) places.insert(p);
+      }
+    return places;
+  };
+  const std::set<Vec3> before = spine();
+  EXPECT_EQ(before.size(), 7U);
+  for (int round = 0; round < 3; ++round) {
+    CoarseningFaults faults;
+    for (FaceId f(0); f.value < sheet.result().faces.size(); ++f.value)
+      if (is_of_plane[sheet.result().origin[f].value] == 0) faults.far_faces.push_back(f);
+    EXPECT_TRUE(sheet.refine(faults, true, control));
+  }
+  EXPECT_EQ(spine(), before);
+}
+
 TEST(coarsen, each_face_knows_the_face_of_the_input_nearest_to_its_centroid) {
   const Given ball = given(bumpy_ball(3));
   const Coarsened made = run(ball, 0.02);

@@ -67,6 +67,12 @@ TEST(vtk_reader, cells_that_are_faces_come_in_their_order_with_their_labels_and_
   EXPECT_EQ(counts, (std::vector<std::uint64_t>{1, 1, 1})) << "a line, a curved face, an array";
 }
 
+/// VTK writes a million of floats as 1e+06.
+TEST(vtk_reader, whole_numbers_may_be_written_as_reals) {
+  const ReadResult result = read_as_vtu(grid("<CellData>" + array("group", "1 9 1e+06 7.0") + "</CellData>"));
+  EXPECT_EQ(label_of_faces(result.mesh.labels.group), (std::vector<std::string>{"1", "1000000", "7"}));
+}
+
 TEST(vtk_reader, what_is_wrong_is_told_with_its_byte) {
   const std::string good = grid();
   EXPECT_EQ(read_as_vtu(good).mesh.face_count(), 3u);
@@ -103,8 +109,9 @@ TEST(vtk_reader, what_is_wrong_is_told_with_its_byte) {
 }
 
 TEST(vtk_reader, a_packed_array_takes_no_more_memory_than_its_piece_tells) {
-  // A list of blocks that tells of 2^32 - 1 blocks, and one whose block would have 4 GiB, in little-endian base64.
-  for (const char* blocks : {"/////wCAAAAAAAAA", "AQAAAP////8AAAAA"}) {
+  // A list of blocks that tells of 2^32 - 1 blocks, one whose block would have 4 GiB, and one that is as long as its
+  // piece tells and has a single byte, in little-endian base64.
+  for (const char* blocks : {"/////wCAAAAAAAAA", "AQAAAP////8AAAAA", "AQAAAJAAAAAAAAAAAQAAAHg="}) {
     std::string file = grid();
     file.replace(file.find("byte_order"), 0, "compressor=\"vtkZLibDataCompressor\" ");
     const std::size_t begin = file.find("format=\"ascii\"");
