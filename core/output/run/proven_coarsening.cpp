@@ -21,7 +21,7 @@ namespace remesh {
 namespace {
 
 /// Samples miss a part of the distance, so the surface is made within the first share of the tolerance. If more than
-/// this share of its faces are at fault, and for all later surfaces, the second share counts.
+/// this share of its faces are at fault or any of them meet, and for all later surfaces, the second share counts.
 constexpr double kShareForSamples = 0.95, kShareAfterFaults = 0.8, kManyFaults = 0.01;
 /// A refinement helps if it leaves at most this share of the faults. A surface is given up after so many that do not.
 constexpr double kFewer = 0.7;
@@ -240,7 +240,8 @@ std::optional<ProvenCoarsening> coarsen_with_proof(const FreeForm& input, const 
           faults.crossing_faces.empty() && are_all_known ? CoarseningFault::kDistance : CoarseningFault::kIntersections;
       if (count(faults) == 0) return std::nullopt;
       const auto many = kManyFaults * static_cast<double>(surface.faces.size());
-      if (made == 1 && !places && static_cast<double>(count(faults)) > many) break;
+      const bool is_bad = !faults.crossing_faces.empty() || static_cast<double>(count(faults)) > many;
+      if (made == 1 && !places && is_bad) break;
       // The first surface is too coarse in all of the places; later ones in those that are left.
       if (!places || made > kSurfacesWithoutKeeping) places.emplace(faults, surface);
       // Splitting alone does not help where vertices are too far from the input.
