@@ -5,11 +5,13 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "core/base/blocks.h"
 #include "core/base/stoppable.h"
 #include "core/free_form/input_surface.h"
+#include "core/free_form/kept_volume.h"
 #include "core/free_form/ordered_input.h"
 #include "core/free_form/sheet_operators.h"
 #include "core/free_form/sheet_order.h"
@@ -121,8 +123,8 @@ void classify(const OrderedInput& input, Sheet& sheet, SheetWitnesses& witnesses
 /// with one of its faces. Faces of planes have no samples: they stay in their planes, and chains have samples.
 template <class Take>
 void for_samples(const OrderedInput& input, const Sheet& sheet, double spacing, RunControl& control, const Take& take) {
-  const auto steps = [&](double length) {
-    return std::clamp(static_cast<int>(std::ceil(length / spacing)), 1, kMaxSteps);
+  const auto steps = [](double length, double apart) {
+    return std::clamp(static_cast<int>(std::ceil(length / apart)), 1, kMaxSteps);
   };
   StopCheck check(control);
   for (FaceId f(0); f.value < sheet.faces.size(); ++f.value) {
@@ -130,7 +132,9 @@ void for_samples(const OrderedInput& input, const Sheet& sheet, double spacing, 
     if (sheet.is_of_plane[f] != 0) continue;
     const Triangle& t = sheet.faces[f];
     const Vec3 &a = sheet.positions[t[0]], &b = sheet.positions[t[1]], &c = sheet.positions[t[2]];
-    const int n = steps(std::max({norm(b - a), norm(c - b), norm(a - c)}));
+    const double own_spacing =
+        spacing * (input.shares.empty() ? 1 : std::sqrt(static_cast<double>(input.shares[f.value])));
+    const int n = steps(std::max({norm(b - a), norm(c - b), norm(a - c)}), own_spacing);
     for (int i = 0; i < n; ++i)
       for (int j = 0; i + j < n; ++j)
         take(f, (1.0 / (3 * n)) * ((3.0 * i + 1) * a + (3.0 * j + 1) * b + (3.0 * (n - i - j) - 2) * c));
@@ -139,7 +143,7 @@ void for_samples(const OrderedInput& input, const Sheet& sheet, double spacing, 
       const std::uint32_t twin = input.twins[h];
       if (twin != kNone && twin < h && sheet.is_of_plane[Sheet::face_of(twin)] == 0) continue;
       const Vec3 &p = sheet.positions[t[k]], &q = sheet.positions[t[(k + 1) % 3]];
-      const int pieces = steps(norm(q - p));
+      const int pieces = steps(norm(q - p), own_spacing);
       for (int i = 1; i < pieces; ++i)
         take(f, (1.0 / pieces) * (static_cast<double>(pieces - i) * p + static_cast<double>(i) * q));
     }
@@ -232,36 +236,6 @@ std::uint64_t sweep(FreeSheet& free, const InputSurface& surface, const SheetRul
   return std::accumulate(joined.begin(), joined.end(), std::uint64_t{0});
 }
 
-/// Numbers what is left by its places, and tells where it comes from.
-Coarsened result_of(FreeSheet& free, const OrderedInput& input, const InputSurface& surface, RunControl& control) {
-  rearrange(free, order_along_curve(free.sheet.positions, vertices_of(free.sheet), 0, control), control);
-  const Sheet& sheet = free.sheet;
-  Coarsened result;
-  result.nearest.resize(sheet.faces.size());
-  for_blocks(sheet.faces.size(), 64, control, [&](std::size_t begin, std::size_t end) {
-    for (FaceId f(begin); f.value < end; ++f.value) {
-      if (sheet.is_of_plane[f] != 0) {
-        result.nearest[f] = input.face_before[sheet.origin[f]];
-        continue;
-      }
-      const Triangle& t = sheet.faces[f];
-      const Vec3 centre = (1.0 / 3) * (sheet.positions[t[0]] + sheet.positions[t[1]] + sheet.positions[t[2]]);
-      const std::uint32_t w = free.witnesses.of_face[f];
-      const FaceId start = w == kNone ? sheet.origin[f] : free.witnesses.all[w].face;
-      result.nearest[f] = input.face_before[surface.nearest_face(centre, start)];
-    }
-  });
-  for (const FaceId f : sheet.origin) result.origin.push_back(input.face_before[f]);
-  result.answers.resize(input.faces.size());
-  for (FaceId f(0); f.value < sheet.faces.size(); ++f.value)
-    for (std::uint32_t w = free.witnesses.of_face[f]; w != kNone; w = free.witnesses.all[w].next)
-      result.answers[input.face_before[free.witnesses.all[w].face]] = f;
-  for (const VertexId v : free.source) result.source.push_back(v.is_valid() ? input.vertex_before[v] : VertexId());
-  result.positions = sheet.positions;
-  result.faces = sheet.faces;
-  return result;
-}
-
 /// Returns the faces of a sheet that are to be split because of faults, ascending.
 std::vector<FaceId> faces_at(const CoarseningFaults& faults, const OrderedInput& input, const FreeSheet& free) {
   const std::size_t n = free.sheet.faces.size();
@@ -292,6 +266,7 @@ struct CoarseSheet::State {
         surface(input.positions, input.faces, input.twins, input.shares, control) {
     Box3 box;
     for (const Vec3& p : input.positions) box.add(p);
+    if (goals.is_volume_kept) kept_volume.emplace(input, control);
     rules = {goals.tolerance, std::cos(goals.min_angle_deg * std::numbers::pi / 180), box.diagonal(), 0};
     free.sheet = make_sheet(input, free.witnesses, control);
     classify(input, free.sheet, free.witnesses, control);
@@ -306,7 +281,59 @@ struct CoarseSheet::State {
   InputSurface surface;
   SheetRules rules;
   FreeSheet free;
+  std::optional<KeptVolume> kept_volume;
+
+  Coarsened result(RunControl& control);
+
+ private:
+  IdVector<VertexId, double> weights_of_moves() const;
 };
+
+/// Returns the share of the tolerance at each vertex that has moved and may move anywhere; 0 for the others.
+IdVector<VertexId, double> CoarseSheet::State::weights_of_moves() const {
+  const Sheet& sheet = free.sheet;
+  IdVector<VertexId, double> weights(sheet.positions.size(), 1);
+  for (FaceId f(0); f.value < sheet.faces.size(); ++f.value) {
+    const std::uint32_t w = free.witnesses.of_face[f];
+    const double share = surface.share(w == kNone ? sheet.origin[f] : free.witnesses.all[w].face);
+    for (const VertexId v : sheet.faces[f]) weights[v] = std::min(weights[v], share);
+  }
+  for (VertexId v(0); v.value < weights.size(); ++v.value)
+    if (free.source[v].is_valid() || sheet.kind[v] != Sheet::Kind::kFree) weights[v] = 0;
+  return weights;
+}
+
+/// Numbers what is left by its places, and tells where it comes from.
+Coarsened CoarseSheet::State::result(RunControl& control) {
+  rearrange(free, order_along_curve(free.sheet.positions, vertices_of(free.sheet), 0, control), control);
+  const Sheet& sheet = free.sheet;
+  Coarsened result;
+  result.dropped_features = dropped;
+  result.nearest.resize(sheet.faces.size());
+  for_blocks(sheet.faces.size(), 64, control, [&](std::size_t begin, std::size_t end) {
+    for (FaceId f(begin); f.value < end; ++f.value) {
+      if (sheet.is_of_plane[f] != 0) {
+        result.nearest[f] = input.face_before[sheet.origin[f]];
+        continue;
+      }
+      const Triangle& t = sheet.faces[f];
+      const Vec3 centre = (1.0 / 3) * (sheet.positions[t[0]] + sheet.positions[t[1]] + sheet.positions[t[2]]);
+      const std::uint32_t w = free.witnesses.of_face[f];
+      const FaceId start = w == kNone ? sheet.origin[f] : free.witnesses.all[w].face;
+      result.nearest[f] = input.face_before[surface.nearest_face(centre, start)];
+    }
+  });
+  for (const FaceId f : sheet.origin) result.origin.push_back(input.face_before[f]);
+  result.answers.resize(input.faces.size());
+  for (FaceId f(0); f.value < sheet.faces.size(); ++f.value)
+    for (std::uint32_t w = free.witnesses.of_face[f]; w != kNone; w = free.witnesses.all[w].next)
+      result.answers[input.face_before[free.witnesses.all[w].face]] = f;
+  for (const VertexId v : free.source) result.source.push_back(v.is_valid() ? input.vertex_before[v] : VertexId());
+  result.positions =
+      kept_volume ? kept_volume->places(sheet, weights_of_moves(), rules.tolerance, control) : sheet.positions;
+  result.faces = sheet.faces;
+  return result;
+}
 
 CoarseSheet::CoarseSheet(const FreeForm& input, const CoarseningGoals& goals, RunControl& control)
     : state_(std::make_unique<State>(input, goals, control)) {
@@ -322,8 +349,7 @@ CoarseSheet::CoarseSheet(const FreeForm& input, const CoarseningGoals& goals, Ru
     const std::uint64_t joined = sweep(free, state_->surface, rules, true, turn, control);
     if (static_cast<double>(joined) < kFewJoined * static_cast<double>(free.sheet.positions.size())) break;
   }
-  result_ = result_of(free, state_->input, state_->surface, control);
-  result_.dropped_features = state_->dropped;
+  result_ = state_->result(control);
 }
 
 CoarseSheet::~CoarseSheet() = default;
@@ -343,8 +369,7 @@ bool CoarseSheet::refine(const CoarseningFaults& faults, bool are_all_moved, Run
   SheetPart whole(free, state_->surface, rules, VertexId(0), VertexId(n), tried, changed, control);
   for (int pass = 0; pass < kImprovements; ++pass) whole.improve_angles(touched);
   if (free.sheet.faces.size() > before) is_changed = true;
-  result_ = result_of(free, state_->input, state_->surface, control);
-  result_.dropped_features = state_->dropped;
+  result_ = state_->result(control);
   return is_changed;
 }
 

@@ -15,8 +15,9 @@
 namespace remesh {
 
 struct CoarseningGoals {
-  double tolerance;      ///< in local units
-  double min_angle_deg;  ///< no angle below this is made, except where the input's own angles are smaller
+  double tolerance;             ///< in local units
+  double min_angle_deg;         ///< no angle below this is made, except where the input's own angles are smaller
+  bool is_volume_kept = false;  ///< closed components get their volume back, to rounding, if the tolerance allows it
 };
 
 /// The surface that coarsen makes.

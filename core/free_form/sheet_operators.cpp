@@ -278,6 +278,9 @@ bool SheetPart::try_flip(std::uint32_t corner) {
   const VertexId c = sheet.vertex(Sheet::before(corner)), d = sheet.vertex(Sheet::before(other));
   if (c == d || !sheet.has_small_star(c) || !sheet.has_small_star(d) || sheet.are_joined(c, d)) return false;
   const Vec3 &p = sheet.positions[a], &q = sheet.positions[b], &r = sheet.positions[c], &s = sheet.positions[d];
+  // Where a needle of the input is turned over, each new triangle may look to the side of an old one, and yet be folded
+  // onto the other.
+  if (!(dot(cross(p - r, s - r), cross(s - r, q - r)) > 0)) return false;
   trial_.clear();
   trial_.add_changed(Sheet::face_of(corner), {r, p, s});
   trial_.add_changed(Sheet::face_of(other), {r, s, q});

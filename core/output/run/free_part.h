@@ -10,6 +10,7 @@
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
 #include "core/free_form/free_form.h"
+#include "core/geometry/triangles/distances.h"
 #include "core/mending/polygons/triangulated.h"
 #include "core/mesh/adjacency.h"
 #include "core/mesh/mesh.h"
@@ -55,6 +56,10 @@ struct FreePart {
   bool is_whole() const { return kept.empty(); }
   FreeForm form() const { return {positions, faces, twins, edges, {}, is_of_plane, is_held}; }
   bool is_free(FaceId f) const { return is_of_plane[f.value] == 0; }
+  Corners3 corners(FaceId f) const {
+    const Triangle& t = faces[f];
+    return {positions[t[0]], positions[t[1]], positions[t[2]]};
+  }
 
   IdVector<VertexId, Vec3> positions;   ///< in local units
   IdVector<VertexId, VertexId> vertex;  ///< the surface's vertex
@@ -74,12 +79,5 @@ struct FreePart {
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:   O(n log n).
 std::size_t sharp_patches(const FreeContext& context, const FreePart& part, double min_angle_deg, RunControl& control);
-
-/// Returns how far the free faces probably are from the surface that they stand for, in local units: the larger one of
-/// the chord height of most edges, and twice the noise of the vertices. It is at most a thousandth of the box's
-/// diagonal; 0 if the part has no smooth edges.
-/// Errors: kCancelled, kTimeout - asked to stop through `control`.
-/// Cost:   O(n log n).
-double automatic_tolerance(const FreePart& part, RunControl& control);
 
 }  // namespace remesh

@@ -267,7 +267,7 @@ std::string option_in_force(const Coarsening& done, const Options& options) {
   if (options.surface_tolerance || options.surface_tolerance_fraction)
     return "surface_tolerance=" + number_text(done.tolerance);
   return "elements_per_circle=" + number_text(*options.elements_per_circle) + " (within " +
-         number_text(done.tolerance) + ", about as far as its own facets are from what they stand for)";
+         number_text(done.tolerance) + ", and less where the surface turns more)";
 }
 
 }  // namespace
@@ -306,23 +306,27 @@ Diagnostic coarsening(const Coarsening& done, const Surface& surface, const Opti
   return told;
 }
 
-std::optional<Coarser> coarser_surface(const FreeContext& context, std::optional<double> asked, double min_angle_deg,
-                                       Coarsening& in_vain, RunControl& control) {
+std::optional<Coarser> coarser_surface(const FreeContext& context, FreeGoals goals, Coarsening& in_vain,
+                                       RunControl& control) {
   const Surface& before = context.surface;
   const Triangulated triangles(before, control);
   const FilledIdVector<FaceId, FaceRole> roles = roles_of(context, triangles, control);
   const FreePart part(context, triangles, roles, control);
   if (part.is_empty()) return std::nullopt;
-  const double tolerance = asked ? *asked : before.unit * automatic_tolerance(part, control);
-  if (!(tolerance > 0)) return std::nullopt;
+  if (goals.tolerance) *goals.tolerance /= before.unit;
+  const FreeTolerance allowed = tolerance_of(part, goals, control);
+  if (!(allowed.largest > 0)) return std::nullopt;
+  const double tolerance = before.unit * allowed.largest;
+  FreeForm form = part.form();
+  form.shares = allowed.shares;
   const FacesAround around{before.local.items(), part.kept, part.vertex.items()};
   in_vain.tolerance = tolerance;
   const auto is_wanted = [&](const Coarsened& made) {
-    return !is_much_sharper(context, part, made, min_angle_deg, control);
+    return !is_much_sharper(context, part, made, goals.min_angle_deg, control);
   };
-  const std::optional<ProvenCoarsening> proven =
-      coarsen_with_proof(part.form(), around, {tolerance / before.unit * (1 - kShareOfRounding), min_angle_deg},
-                         is_wanted, in_vain.fault, control);
+  const std::optional<ProvenCoarsening> proven = coarsen_with_proof(
+      form, around, {allowed.largest * (1 - kShareOfRounding), goals.min_angle_deg, goals.is_volume_kept}, is_wanted,
+      in_vain.fault, control);
   if (!proven) return std::nullopt;
   const Coarsened& made = proven->surface;
   in_vain.fault = CoarseningFault::kAsManyFaces;

@@ -11,6 +11,7 @@
 #include "core/base/run_control.h"
 #include "core/mesh/surface.h"
 #include "core/output/run/free_part.h"
+#include "core/output/run/free_tolerance.h"
 #include "core/output/run/proven_coarsening.h"
 #include "core/output/run/replaced.h"
 
@@ -36,16 +37,14 @@ struct Coarser {
 };
 
 /// Makes the free faces of a surface coarser. Planes beside them stay in their planes, and all other faces stay.
-/// Input:   `asked` - how far the surfaces may be apart, in model units; empty: as far as the faces probably are
-///          from what they stand for (see automatic_tolerance). No angle below `min_angle_deg` is made, except where
-///          the surface's own angles are smaller.
+/// Input:   the goals, in model units; see tolerance_of.
 /// Output:  nothing, if no coarser surface was proven to be within the tolerance, both ways, to have the same topology,
 ///          and to intersect nothing. Otherwise the new surface, with the distance that is proven. Each of its faces
 ///          covers the input faces for which it answers. `in_vain` gets the tolerance, and why nothing was made.
 /// Errors:  kCancelled, kTimeout - through `control`; kOutOfMemory - see MemoryBound.
 /// Cost:    that of coarsen_with_proof.
-std::optional<Coarser> coarser_surface(const FreeContext& context, std::optional<double> asked, double min_angle_deg,
-                                       Coarsening& in_vain, RunControl& control);
+std::optional<Coarser> coarser_surface(const FreeContext& context, FreeGoals goals, Coarsening& in_vain,
+                                       RunControl& control);
 
 /// Tells why free faces stay as they are.
 Diagnostic no_coarsening(const Coarsening& in_vain);

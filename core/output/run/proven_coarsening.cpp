@@ -33,7 +33,9 @@ constexpr float kAfterDistance = 0.8F, kAfterIntersection = 0.3F;
 constexpr int kSurfacesWithoutKeeping = 2;
 /// Faces face each other if the cosine of the angle between their normals is below this.
 constexpr double kFacing = -0.2;
-constexpr float kMinShare = 0.01F;
+/// The share of the gap between such faces that each of them may use.
+constexpr double kShareOfGap = 0.4;
+constexpr float kMinShare = 1e-3F;
 /// The number of rings of faces around a face at fault that get the smaller share as well.
 constexpr int kRingsAround = 2;
 
@@ -50,6 +52,18 @@ struct Topology {
   std::int64_t euler = 0;
   std::uint64_t components = 0;
   bool is_closed = false;
+};
+
+/// The normals of the faces in a box. Around a face, most boxes have normals that are much the same.
+struct Directions {
+  FloatBox box;
+  void join(const Directions& other) { box.add(other.box); }
+  /// Returns a bound on the cosine between a unit vector and the normals.
+  double least_cosine(const Vec3& v) const {
+    double sum = 0;
+    for (int axis = 0; axis < 3; ++axis) sum += std::min(v[axis] * box.min[axis], v[axis] * box.max[axis]);
+    return sum;
+  }
 };
 
 /// The shares of the tolerance that count at the faces of the input, and the vertices that stay.
@@ -75,35 +89,54 @@ class FaceShares {
     for (std::size_t f = 0; f < is_near.size(); ++f)
       if (is_near[f] != 0) shares_[f] *= factor;
   }
-  /// Bounds the shares by a quarter of the gap between faces that face each other, so that these cannot meet.
-  void limit_by_gaps(double tolerance, RunControl& control) {
-    const auto corner = [&](FaceId f, std::size_t k) -> const Vec3& { return input_.positions[input_.faces[f][k]]; };
-    const auto normal = [&](FaceId f) {
-      return normalized(cross(corner(f, 1) - corner(f, 0), corner(f, 2) - corner(f, 0)));
+  /// Bounds the shares by the gaps between faces that face each other, so that these cannot meet.
+  void limit_by_gaps(const FacesAround& around, double tolerance, RunControl& control) {
+    const std::size_t n = shares_.size();
+    const auto corners = [&](std::size_t i) -> Corners3 {
+      if (i >= n) {
+        const Triangle& t = around.faces[i - n];
+        return {around.positions[t[0].value], around.positions[t[1].value], around.positions[t[2].value]};
+      }
+      const Triangle& t = input_.faces[FaceId(i)];
+      return {input_.positions[t[0]], input_.positions[t[1]], input_.positions[t[2]]};
     };
-    const auto entries = BoxTree<NoTag>::make_entries(shares_.size(), control, [&](std::size_t i, auto& entry) {
-      for (std::size_t k = 0; k < 3; ++k) entry.box.add(corner(FaceId(i), k));
+    const auto vertices = [&](std::size_t i) -> Triangle {
+      if (i >= n) return around.faces[i - n];
+      const Triangle& t = input_.faces[FaceId(i)];
+      return {around.of_vertex[t[0].value], around.of_vertex[t[1].value], around.of_vertex[t[2].value]};
+    };
+    const auto normal = [](const Corners3& c) { return normalized(cross(c[1] - c[0], c[2] - c[0])); };
+    const std::size_t count = n + around.faces.size();
+    control.memory().ask_for<BoxTree<Directions>::Entry>(3 * count);
+    const auto entries = BoxTree<Directions>::make_entries(count, control, [&](std::size_t i, auto& entry) {
+      const Corners3 triangle = corners(i);
+      for (const Vec3& p : triangle) entry.box.add(p);
+      entry.tag.box.add(normal(triangle));
     });
-    const BoxTree<NoTag> tree(entries, control);
-    for_blocks(shares_.size(), 64, control, [&](std::size_t begin, std::size_t end) {
-      for (FaceId f(begin); f.value < end; ++f.value) {
-        const Vec3 centre = (1.0 / 3) * (corner(f, 0) + corner(f, 1) + corner(f, 2)), up = normal(f);
-        double squared = 16 * tolerance * tolerance;
+    const BoxTree<Directions> tree(entries, control);
+    for_blocks(n, 64, control, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t f = begin; f < end; ++f) {
+        const Corners3 own = corners(f);
+        const Triangle one = vertices(f);
+        const Vec3 centre = (1.0 / 3) * (own[0] + own[1] + own[2]), up = normal(own);
+        const double enough = tolerance * static_cast<double>(shares_[f]) / kShareOfGap;
+        double squared = enough * enough;
         tree.search(
-            squared, [&](const BoxTree<NoTag>::Entry& entry) { return squared_distance(entry.box, centre); },
+            squared,
+            [&](const BoxTree<Directions>::Entry& entry) {
+              return entry.tag.least_cosine(up) > kFacing ? HUGE_VAL : squared_distance(entry.box, centre);
+            },
             [&](std::size_t slot) {
-              const FaceId g(tree.number(slot));
-              if (dot(up, normal(g)) > kFacing) return;
-              const Triangle &one = input_.faces[f], &other = input_.faces[g];
+              const Triangle other = vertices(tree.number(slot));
               if (std::find_first_of(one.begin(), one.end(), other.begin(), other.end()) != one.end()) return;
-              const Vec3 near = nearest_on_triangle(centre, {corner(g, 0), corner(g, 1), corner(g, 2)});
+              const Vec3 near = nearest_on_triangle(centre, corners(tree.number(slot)));
               squared = std::min(squared, norm_squared(near - centre));
             });
-        shares_[f.value] = std::min(shares_[f.value], static_cast<float>(std::sqrt(squared) / (4 * tolerance)));
+        // A share has to be positive.
+        const auto share = static_cast<float>(kShareOfGap * std::sqrt(squared) / tolerance);
+        shares_[f] = std::max(std::min(shares_[f], share), kMinShare);
       }
     });
-    // A share has to be positive.
-    for (float& share : shares_) share = std::max(share, kMinShare);
   }
   /// Keeps faces as they are, and those around them.
   void keep(const std::vector<FaceId>& faces, RunControl& control) {
@@ -215,10 +248,10 @@ std::optional<ProvenCoarsening> coarsen_with_proof(const FreeForm& input, const 
                                                    CoarseningFault& fault, RunControl& control) {
   const Topology before(input.positions, input.faces, control);
   FaceShares shares(input);
-  bool are_gaps_known = false;
+  shares.limit_by_gaps(around, goals.tolerance, control);
   double share = kShareForSamples;
   for (int made = 1; made <= kMaxCoarseSurfaces; ++made) {
-    CoarseSheet sheet(shares.form(), {goals.tolerance * share, goals.min_angle_deg}, control);
+    CoarseSheet sheet(shares.form(), {goals.tolerance * share, goals.min_angle_deg, goals.is_volume_kept}, control);
     fault = CoarseningFault::kAngles;
     if (made == 1 && !is_wanted(sheet.result())) return std::nullopt;
     CoarseningProof proof(input, goals.tolerance, control);
@@ -259,8 +292,6 @@ std::optional<ProvenCoarsening> coarsen_with_proof(const FreeForm& input, const 
       shares.lower(places->far, kAfterDistance, control);
       shares.lower(places->crossing, kAfterIntersection, control);
     }
-    if (!places->crossing.empty() && !std::exchange(are_gaps_known, true))
-      shares.limit_by_gaps(goals.tolerance, control);
   }
   return std::nullopt;
 }

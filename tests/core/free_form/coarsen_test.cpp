@@ -211,6 +211,25 @@ TEST(coarsen, a_share_of_the_tolerance_counts_where_it_is_given) {
   EXPECT_LT(made.faces.size(), run(ball, 0.1 * tolerance).faces.size());
 }
 
+/// Two triangles overlap by the width of a needle between them that is turned over. Flips must not make more of that.
+TEST(coarsen, a_needle_that_is_turned_over_folds_no_other_triangle) {
+  const Given folded = given(shapes::from_lists(
+      {{0, 0, 0}, {1, 0, 0}, {0.5, 1e-4, 0}, {0.5, 0.8, 0}, {0.8, -0.35, 0}, {0.3, -0.35, 0}, {0.5, -1, 0}},
+      {{0, 1, 3}, {1, 0, 2}, {1, 2, 4}, {2, 5, 4}, {2, 0, 5}, {5, 6, 4}, {0, 6, 5}, {4, 6, 1}}));
+  const auto overturned = [](const std::vector<Corners3>& triangles) {
+    double area = 0;
+    for (const Corners3& t : triangles) area += std::max(0.0, -cross(t[1] - t[0], t[2] - t[0]).z);
+    return area;
+  };
+  ASSERT_GT(overturned(corners_of(folded)), 0);
+  const std::vector<std::uint8_t> is_held(folded.positions.size(), 1);
+  FreeForm form = folded.form();
+  form.is_held = is_held;
+  RunControl control;
+  const Coarsened made = CoarseSheet(form, {0.01, 25}, control).take_result();
+  EXPECT_LE(overturned(corners_of(made)), overturned(corners_of(folded)));
+}
+
 TEST(coarsen, refining_brings_the_surface_nearer_and_keeps_topology_and_outline) {
   RunControl control;
   for (const Given& input : {given(bumpy_ball(4)), given(hills(24))}) {

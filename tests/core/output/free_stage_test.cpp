@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/support/free_shapes.h"
@@ -121,19 +123,84 @@ double chord_height(const PolygonMesh& ball) {
   return heights[heights.size() * 9 / 10];
 }
 
-/// Without a tolerance, the facets' own distance from what they stand for counts.
-TEST(free_stage, a_number_of_elements_allows_what_the_facets_themselves_are_off) {
+double largest_bound(const Result& result) {
+  return std::max(result.report.distance_bound->output_to_input, result.report.distance_bound->input_to_output);
+}
+
+Options by_turn(double elements_per_circle) {
   Options options;
-  options.elements_per_circle = 16;
+  options.elements_per_circle = elements_per_circle;
+  return options;
+}
+
+/// Returns the angles by which neighbours turn, ascending, in degrees.
+std::vector<double> turns_of(const TriangleMesh& mesh) {
+  std::map<std::pair<VertexId, VertexId>, Vec3> normals;
+  std::vector<double> turns;
+  for (const Triangle& t : mesh.faces) {
+    const Vec3 normal =
+        normalized(cross(mesh.positions[t[1]] - mesh.positions[t[0]], mesh.positions[t[2]] - mesh.positions[t[0]]));
+    for (std::size_t k = 0; k < 3; ++k) {
+      const VertexId v = t[k], w = t[(k + 1) % 3];
+      const auto [found, is_new] = normals.emplace(std::minmax(v, w), normal);
+      if (!is_new) turns.push_back(std::acos(std::clamp(dot(found->second, normal), -1.0, 1.0)) * 180 / M_PI);
+    }
+  }
+  std::sort(turns.begin(), turns.end());
+  return turns;
+}
+
+/// Without a tolerance, a number of elements decides by the radius at each place: a small ball is as good as a large
+/// one, and gets as many faces.
+TEST(free_stage, a_number_of_elements_counts_by_the_radius_at_each_place) {
+  PolygonMesh small = bumpy_ball(5);
+  for (Vec3& p : small.positions) p = 0.1 * p + Vec3{1.5, 0, 0};
+  const PolygonMesh both = shapes::joined(bumpy_ball(5), small);
+  std::vector<double> faces;
+  for (const double elements : {16.0, 32.0}) {
+    const Result result = remeshed(both, by_turn(elements));
+    ASSERT_TRUE(is_told_coarser(result));
+    EXPECT_TRUE(result.report.verified.all_true());
+    std::vector<Corners3> large, little;
+    for (const Corners3& t : corners_of(result.mesh)) (t[0].x < 1.2 ? large : little).push_back(t);
+    EXPECT_GT(little.size(), 0.7 * static_cast<double>(large.size())) << elements;
+    EXPECT_LT(little.size(), 1.4 * static_cast<double>(large.size())) << elements;
+    const double far = test::hausdorff(corners_of(shapes::as_triangles(small)), little, 1e-6);
+    EXPECT_LT(far, largest_bound(result) / 5) << elements;
+    // Triangles of half an element and more turn by no more than elements may in the median.
+    const std::vector<double> turns = turns_of(result.mesh);
+    EXPECT_LT(turns[turns.size() / 2], 360 / elements) << elements;
+    EXPECT_GT(turns[turns.size() / 2], 360 / elements / 6) << "far more faces than were asked for";
+    faces.push_back(static_cast<double>(result.mesh.faces.size()));
+  }
+  // Twice as many elements in each direction.
+  EXPECT_GT(faces[1], 2.5 * faces[0]);
+  EXPECT_LT(faces[1], 5 * faces[0]);
+}
+
+TEST(free_stage, of_a_tolerance_and_a_number_of_elements_the_smaller_distance_counts) {
   const PolygonMesh ball = bumpy_ball(5);
+  Options both = within(1e-3);
+  both.elements_per_circle = 16;
+  const Result near = remeshed(ball, both);
+  EXPECT_LE(largest_bound(near), 1e-3 * diagonal_of(ball) + near.report.plane_tolerance);
+  const double alone = static_cast<double>(remeshed(ball, within(1e-3)).mesh.faces.size());
+  EXPECT_GE(static_cast<double>(near.mesh.faces.size()), 0.98 * alone);
+  both = within(0.05);
+  both.elements_per_circle = 48;
+  const double turned = static_cast<double>(remeshed(ball, by_turn(48)).mesh.faces.size());
+  EXPECT_GE(static_cast<double>(remeshed(ball, both).mesh.faces.size()), 0.95 * turned);
+}
+
+/// With a large number, the facets' own distance from what they stand for counts, and noise counts twice.
+TEST(free_stage, a_large_number_of_elements_allows_what_the_facets_themselves_are_off) {
+  const PolygonMesh ball = bumpy_ball(5);
+  const Options options = by_turn(1000);
   const Result result = remeshed(ball, options);
   EXPECT_TRUE(is_told_coarser(result));
   EXPECT_LT(result.mesh.faces.size(), ball.face_count());
-  const double own =
-      std::max(result.report.distance_bound->output_to_input, result.report.distance_bound->input_to_output);
-  EXPECT_GT(own, chord_height(ball) / 2);
-  EXPECT_LT(own, chord_height(ball) * 2);
-  // Noise is allowed as well, twice as much as there is.
+  EXPECT_GT(largest_bound(result), chord_height(ball) / 2);
+  EXPECT_LT(largest_bound(result), chord_height(ball) * 2);
   PolygonMesh noisy = ball;
   Random random(7);
   const double sigma = 4e-4;
@@ -142,11 +209,32 @@ TEST(free_stage, a_number_of_elements_allows_what_the_facets_themselves_are_off)
     for (int i = 0; i < 12; ++i) sum += random.uniform(-0.5, 0.5);
     p = p + sigma * sum * normalized(p);
   }
-  const Result with_noise = remeshed(noisy, options);
-  const double allowed =
-      std::max(with_noise.report.distance_bound->output_to_input, with_noise.report.distance_bound->input_to_output);
+  const double allowed = largest_bound(remeshed(noisy, options));
   EXPECT_GT(allowed, sigma);
   EXPECT_LT(allowed, 4 * sigma);
+}
+
+/// Returns the volume inside a closed surface.
+double volume_of(const std::vector<Corners3>& triangles) {
+  double sum = 0;
+  for (const Corners3& t : triangles) sum += dot(t[0], cross(t[1], t[2])) / 6;
+  return sum;
+}
+
+TEST(free_stage, the_volume_is_kept_where_that_is_asked_for) {
+  const PolygonMesh ball = bumpy_ball(4);
+  const double before = volume_of(corners_of(shapes::as_triangles(ball)));
+  Options options = by_turn(12);
+  const Result plain = remeshed(ball, options);
+  options.circle_fit = CircleFit::kVolume;
+  const Result kept = remeshed(ball, options);
+  ASSERT_TRUE(is_told_coarser(kept));
+  EXPECT_TRUE(kept.report.verified.all_true());
+  EXPECT_GT(std::fabs(volume_of(corners_of(plain.mesh)) - before), 1e-5 * before) << "nothing to mend";
+  EXPECT_NEAR(volume_of(corners_of(kept.mesh)), before, 1e-12 * before);
+  // An outline that moves leaves no volume to keep.
+  options.circle_fit = CircleFit::kVolume;
+  EXPECT_TRUE(remeshed(hills(32), options).report.verified.all_true());
 }
 
 /// Returns the triangles of the result whose corners are all in a plane across an axis.
