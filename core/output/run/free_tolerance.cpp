@@ -8,6 +8,7 @@
 
 #include "core/base/stoppable.h"
 #include "core/base/symmetric_eigen.h"
+#include "core/base/union_find.h"
 
 namespace remesh {
 namespace {
@@ -189,6 +190,32 @@ class Curvatures {
   IdVector<VertexId, double> of_vertex_;
 };
 
+/// Half of the diagonal of the free region to which each face belongs: no larger circle is to be seen on the region.
+std::vector<double> half_diagonals(const FreePart& part, RunControl& control) {
+  const std::size_t n = part.faces.size();
+  UnionFind region(n);
+  std::vector<Box3> box(n);
+  StopCheck check(control);
+  for (FaceId f(0); f.value < n; ++f.value)
+    for (std::uint32_t h = 3 * f.value; h < 3 * f.value + 3; ++h) {
+      check();
+      const std::uint32_t twin = part.twins[h];
+      if (twin != kNone && part.is_free(f) && part.is_free(FaceId(twin / 3))) region.join(f.value, twin / 3);
+    }
+  for (FaceId f(0); f.value < n; ++f.value)
+    for (const Vec3& p : part.corners(f)) box[region.find(f.value)].add(p);
+  std::vector<double> half;
+  for (std::uint32_t f = 0; f < n; ++f) half.push_back(box[region.find(f)].diagonal() / 2);
+  return half;
+}
+
+/// Rounds to a few digits, so that the last ones, which depend on the numbering, do not count.
+double with_few_digits(double x) {
+  int exponent = 0;
+  const double fraction = std::frexp(x, &exponent);
+  return std::ldexp(std::nearbyint(std::ldexp(fraction, 12)), exponent - 12);
+}
+
 }  // namespace
 
 FreeTolerance tolerance_of(const FreePart& part, const FreeGoals& goals, RunControl& control) {
@@ -197,10 +224,11 @@ FreeTolerance tolerance_of(const FreePart& part, const FreeGoals& goals, RunCont
   if (goals.tolerance && !goals.elements_per_circle) return {*goals.tolerance, {}};
   Box3 box;
   for (const Vec3& p : part.positions) box.add(p);
-  const double diagonal = box.diagonal();
+  const double most = kLargest * box.diagonal();
   const auto [chord, noise] = own_distance(part, control);
-  if (!goals.elements_per_circle) return {std::min(std::max(chord, noise), kLargest * diagonal), {}};
+  if (!goals.elements_per_circle) return {with_few_digits(std::min(std::max(chord, noise), most)), {}};
   const Curvatures curvatures(part, control);
+  const std::vector<double> largest_radius = half_diagonals(part, control);
   const double per_radius = 1 - std::cos(M_PI / *goals.elements_per_circle);
   std::vector<double> tolerances(part.faces.size(), 0);
   FreeTolerance result;
@@ -209,9 +237,8 @@ FreeTolerance tolerance_of(const FreePart& part, const FreeGoals& goals, RunCont
     const auto [a, b, c] = part.corners(f);
     const double curvature = curvatures.of_face(f);
     const double own_chord = std::max({norm_squared(b - a), norm_squared(c - b), norm_squared(a - c)}) * curvature / 8;
-    const double own = std::min(std::max(std::min(chord, own_chord), noise), kLargest * diagonal);
-    // On a flat place, the part itself is the largest circle.
-    const double by_turn = own + per_radius * std::min(1 / curvature, diagonal / 2);
+    const double own = std::min(std::max(std::min(chord, own_chord), noise), most);
+    const double by_turn = with_few_digits(own + per_radius * std::min(1 / curvature, largest_radius[f.value]));
     tolerances[f.value] = std::min(by_turn, goals.tolerance.value_or(by_turn));
     result.largest = std::max(result.largest, tolerances[f.value]);
   }
