@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -82,10 +83,12 @@ RemoteError problem_of(const HttpAnswer& answer) {
   return problem_of(answer.status, json::parse(answer.body, nullptr, /*allow_exceptions=*/false));
 }
 
-/// Loads the library with the HTTP client, which stays loaded. It is found beside the program or in `../lib/remesh`.
+/// Loads the library with the HTTP client, which stays loaded. It lies beside the program, or where packages have it.
 /// Errors: RemoteError - it is missing; kInvalidOption - `server` is not a URL.
 std::unique_ptr<HttpClient> new_http_client(const std::string& server, const std::string& url) {
-  void* const library = ::dlopen("remesh_http.so", RTLD_NOW);
+  const std::filesystem::path folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  void* library = ::dlopen((folder / "remesh_http.so").c_str(), RTLD_NOW);
+  if (library == nullptr) library = ::dlopen((folder / "../lib/remesh/remesh_http.so").c_str(), RTLD_NOW);
   void* const function = library != nullptr ? ::dlsym(library, "remesh_new_http_client") : nullptr;
   if (function == nullptr) throw RemoteError(0, "server_unreachable", std::string("no HTTP client: ") + ::dlerror());
   std::unique_ptr<HttpClient> client(reinterpret_cast<NewHttpClient*>(function)(server.c_str()));
