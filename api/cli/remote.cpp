@@ -1,15 +1,17 @@
 #include "api/cli/remote.h"
 
-#include <httplib.h>
+#include <dlfcn.h>
 
 #include <algorithm>
 #include <chrono>
+#include <filesystem>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <random>
 #include <thread>
 #include <utility>
 
+#include "api/cli/http_client.h"
 #include "api/cli/progress_bar.h"
 
 namespace remesh::cli {
@@ -77,21 +79,29 @@ RemoteError problem_of(int status, const json& problem) {
   return error;
 }
 
-RemoteError problem_of(const httplib::Response& answer) {
+RemoteError problem_of(const HttpAnswer& answer) {
   return problem_of(answer.status, json::parse(answer.body, nullptr, /*allow_exceptions=*/false));
+}
+
+/// Loads the library with the HTTP client, which stays loaded. It lies beside the program, or where packages have it.
+/// Errors: RemoteError - it is missing; kInvalidOption - `server` is not a URL.
+std::unique_ptr<HttpClient> new_http_client(const std::string& server, const std::string& url) {
+  const std::filesystem::path folder = std::filesystem::read_symlink("/proc/self/exe").parent_path();
+  void* library = ::dlopen((folder / "remesh_http.so").c_str(), RTLD_NOW);
+  if (library == nullptr) library = ::dlopen((folder / "../lib/remesh/remesh_http.so").c_str(), RTLD_NOW);
+  void* const function = library != nullptr ? ::dlsym(library, "remesh_new_http_client") : nullptr;
+  if (function == nullptr) throw RemoteError(0, "server_unreachable", std::string("no HTTP client: ") + ::dlerror());
+  std::unique_ptr<HttpClient> client(reinterpret_cast<NewHttpClient*>(function)(server.c_str()));
+  if (client == nullptr) throw no_url(url);
+  return client;
 }
 
 }  // namespace
 
 class Remote::Client {
  public:
-  explicit Client(RemoteJob job) : job_(std::move(job)), url_(split_url(job_.server)), http_(url_.first) {
-    if (!http_.is_valid()) throw no_url(job_.server);
-    http_.set_connection_timeout(5);
-    http_.set_read_timeout(60);
-    http_.set_write_timeout(60);
-    if (!job_.api_key.empty()) headers_.emplace("X-API-Key", job_.api_key);
-  }
+  explicit Client(RemoteJob job)
+      : job_(std::move(job)), url_(split_url(job_.server)), http_(new_http_client(url_.first, job_.server)) {}
 
   RemoteAnswer run(const RunControl& control) {
     const std::string path = submit(control);
@@ -100,8 +110,8 @@ class Remote::Client {
     try {
       failure = wait_until_ended(path, control);
       if (!failure) {
-        httplib::Response result = fetch_response(path + "/result", control);
-        answer.summary = result.get_header_value("Remesh-Summary");
+        HttpAnswer result = fetch_answer(path + "/result", control);
+        answer.summary = std::move(result.summary);
         answer.origin = origin_in(answer.summary);
         answer.mesh = std::move(result.body);
       }
@@ -124,60 +134,64 @@ class Remote::Client {
   }
 
  private:
+  HttpRequest request(const std::string& method, const std::string& path) const {
+    HttpRequest request;
+    request.method = method;
+    request.target = url_.second + path;
+    if (!job_.api_key.empty()) request.headers.emplace_back("X-API-Key", job_.api_key);
+    return request;
+  }
+
   /// Asks until there is an answer that is not due to a missing server.
   /// Errors: RemoteError; kCancelled.
-  template <typename Question>
-  httplib::Response insist(Question question, const RunControl& control) {
+  HttpAnswer insist(const HttpRequest& request, const RunControl& control) {
     Clock::time_point deadline = Clock::now() + kPatience;
     for (std::chrono::milliseconds pause = kFirstPoll;; pause = std::min(2 * pause, kSlowestPoll)) {
       control.check();
-      const httplib::Result result = question();
-      if (result && result->status != 503 && result->status != 502 && result->status != 429) return *result;
+      HttpAnswer answer = http_->ask(request);
+      const bool is_answered = answer.status != 0;
+      if (is_answered && answer.status != 503 && answer.status != 502 && answer.status != 429) return answer;
       if (Clock::now() > deadline) {
-        if (result) throw problem_of(*result);
-        throw RemoteError(0, "server_unreachable", job_.server + ": " + httplib::to_string(result.error()));
+        if (is_answered) throw problem_of(answer);
+        throw RemoteError(0, "server_unreachable", job_.server + ": " + answer.failure);
       }
-      tell(result ? "waiting for room" : "waiting for the server", 0);
+      tell(is_answered ? "waiting for room" : "waiting for the server", 0);
       std::this_thread::sleep_for(pause);
     }
   }
 
   std::string submit(const RunControl& control) {
     tell("sending", 0);
-    std::string target = url_.second + "/v1/jobs";
+    std::string path = "/v1/jobs";
     char separator = '?';
     for (const auto& [name, value] : job_.options) {
-      target += std::exchange(separator, '&') + escaped(name) + "=" + escaped(value);
+      path += std::exchange(separator, '&') + escaped(name) + "=" + escaped(value);
     }
-    httplib::Headers headers = headers_;
+    HttpRequest post = request("POST", path);
     // The key is the same at each attempt, so a job whose answer was lost is not created twice.
-    headers.emplace("Idempotency-Key", random_key());
-    if (!job_.accept.empty()) headers.emplace("Accept", job_.accept);
-    if (!job_.content_encoding.empty()) headers.emplace("Content-Encoding", job_.content_encoding);
-    const std::string type = job_.content_type.empty() ? "application/octet-stream" : job_.content_type;
-    bool is_sent = false;
-    const auto post = [&] {
-      is_sent = true;
-      return http_.Post(target, headers, job_.mesh.data(), job_.mesh.size(), type);
-    };
+    post.headers.emplace_back("Idempotency-Key", random_key());
+    if (!job_.accept.empty()) post.headers.emplace_back("Accept", job_.accept);
+    if (!job_.content_encoding.empty()) post.headers.emplace_back("Content-Encoding", job_.content_encoding);
+    post.content_type = job_.content_type.empty() ? "application/octet-stream" : job_.content_type;
+    post.body = job_.mesh;
+    control.check();
     try {
-      const httplib::Response answer = insist(post, control);
+      const HttpAnswer answer = insist(post, control);
       if (answer.status != 202) throw problem_of(answer);
       return path_of_job(answer);
     } catch (const Error&) {
       // The user asked to stop before there was an answer, which may already be under way. Sending again with the same
       // key tells which job it was.
-      if (!is_sent) throw;
-      if (const httplib::Result answer = post(); answer && answer->status == 202) cancel(path_of_job(*answer));
+      if (const HttpAnswer answer = http_->ask(post); answer.status == 202) cancel(path_of_job(answer));
       throw;
     }
   }
 
-  static std::string path_of_job(const httplib::Response& answer) {
+  static std::string path_of_job(const HttpAnswer& answer) {
     return "/v1/jobs/" + json::parse(answer.body).at("id").get<std::string>();
   }
 
-  void cancel(const std::string& path) { http_.Delete(url_.second + path, headers_); }
+  void cancel(const std::string& path) { http_->ask(request("DELETE", path)); }
 
   RemoteError with_job(const RemoteError& error, const std::string& path) const {
     RemoteError told(error.status, error.code,
@@ -203,12 +217,12 @@ class Remote::Client {
     }
   }
 
-  httplib::Response fetch_response(const std::string& path, const RunControl& control) {
-    httplib::Response answer = insist([&] { return http_.Get(url_.second + path, headers_); }, control);
+  HttpAnswer fetch_answer(const std::string& path, const RunControl& control) {
+    HttpAnswer answer = insist(request("GET", path), control);
     if (answer.status != 200) throw problem_of(answer);
     return answer;
   }
-  std::string fetch(const std::string& path, const RunControl& control) { return fetch_response(path, control).body; }
+  std::string fetch(const std::string& path, const RunControl& control) { return fetch_answer(path, control).body; }
 
   void tell(const std::string& stage, double fraction) {
     const std::lock_guard lock(mutex_);
@@ -218,8 +232,7 @@ class Remote::Client {
 
   const RemoteJob job_;
   const std::pair<std::string, std::string> url_;
-  httplib::Client http_;
-  httplib::Headers headers_;
+  const std::unique_ptr<HttpClient> http_;
   mutable std::mutex mutex_;
   std::string stage_ = "queued";
   double fraction_ = 0;

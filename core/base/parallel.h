@@ -8,6 +8,7 @@
 #include <tbb/task_group.h>
 
 #include <algorithm>
+#include <cstddef>
 #include <utility>
 
 #include "core/base/error.h"
@@ -33,17 +34,20 @@ void for_all(Arguments&&... arguments) {
   run_loop([&] { tbb::parallel_for(std::forward<Arguments>(arguments)...); });
 }
 
+/// Work on fewer items is not worth waking a thread.
+inline constexpr int kItemsWorthThreads = 500;
+
 /// Runs tbb::parallel_sort, or std::sort if there are few items.
 template <class Iterator, class... Less>
 void sort_all(Iterator begin, Iterator end, const Less&... less) {
-  constexpr int kFew = 500;
-  if (end - begin < kFew) return std::sort(begin, end, less...);
+  if (end - begin < kItemsWorthThreads) return std::sort(begin, end, less...);
   run_loop([&] { tbb::parallel_sort(begin, end, less...); });
 }
 
-/// Runs tbb::parallel_invoke.
+/// Runs tbb::parallel_invoke, or one part after the other if they work on few items.
 template <class... Parts>
-void do_all(const Parts&... parts) {
+void do_all(std::size_t items, const Parts&... parts) {
+  if (items < kItemsWorthThreads) return (parts(), ...);
   run_loop([&] { tbb::parallel_invoke(parts...); });
 }
 

@@ -67,7 +67,7 @@ class DivideAndConquer {
     const auto do_left = [&] { left = triangulate(begin, middle); };
     const auto do_right = [&] { right = triangulate(middle, end); };
     if (end - begin >= kParallelSize) {
-      do_all(do_left, do_right);
+      do_all(end - begin, do_left, do_right);
     } else {
       do_left();
       do_right();

@@ -258,8 +258,10 @@ class Verification::Tests {
     };
     // In most cases the input is the larger one. It is read on this thread, whose memory is near all other memory of
     // the run.
-    do_all([&] { look_at(numbered.output, {}, output_edges_, seams_after); },
-           [&] { look_at(numbered.input, claim_.surface_edge_order, edges_before, seams_before); });
+    do_all(
+        numbered.input.corners.size() + numbered.output.corners.size(),
+        [&] { look_at(numbered.output, {}, output_edges_, seams_after); },
+        [&] { look_at(numbered.input, claim_.surface_edge_order, edges_before, seams_before); });
     seams_ = Seams{*std::move(seams_before), *std::move(seams_after)};
     check_caps(claim_, numbered, *edges_before, faults_, control_);
     control_.progress(0.2);

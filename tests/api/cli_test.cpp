@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cctype>
 #include <chrono>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -514,6 +515,17 @@ TEST_F(cli, an_interrupt_ends_the_wait_for_input) {
   ASSERT_TRUE(WIFEXITED(status));
   EXPECT_EQ(WEXITSTATUS(status), 1);
   EXPECT_EQ(file_count(), 2u);
+}
+
+TEST_F(cli, a_copy_of_the_program_without_the_http_library_remeshes_but_asks_no_server) {
+  std::filesystem::copy_file(REMESHD_CLI_PATH, path("alone"));
+  const auto run = [&](const std::string& more) {
+    const std::string folder = path("alone").parent_path();
+    return std::system(("cd '" + folder + "' && ./alone square.obj -o out.obj " + more + " 2>err").c_str());
+  };
+  EXPECT_EQ(run(""), 0);
+  EXPECT_NE(run("--server http://127.0.0.1:1"), 0);
+  EXPECT_THAT(read("err"), HasSubstr("remesh_http.so"));
 }
 
 }  // namespace

@@ -32,9 +32,11 @@ packages=("$work"/made/remesh_*.deb "$work"/made/remeshd_*.deb)
 for package in "${packages[@]}"; do
   name=$(dpkg-deb -f "$package" Package)
   asked=" $(dpkg-deb -f "$package" Depends | sed 's/ *([^)]*)//g; s/[,|]/ /g') "
-  needed=$(objdump -p "$build/$name" | sed -n 's/^ *NEEDED *//p')
+  files=("$build/$name")
+  [ "$name" != remesh ] || files+=("$build/remesh_http.so")
+  needed=$(objdump -p "${files[@]}" | sed -n 's/^ *NEEDED *//p' | sort -u)
   for library in $needed; do
-    path=$(ldd "$build/$name" | sed -n "s|^[[:space:]]*$library => \\([^ ]*\\) .*|\\1|p")
+    path=$(ldd "${files[@]}" | sed -n "s|^[[:space:]]*$library => \\([^ ]*\\) .*|\\1|p" | head -n 1)
     [ -n "$path" ] || continue # the loader itself
     # dpkg knows some of them below /lib, where a merged system has them below /usr/lib.
     path=$(realpath "$path")
@@ -83,6 +85,8 @@ done
 address=$(sed -n 's/.*"address":"\([^"]*\)".*/\1/p' "$work/daemon")
 curl -fsS -H "X-API-Key: $key" --data-binary "@$source/tests/data/bracket.obj" "http://$address/v1/remesh" -o "$work/out.obj" ||
   fail "it answers no request"
+REMESH_API_KEY=$key "$root/usr/bin/remesh" --server "http://$address" "$source/tests/data/bracket.obj" -o "$work/out.ply" \
+  2>/dev/null || fail "the command line cannot ask it"
 [ -e "$root/var/lib/remeshd/jobs.sqlite" ] || fail "it keeps no jobs in its folder"
 kill "$daemon"
 wait "$daemon" || fail "it ended with $?"

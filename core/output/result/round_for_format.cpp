@@ -299,14 +299,15 @@ void measure_output(Result& result, RunControl& control) {
   const auto begins = triangle_begins(result.mesh.faces.size(), control);
   const Adjacency edges(positions.size(), begins, corners, control);
   // The two tasks have serial parts that do not depend on each other, so they run at the same time.
-  do_all([&] { report.output = measure_surface(positions, begins, corners, edges, corners, control); },
-         [&] {
-           const BodyLabels labels =
-               labels_of_result(result.rounding_input.patch_labels, result.face_patch.items(), control);
-           report.volume_obstacles = find_volume_obstacles(
-               positions, corners, edges, labels, report.verified.intersections, report.plane_tolerance, control);
-           add_incomplete_check(report.verified.searched, result.mesh.faces.size(), report.volume_obstacles);
-         });
+  do_all(
+      corners.size(), [&] { report.output = measure_surface(positions, begins, corners, edges, corners, control); },
+      [&] {
+        const BodyLabels labels =
+            labels_of_result(result.rounding_input.patch_labels, result.face_patch.items(), control);
+        report.volume_obstacles = find_volume_obstacles(positions, corners, edges, labels,
+                                                        report.verified.intersections, report.plane_tolerance, control);
+        add_incomplete_check(report.verified.searched, result.mesh.faces.size(), report.volume_obstacles);
+      });
   report.output.intersecting_pairs = report.verified.intersections.size();
   report.unrefined = summarise_unrefined(result.rounding_input.unrefined, positions, result.mesh.faces.items(),
                                          result.rounding_input.goals, control);

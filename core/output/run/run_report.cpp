@@ -150,14 +150,15 @@ class RunReporter {
         settings.want_face_source || do_labels_need_sources(run_.input.labels, run_.options.barriers);
     IdVector<FaceId, FaceId> source;
     // The two tasks have serial parts that do not depend on each other, so they run at the same time.
-    do_all([&] { measure_output(result, run_.control); },
-           [&] {
-             // The source of each output face is the input face under its centroid.
-             source = are_sources_needed ? face_source(run_.surface(), run_.partition.patches,
-                                                       run_.candidate.triangulated, run_.control)
-                                         : first_faces(run_.surface(), run_.partition.patches, result.face_patch);
-             run_.candidate.clear();
-           });
+    do_all(
+        result.mesh.faces.size(), [&] { measure_output(result, run_.control); },
+        [&] {
+          // The source of each output face is the input face under its centroid.
+          source = are_sources_needed
+                       ? face_source(run_.surface(), run_.partition.patches, run_.candidate.triangulated, run_.control)
+                       : first_faces(run_.surface(), run_.partition.patches, result.face_patch);
+          run_.candidate.clear();
+        });
     run_.watch.enter(Stage::kAssembly);
     report_coarsened_surfaces(run_.surface(), run_.partition.patches, run_.joined.curved(), RefinedFaces::Are::kCounted,
                               result.report);

@@ -33,9 +33,9 @@ struct Seed {
   }
 };
 
-/// Gives some faces in the order of seeds. Most faces get their region from another face, so that only a few are ever
-/// needed as seeds. Therefore each block of faces stores its first seed, and is searched again when that seed has been
-/// taken.
+/// Gives some faces in the order of seeds. Where regions are large, most faces get their region from another face, so
+/// that only a few are ever needed as seeds. Therefore each block of faces stores its first seed, and is searched again
+/// when that seed has been taken. Where regions turn out to be small, the faces are sorted.
 class Seeds {
  public:
   Seeds(const Surface& surface, const FaceGeometries& geometry, RunControl& control)
@@ -44,7 +44,7 @@ class Seeds {
   /// Starts again with these faces. The span must exist as long as `next` is called.
   void begin(std::span<const std::uint32_t> faces) {
     faces_ = faces;
-    looks_left_ = kLooks * faces.size();
+    looks_ = 0;
     first_of_block_.clear();
     is_sorted_ = false;
     sorted_.clear();
@@ -52,18 +52,20 @@ class Seeds {
   }
 
   /// The next face that is still free; invalid at the end. A face that is not free must never become free again.
+  /// Input: `taken` - the number of faces that have been taken since `begin`.
   template <class IsFree>
-  FaceId next(const IsFree& is_free) {
-    if (!is_sorted_ && looks_left_ > 0) return first(is_free);
+  FaceId next(std::size_t taken, const IsFree& is_free) {
+    if (!is_sorted_ && looks_ <= faces_.size() + kLooks * taken) return first(is_free);
     if (!is_sorted_) sort(is_free);
     while (next_ < sorted_.size() && !is_free(sorted_[next_])) ++next_;
+    fetch_ahead();
     return next_ < sorted_.size() ? sorted_[next_++] : FaceId();
   }
 
   Seed placed(FaceId f) const { return {geometry_[f].area, face_centre(surface_, f), f}; }
 
  private:
-  /// Each face may be looked at this many times on average before the faces are sorted.
+  /// Before the faces are sorted, all may be looked at once, and so many for each face that has been taken.
   static constexpr std::size_t kLooks = 8;
   static constexpr std::size_t kFacesPerBlock = 4096;
 
@@ -87,7 +89,7 @@ class Seeds {
     for (std::size_t block = 0; block < first_of_block_.size(); ++block)
       if (const FaceId f = first_of_block_[block].face; is_new || (f.is_valid() && !is_free(f)))
         stale_.push_back(block);
-    looks_left_ -= std::min(looks_left_, first_of_block_.size() + kFacesPerBlock * stale_.size());
+    looks_ += first_of_block_.size() + std::min(faces_.size(), kFacesPerBlock * stale_.size());
     for_blocks(stale_.size(), 1, control_, [&](std::size_t i, std::size_t) {
       const std::size_t begin = kFacesPerBlock * stale_[i];
       first_of_block_[stale_[i]] = first_of(begin, std::min(faces_.size(), begin + kFacesPerBlock), is_free);
@@ -96,6 +98,18 @@ class Seeds {
     for (const Seed& other : first_of_block_)
       if (other.face.is_valid() && (!best.face.is_valid() || other.is_before(best))) best = other;
     return best.face;
+  }
+
+  /// Fetches what the growths from later seeds read first, in three steps, since each step reads what the step before
+  /// has fetched. Large meshes do not fit into the cache, and seeds that follow each other lie anywhere in memory.
+  void fetch_ahead() const {
+    constexpr std::size_t kStep = 8;
+    if (next_ + 3 * kStep >= sorted_.size()) return;
+    const FaceId last = sorted_[next_ + 3 * kStep];
+    __builtin_prefetch(&geometry_[last]);
+    __builtin_prefetch(&surface_.face_begin[last.value]);
+    __builtin_prefetch(surface_.face(sorted_[next_ + 2 * kStep]).data());
+    for (const VertexId v : surface_.face(sorted_[next_ + kStep])) __builtin_prefetch(&surface_.local[v]);
   }
 
   template <class IsFree>
@@ -119,7 +133,7 @@ class Seeds {
   const FaceGeometries& geometry_;
   RunControl& control_;
   std::span<const std::uint32_t> faces_;
-  std::size_t looks_left_ = 0;
+  std::size_t looks_ = 0;
   std::vector<Seed> first_of_block_;  ///< invalid if no face of the block is free
   std::vector<std::size_t> stale_;
   bool is_sorted_ = false;
@@ -309,8 +323,9 @@ class Growth {
     for (const bool thin : {false, true}) {
       const auto is_free = [&](FaceId f) { return stamp_[f.value] != kTaken && rule_.is_thin(f) == thin; };
       walk.seeds.begin(island);
+      const std::size_t left_before = left;
       while (left > 0) {
-        const FaceId seed = walk.seeds.next(is_free);
+        const FaceId seed = walk.seeds.next(left_before - left, is_free);
         if (!seed.is_valid()) break;
         std::optional<FittedPlane> region;
         if (left == island.size()) region = planes_.of_all(seed, island);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <tuple>
 #include <utility>
@@ -56,11 +57,10 @@ class Merging {
       if (!merge(pairs, pass) || pass + 1 == kMaxPasses) break;
       pairs = bordering_pieces();
     }
-    StopCheck check(control_);
-    for (std::uint32_t r = 0; r < pieces_.size(); ++r) {
-      check();
-      if (pieces_[r].content != kNone && joined_.find(r) == r && content_of(r).merged_in >= 0) finish(r);
-    }
+    for_blocks(pieces_.size(), kMergeBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (auto r = static_cast<std::uint32_t>(begin); r < end; ++r)
+        if (pieces_[r].content != kNone && joined_.find(r) == r && content_of(r).merged_in >= 0) finish(r);
+    });
   }
 
  private:
@@ -136,12 +136,17 @@ class Merging {
       }
     }
     if (contents_.size() == first) return;
-    for (FaceId f(0); f.value < surface_.face_count(); ++f.value) {
-      if (f.value % kMergeBlock == 0) control_.check_and_move();
+    const auto is_new = [&](std::size_t f) {
+      const RegionId r = regions_.of_face[FaceId(f)];
+      if (r.value < first_region_) return false;
+      const std::uint32_t content = pieces_[r.value - first_region_].content;
+      return content != kNone && content >= first;
+    };
+    StopCheck check(control_);
+    for (const FaceId f : select_ids<FaceId>(surface_.face_count(), kMergeBlock, control_, is_new)) {
+      check();
       const RegionId r = regions_.of_face[f];
-      if (r.value < first_region_) continue;
       const Piece& piece = pieces_[r.value - first_region_];
-      if (piece.content == kNone || piece.content < first) continue;
       Content& content = contents_[piece.content];
       content.faces.push_back(f);
       for (const VertexId v : surface_.face(f)) {
@@ -154,18 +159,48 @@ class Merging {
     }
   }
 
+  /// Groups of pairs that are connected through regions. The pairs of a group are tried in their order. Two groups have
+  /// no region in common, so groups are independent of each other.
+  struct Groups {
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> items;  ///< the group and the number of each pair, ascending
+    std::vector<std::size_t> begin;  ///< where each group's items begin; one entry more than there are groups
+  };
+
+  Groups group(const Pairs& pairs) {
+    UnionFind sets(pieces_.size());
+    for_blocks(pairs.size(), kMergeBlock, control_, [&](std::size_t i, std::size_t end) {
+      for (; i < end; ++i) sets.join(pairs[i].first, pairs[i].second);
+    });
+    Groups groups;
+    groups.items.resize(pairs.size());
+    for_blocks(pairs.size(), kMergeBlock, control_, [&](std::size_t i, std::size_t end) {
+      for (; i < end; ++i) groups.items[i] = {sets.find(pairs[i].first), static_cast<std::uint32_t>(i)};
+    });
+    sort_stoppable(groups.items.begin(), groups.items.end(), control_);
+    groups.begin = select_ids<std::size_t>(pairs.size(), kMergeBlock, control_, [&](std::size_t i) {
+      return i == 0 || groups.items[i].first != groups.items[i - 1].first;
+    });
+    groups.begin.push_back(pairs.size());
+    return groups;
+  }
+
   /// Output: whether any regions were merged.
   bool merge(const Pairs& pairs, int pass) {
-    bool is_changed = false;
-    for (const auto& pair : pairs) {
-      control_.check();
-      const auto [a, b] = std::minmax({joined_.find(pair.first), joined_.find(pair.second)});
-      // A pair of regions that have not changed since they were tried needs no new try.
-      if (a == b || (pass > 0 && std::max(content_of(a).merged_in, content_of(b).merged_in) < pass - 1)) continue;
-      if (!try_merge(a, b)) continue;
-      content_of(a).merged_in = static_cast<std::int8_t>(pass);
-      is_changed = true;
-    }
+    constexpr std::size_t kGroupsPerTask = 64;
+    const Groups groups = group(pairs);
+    std::atomic<bool> is_changed = false;
+    for_blocks(groups.begin.size() - 1, kGroupsPerTask, control_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = groups.begin[begin]; i < groups.begin[end]; ++i) {
+        control_.check();
+        const auto& pair = pairs[groups.items[i].second];
+        const auto [a, b] = std::minmax({joined_.find(pair.first), joined_.find(pair.second)});
+        // A pair of regions that have not changed since they were tried needs no new try.
+        if (a == b || (pass > 0 && std::max(content_of(a).merged_in, content_of(b).merged_in) < pass - 1)) continue;
+        if (!try_merge(a, b)) continue;
+        content_of(a).merged_in = static_cast<std::int8_t>(pass);
+        is_changed = true;
+      }
+    });
     return is_changed;
   }
 

@@ -20,7 +20,7 @@ namespace remesh {
 ///         more.
 /// Cost:   O(n log n). A test costs as much as the smaller region. The larger region is represented by its box and by a
 ///         few faces that did not fit before. It is tested face by face only a bounded number of times until it has
-///         doubled.
+///         doubled. Pairs that have no region in common are tested in parallel.
 void merge_regions(const Surface& surface, const Adjacency& adjacency, const Coplanarity& rule,
                    std::uint32_t first_region, std::span<const FaceId> seeds, std::span<const double> heights,
                    Regions& regions, RunControl& control);

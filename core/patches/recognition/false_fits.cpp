@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <optional>
 
 #include "core/base/stoppable.h"
 #include "core/patches/recognition/free_regions.h"
@@ -23,10 +24,11 @@ constexpr double kClear = 0.1;
 
 void drop_false_fits(const FacetGraph& graph, ClaimTable& table, RunControl& control) {
   StopCheck check(control);
-  const FreeRegions seas(graph, table, control);
+  std::optional<FreeRegions> seas;  // on most surfaces none is needed
   for (SurfaceClaim& claim : table.claims) {
     if (claim.facets.empty() || claim.facets.size() > kMaxFacets) continue;
     if (claim.facets.size() >= kMinClear && claim.deviation <= kClear * claim.tolerance) continue;
+    if (!seas) seas.emplace(graph, table, control);
     double border = 0, shore = 0, sea = 0;
     for (const PatchId p : claim.facets)
       for (std::uint32_t s = graph.sides_begin(p); s < graph.sides_end(p); ++s) {
@@ -36,7 +38,7 @@ void drop_false_fits(const FacetGraph& graph, ClaimTable& table, RunControl& con
         const double length = norm(graph.position(graph.end_vertex(s)) - graph.position(graph.vertex(s)));
         border += length;
         if (!q.is_valid()) continue;
-        const double area = seas.area_of(q);
+        const double area = seas->area_of(q);
         if (area > 0) shore += length;
         sea = std::max(sea, area);
       }

@@ -322,7 +322,8 @@ class Records {
 
   /// Adds a plane for each remaining facet.
   void add_planes() {
-    result_.surfaces.reserve(result_.surfaces.size() + graph_.size());
+    const auto left = std::count(result_.of_patch.begin(), result_.of_patch.end(), SurfaceId());
+    result_.surfaces.reserve(result_.surfaces.size() + static_cast<std::size_t>(left));
     for (std::size_t i = 0; i < graph_.size(); ++i) {
       check_();
       const PatchId p(i);

@@ -142,7 +142,9 @@ class BoundaryCheck {
   Boundary run() {
     std::vector<FoundFault> in_input, in_output;
     std::vector<double> slivers_of_output(numbered_.patch_count(), 0);
-    do_all([&] { walk_input(in_input); }, [&] { walk_output(in_output, slivers_of_output); });
+    do_all(
+        numbered_.input.corners.size() + numbered_.output.corners.size(), [&] { walk_input(in_input); },
+        [&] { walk_output(in_output, slivers_of_output); });
     faults_.add(in_input);
     faults_.add(in_output);
     for (std::size_t p = 0; p < numbered_.patch_count(); ++p) result_.slivers[p] += slivers_of_output[p];

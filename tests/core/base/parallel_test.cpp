@@ -8,6 +8,7 @@
 #include <chrono>
 #include <stdexcept>
 #include <thread>
+#include <utility>
 #include <vector>
 
 namespace remesh {
@@ -23,6 +24,15 @@ bool comes_true(const Condition& condition) {
     std::this_thread::yield();
   }
   return true;
+}
+
+TEST(parallel, parts_that_work_on_few_items_run_one_after_the_other_on_the_thread_that_calls) {
+  std::vector<std::pair<int, std::thread::id>> ran;  // without a lock
+  do_all(
+      kItemsWorthThreads - 1, [&] { ran.emplace_back(1, std::this_thread::get_id()); },
+      [&] { ran.emplace_back(2, std::this_thread::get_id()); });
+  const std::thread::id own = std::this_thread::get_id();
+  EXPECT_EQ(ran, (std::vector<std::pair<int, std::thread::id>>{{1, own}, {2, own}}));
 }
 
 TEST(parallel, a_task_goes_no_further_than_its_loop_once_another_task_has_thrown) {
@@ -41,7 +51,7 @@ TEST(parallel, a_task_goes_no_further_than_its_loop_once_another_task_has_thrown
     };
     const auto loop = [&] {
       if (kind == 0) for_all(0, 2, [&](int) { wait(); });
-      if (kind == 1) do_all(wait, wait);
+      if (kind == 1) do_all(kItemsWorthThreads, wait, wait);
       if (kind == 2) {
         std::vector<int> numbers(10'000);
         for (int i = 0; i < 10'000; ++i) numbers[static_cast<std::size_t>(i)] = 7919 * i % 10'007;
@@ -53,7 +63,7 @@ TEST(parallel, a_task_goes_no_further_than_its_loop_once_another_task_has_thrown
       has_gone_on = true;
     };
     try {
-      arena.execute([&] { do_all(fail, loop); });
+      arena.execute([&] { do_all(kItemsWorthThreads, fail, loop); });
       ADD_FAILURE() << kind;
     } catch (const std::runtime_error& error) {
       EXPECT_STREQ(error.what(), "the first");
