@@ -43,8 +43,9 @@ constexpr double kThinFlap = 8;
 constexpr double kThin = 0.5;
 constexpr int kMaxThinPasses = 16;
 /// Joins that follow on each other may move a point by more than their distance. Then the triangles are arranged anew
-/// with these shares of the distance.
-constexpr double kLessDistance[] = {0.5, 0.25};
+/// with these shares of the distance. Where triangles still intersect, features straddle the distance: with the last
+/// share, few do.
+constexpr double kLessDistance = 0.5, kLeastDistance = 0x1p-4;
 /// A rounding of how far points have moved.
 constexpr double kRoundingOfMoves = 1 + 0x1p-30;
 /// A rounding step of coordinates that are at most 1.
@@ -514,12 +515,12 @@ Arrangement arrange(std::span<const Vec3> positions, std::span<const Triangle> f
                     RunControl& control) {
   Arrangement best = Arranging(positions, faces, distance, distance, control).run();
   const auto is_moved_too_far = [&](const Arrangement& a) { return a.moved > kRoundingOfMoves * distance; };
-  for (const double share : kLessDistance) {
+  const auto faults = [&](const Arrangement& a) { return std::pair(a.left.size(), is_moved_too_far(a)); };
+  for (const double share : {kLessDistance, kLeastDistance}) {
     if (best.is_given_up || (best.left.empty() && !is_moved_too_far(best))) break;
+    if (share > kLeastDistance && !best.left.empty()) continue;
     Arrangement other = Arranging(positions, faces, share * distance, distance, control).run();
-    if (other.is_given_up) continue;
-    const auto faults = [&](const Arrangement& a) { return std::pair(a.left.size(), is_moved_too_far(a)); };
-    if (faults(other) < faults(best)) best = std::move(other);
+    if (!other.is_given_up && faults(other) < faults(best)) best = std::move(other);
   }
   return best;
 }

@@ -25,7 +25,8 @@ namespace {
 
 using Parts = std::vector<PolygonMesh>;
 
-/// What may be wrong with a run.
+/// What may be wrong with a run. Thin triangles are counted, but no failure where parts are moved by about the tolerance:
+/// there, some features are joined and others are not.
 enum Fault { kRefused, kPairs, kThin, kMoved, kOpen, kTriangles, kPieces, kVolume, kFaults };
 constexpr std::array<const char*, kFaults> kNames{"refused", "pairs",     "thin",   "moved",
                                                   "open",    "triangles", "pieces", "volume"};
@@ -54,7 +55,7 @@ class Judge {
   explicit Judge(bool is_told) : is_told_(is_told) {}
 
   /// Input: `known` is of the union, and `triangles` the number of triangles of the arrangement.
-  void run(const Parts& parts, const Known& known, long triangles = -1) {
+  void run(const Parts& parts, const Known& known, long triangles = -1, bool may_be_thin = false) {
     for (const bool is_union : {false, true}) {
       std::array<bool, kFaults> is_faulty{};
       std::string said;
@@ -78,7 +79,7 @@ class Judge {
       bool is_any = false;
       for (int i = 0; i < kFaults; ++i) {
         count_[static_cast<std::size_t>(i)] += is_faulty[static_cast<std::size_t>(i)] ? 1 : 0;
-        is_any = is_any || is_faulty[static_cast<std::size_t>(i)];
+        is_any = is_any || (is_faulty[static_cast<std::size_t>(i)] && !(may_be_thin && i == kThin));
       }
       if (is_any) ++failures_;
       if (is_told_ && !said.empty()) std::printf("    %s\n", said.c_str());
@@ -188,7 +189,7 @@ class Families {
           Known known{row.volume, row.area * factor * tolerance};
           if (factor < .5) known.triangles = of_union;
           if (factor < .5) known.shells = static_cast<long>(row.shells);
-          judge.run(parts, known, factor < .5 ? triangles : -1);
+          judge.run(parts, known, factor < .5 ? triangles : -1, factor >= .5);
         });
       }
     }
@@ -208,7 +209,7 @@ class Families {
                     for (int axis = 0; axis < 3; ++axis)
                       p[axis] = is_float ? static_cast<double>(static_cast<float>(p[axis]))
                                          : std::round(p[axis] * step) / step;
-                judge.run(parts, {row.volume, row.area * (is_float ? 1e-6 : 1 / step)});
+                judge.run(parts, {row.volume, row.area * (is_float ? 1e-6 : 1 / step)}, -1, true);
               });
       }
   }

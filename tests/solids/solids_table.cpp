@@ -5,7 +5,9 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 #include <functional>
+#include <iterator>
 #include <set>
 #include <string>
 #include <string_view>
@@ -14,6 +16,7 @@
 
 #include "core/geometry/exact/predicates_3d.h"
 #include "core/geometry/intersections/self_intersections.h"
+#include "core/io/mesh_files.h"
 #include "core/solids/solid_union.h"
 #include "tests/solids/solid_measures.h"
 #include "tests/solids/solid_rows.h"
@@ -194,7 +197,25 @@ class Judge {
   std::size_t runs_ = 0, failures_ = 0;
 };
 
+/// Prints how many pairs of triangles of a mesh intersect by our test and by that of CGAL.
+int print_pairs(const std::string& path) {
+  RunControl control;
+  std::ifstream file(path, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const PolygonMesh mesh = read_mesh(Format::kObj, text, {}, control).mesh;
+  TriangleMesh triangles;
+  triangles.positions = mesh.positions;
+  for (FaceId f(0); f.value < mesh.face_count(); ++f.value)
+    triangles.faces.push_back({mesh.face(f)[0], mesh.face(f)[1], mesh.face(f)[2]});
+  constexpr std::size_t kMany = 1000;
+  const SelfIntersections ours =
+      self_intersections(triangles.positions.items(), triangles.faces.items(), {}, SearchLimits(kMany), control);
+  std::printf("%zu %zu\n", ours.pairs.size(), pairs_by_cgal(triangles, kMany));
+  return 0;
+}
+
 int run(int argc, char** argv) {
+  if (argc == 3 && std::string_view(argv[1]) == "--pairs-of") return print_pairs(argv[2]);
   bool is_short = false;
   std::set<int> only;
   std::string_view way;
