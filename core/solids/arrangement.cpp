@@ -45,7 +45,7 @@ constexpr int kMaxThinPasses = 16;
 /// Joins that follow on each other may move a point by more than their distance. Then the triangles are arranged anew
 /// with these shares of the distance. Where triangles still intersect, features straddle the distance: with the last
 /// share, few do.
-constexpr double kLessDistance = 0.5, kLeastDistance = 0x1p-4;
+constexpr double kLessDistance = 0.5, kMinDistance = 0x1p-4;
 /// A rounding of how far points have moved.
 constexpr double kRoundingOfMoves = 1 + 0x1p-30;
 /// A rounding step of coordinates that are at most 1.
@@ -56,6 +56,8 @@ double smallest_height(const Corners3& t) {
   return longest > 0 ? norm(cross(t[1] - t[0], t[2] - t[0])) / longest : 0;
 }
 
+/// Arranges triangles once.
+/// This class is larger than the bound because all of its steps work on one soup and on which of its faces are active.
 class Arranging {
  public:
   /// Input: `limit` is how far points may move.
@@ -516,9 +518,9 @@ Arrangement arrange(std::span<const Vec3> positions, std::span<const Triangle> f
   Arrangement best = Arranging(positions, faces, distance, distance, control).run();
   const auto is_moved_too_far = [&](const Arrangement& a) { return a.moved > kRoundingOfMoves * distance; };
   const auto faults = [&](const Arrangement& a) { return std::pair(a.left.size(), is_moved_too_far(a)); };
-  for (const double share : {kLessDistance, kLeastDistance}) {
+  for (const double share : {kLessDistance, kMinDistance}) {
     if (best.is_given_up || (best.left.empty() && !is_moved_too_far(best))) break;
-    if (share > kLeastDistance && !best.left.empty()) continue;
+    if (share > kMinDistance && !best.left.empty()) continue;
     Arrangement other = Arranging(positions, faces, share * distance, distance, control).run();
     if (!other.is_given_up && faults(other) < faults(best)) best = std::move(other);
   }

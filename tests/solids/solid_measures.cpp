@@ -71,8 +71,7 @@ std::size_t pairs_by_cgal(const TriangleMesh& mesh, std::size_t enough) {
       for (int axis = 1; axis < 3; ++axis)
         do_meet = do_meet && boxes[i].first.min[axis] <= boxes[j].first.max[axis] &&
                   boxes[j].first.min[axis] <= boxes[i].first.max[axis];
-      if (do_meet && do_intersect(mesh.faces[boxes[i].second], mesh.faces[boxes[j].second]) &&
-          ++count == enough)
+      if (do_meet && do_intersect(mesh.faces[boxes[i].second], mesh.faces[boxes[j].second]) && ++count == enough)
         return count;
     }
   return count;

@@ -14,7 +14,7 @@ struct Measures {
   double largest = 0;    ///< coordinate
   double narrowest = 0;  ///< the smallest height of a triangle
   int euler = 0;
-  std::size_t shells = 0;  ///< parts that hang together over edges of two faces
+  std::size_t shells = 0;                       ///< parts that hang together over edges of two faces
   std::size_t four_faces = 0, other_edges = 0;  ///< edges with four faces, and with neither two nor four
 };
 Measures measures_of(const TriangleMesh& mesh);

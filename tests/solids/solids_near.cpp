@@ -25,13 +25,13 @@ namespace {
 
 using Parts = std::vector<PolygonMesh>;
 
-/// What may be wrong with a run. Thin triangles are counted, but no failure where parts are moved by about the tolerance:
-/// there, some features are joined and others are not.
+/// A fault is what may be wrong with a run. Thin triangles are counted, but are no failure where parts are moved by about
+/// the tolerance: there, some features are joined and others are not.
 enum Fault { kRefused, kPairs, kThin, kMoved, kOpen, kTriangles, kPieces, kVolume, kFaults };
 constexpr std::array<const char*, kFaults> kNames{"refused", "pairs",     "thin",   "moved",
                                                   "open",    "triangles", "pieces", "volume"};
 
-/// What is known of a union. Numbers below 0 are not known.
+/// These are the known figures of a union. Numbers below 0 are not known.
 struct Known {
   double volume = -1;
   double off = 0;  ///< how far the volume may be off, but for what points have moved
@@ -45,9 +45,7 @@ Options options_for(bool is_union) {
   return options;
 }
 
-double tolerance_of(const Parts& parts) {
-  return remeshed(as_one(parts), unrefined()).report.first_plane_tolerance;
-}
+double tolerance_of(const Parts& parts) { return remeshed(as_one(parts), unrefined()).report.first_plane_tolerance; }
 
 /// Counts the runs of a family for one value that have each fault.
 class Judge {
@@ -102,10 +100,10 @@ class Judge {
     RunControl control;
     const Measures measures = measures_of(result.mesh);
     const double tolerance = result.report.first_plane_tolerance;
-    is_faulty[kPairs] = !self_intersections(result.mesh.positions.items(), result.mesh.faces.items(), {},
-                                            SearchLimits(1000), control)
-                             .pairs.empty() ||
-                        pairs_by_cgal(result.mesh, 1) > 0;
+    is_faulty[kPairs] =
+        !self_intersections(result.mesh.positions.items(), result.mesh.faces.items(), {}, SearchLimits(1000), control)
+             .pairs.empty() ||
+        pairs_by_cgal(result.mesh, 1) > 0;
     is_faulty[kThin] = measures.narrowest < tolerance / 2;
     is_faulty[kMoved] = moved(result) > tolerance;
     is_faulty[kOpen] = is_union && measures.other_edges > 0;
@@ -136,8 +134,7 @@ struct Extent {
 class Families {
  public:
   /// Input: `only` is empty, or part of the name of families and values.
-  Families(const Extent& extent, std::string only)
-      : extent_(extent), only_(std::move(only)), random_(base_seed(63)) {}
+  Families(const Extent& extent, std::string only) : extent_(extent), only_(std::move(only)), random_(base_seed(63)) {}
 
   /// Two equal faces with a gap (above 0) or an overlap (below 0) between them.
   void gaps() {
@@ -165,8 +162,8 @@ class Families {
         judge(is_about_side ? "tilt about a side" : "tilt about the middle", text(angle), extent_.turns,
               [&](Judge& judge) {
                 const Vec3 pivot{is_about_side ? 0 : -.5, -.5, 0};
-                PolygonMesh upper = shapes::rotated(shapes::moved(box(), pivot), {0, 1, 0},
-                                                    -angle * 180 / std::numbers::pi);
+                PolygonMesh upper =
+                    shapes::rotated(shapes::moved(box(), pivot), {0, 1, 0}, -angle * 180 / std::numbers::pi);
                 upper = shapes::moved(upper, Vec3{0, 0, 1} - pivot);
                 const Parts parts = turned({box(), upper});
                 const double tolerance = tolerance_of(parts);
@@ -230,8 +227,7 @@ class Families {
       for (const int number : {3, 5, 7, 13, 14, 15})
         if (row.number == number) chosen.push_back(std::move(row));
     SolidRow cubes{27, "cubes", {}, 27, 54, 2};
-    for (int i = 0; i < 27; ++i)
-      cubes.parts.push_back(shapes::moved(box(), {i % 3 + 0., i / 3 % 3 + 0., i / 9 + 0.}));
+    for (int i = 0; i < 27; ++i) cubes.parts.push_back(shapes::moved(box(), {i % 3 + 0., i / 3 % 3 + 0., i / 9 + 0.}));
     chosen.push_back(std::move(cubes));
     return chosen;
   }

@@ -57,7 +57,8 @@ def fill(name, surface, folder, seconds):
     try:
         _, tetrahedra = MESHERS[name](surface, folder, seconds)
     except volume_check.ToolFailed as failure:
-        return str(failure)
+        # TetGen ends well without a tetrahedron where the surface is open.
+        return "nothing inside" if str(failure).startswith("exit code 0") else str(failure)
     return str(len(tetrahedra))
 
 
