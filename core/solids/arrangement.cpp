@@ -46,6 +46,8 @@ constexpr int kMaxThinPasses = 16;
 /// with these shares of the distance. Where triangles still intersect, features straddle the distance: with the last
 /// share, few do.
 constexpr double kLessDistance = 0.5, kMinDistance = 0x1p-4;
+/// That is not tried where more than one triangle in so many is in a pair that intersects: it would take long.
+constexpr std::size_t kFacesPerPair = 16;
 /// A rounding of how far points have moved.
 constexpr double kRoundingOfMoves = 1 + 0x1p-30;
 /// A rounding step of coordinates that are at most 1.
@@ -520,6 +522,7 @@ Arrangement arrange(std::span<const Vec3> positions, std::span<const Triangle> f
   const auto faults = [&](const Arrangement& a) { return std::pair(a.left.size(), is_moved_too_far(a)); };
   for (const double share : {kLessDistance, kMinDistance}) {
     if (best.is_given_up || (best.left.empty() && !is_moved_too_far(best))) break;
+    if (best.left.size() > best.faces.size() / kFacesPerPair) break;
     if (share > kMinDistance && !best.left.empty()) continue;
     Arrangement other = Arranging(positions, faces, share * distance, distance, control).run();
     if (!other.is_given_up && faults(other) < faults(best)) best = std::move(other);
