@@ -46,7 +46,7 @@ constexpr int kMaxThinPasses = 16;
 /// with these shares of the distance. Where triangles still intersect, features straddle the distance: with the last
 /// share, few do.
 constexpr double kLessDistance = 0.5, kMinDistance = 0x1p-4;
-/// That is not tried where more than one triangle in so many is in a pair that intersects: it would take long.
+/// No other distance is tried if the pairs that intersect are more than one for so many triangles: it would take long.
 constexpr std::size_t kFacesPerPair = 16;
 /// A rounding of how far points have moved.
 constexpr double kRoundingOfMoves = 1 + 0x1p-30;
