@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "core/base/blocks.h"
+#include "core/base/grouping.h"
 #include "core/base/largest_coordinate.h"
 #include "core/base/stoppable.h"
 #include "core/geometry/intersections/self_intersections.h"
@@ -36,8 +37,19 @@ constexpr int kMaxRounds = 6;
 constexpr double kFirstSteps = 4, kRoundFactor = 16;
 /// These distances stay below this share of the distance of contacts.
 constexpr double kShareOfRounds = 0.125;
-/// Faces are thin up to so many distances of contacts.
+/// Flaps are thin up to so many distances of contacts.
 constexpr double kThinFlap = 8;
+/// Triangles are thin below this share of how far points may move. They are taken away in so many passes at most.
+constexpr double kThin = 0.5;
+constexpr int kMaxThinPasses = 16;
+/// Joins that follow on each other may move a point by more than their distance. Then the triangles are arranged anew
+/// with these shares of the distance. Where triangles still intersect, features straddle the distance: with the last
+/// share, few do.
+constexpr double kLessDistance = 0.5, kMinDistance = 0x1p-4;
+/// No other distance is tried if the pairs that intersect are more than one for so many triangles: it would take long.
+constexpr std::size_t kFacesPerPair = 16;
+/// A rounding of how far points have moved.
+constexpr double kRoundingOfMoves = 1 + 0x1p-30;
 /// A rounding step of coordinates that are at most 1.
 constexpr double kRoundingStep = 0x1p-53;
 
@@ -46,14 +58,19 @@ double smallest_height(const Corners3& t) {
   return longest > 0 ? norm(cross(t[1] - t[0], t[2] - t[0])) / longest : 0;
 }
 
+/// Arranges triangles once.
+/// This class is larger than the bound because all of its steps work on one soup and on which of its faces are active.
 class Arranging {
  public:
-  Arranging(std::span<const Vec3> positions, std::span<const Triangle> faces, double distance, RunControl& control)
+  /// Input: `limit` is how far points may move.
+  Arranging(std::span<const Vec3> positions, std::span<const Triangle> faces, double distance, double limit,
+            RunControl& control)
       : input_positions_(positions), input_faces_(faces), control_(control) {
     double largest = 0;
     for (const Vec3& p : positions) largest = std::max(largest, largest_coordinate(p));
     exponent_ = largest > 0 ? std::ilogb(largest) + 1 : 0;
     distance_ = std::ldexp(distance, -exponent_);
+    limit_ = std::ldexp(limit, -exponent_);
   }
 
   Arrangement run() {
@@ -64,12 +81,30 @@ class Arranging {
     result.is_changed = is_changed_;
     active_.clear();
     if (!find_intersecting(result.left)) return give_up(result);
+    if (!cut_until_nothing_crosses(result)) return give_up(result);
+    if (result.is_changed) join_thin(result);
+    drop_flaps(result.left);
+    finish(result);
+    return result;
+  }
+
+ private:
+  static Arrangement give_up(const Arrangement& so_far) {
+    Arrangement none;
+    none.is_given_up = true;
+    none.rounds = so_far.rounds;
+    return none;
+  }
+
+  /// Cuts faces along the pairs that intersect. Where rounding makes new pairs, near points are joined, and so on.
+  /// Output: false if that is too much.
+  bool cut_until_nothing_crosses(Arrangement& result) {
     bool is_known = true;      // whether all pairs are
     std::optional<Soup> best;  // the one with the fewest pairs that intersect, if some do after the first cut
     std::vector<std::pair<FaceId, FaceId>> left_of_best;
     for (int round = 0; !result.left.empty(); ++round) {
       result.is_changed = true;
-      if (!cut_crossings(result)) return give_up(result);
+      if (!cut_crossings(result)) return false;
       is_known = find_intersecting(result.left);
       if (is_known && result.left.empty()) {
         // The last word has a search among all faces.
@@ -89,23 +124,112 @@ class Arranging {
       is_known = join_contacts(std::min(within, kShareOfRounds * distance_)) && find_intersecting(result.left);
       if (!is_known) break;
     }
-    if (!is_known || !result.left.empty()) {
-      // It did not help to join points. What is left is told.
-      if (!best) return give_up(result);
-      soup_ = *std::move(best);
-      result.left = std::move(left_of_best);
-    }
-    drop_flaps(result.left);
-    finish(result);
-    return result;
+    if (is_known && result.left.empty()) return true;
+    // It did not help to join points. What is left is told.
+    if (!best) return false;
+    soup_ = *std::move(best);
+    result.left = std::move(left_of_best);
+    return true;
   }
 
- private:
-  static Arrangement give_up(const Arrangement& so_far) {
-    Arrangement none;
-    none.is_given_up = true;
-    none.rounds = so_far.rounds;
-    return none;
+  /// Takes away triangles that are thinner than a contact. Cuts leave such triangles where a curve runs beside an edge.
+  /// Triangles stay where that would make others intersect, or move a point too far.
+  void join_thin(Arrangement& result) {
+    std::vector<std::uint8_t> is_fixed(soup_.positions.size(), 0);  // by vertex: it is not to be joined
+    std::vector<FaceId> thin = thin_faces();
+    for (int pass = 0; pass < kMaxThinPasses && !thin.empty() && result.left.empty(); ++pass) {
+      control_.check_and_move();
+      const SoupEdges edges(soup_, control_);
+      CutPlan plan = plan_without_thin(thin, edges, is_fixed);
+      if (plan.is_empty()) return;
+      Soup before = soup_;
+      take(cut_faces(soup_, edges, plan, {}, control_));
+      std::vector<std::pair<FaceId, FaceId>> crossing;
+      const bool is_known = find_intersecting(crossing);
+      std::vector<FaceId> thin_now = thin_faces();
+      if (is_known && crossing.empty() && thin_now.size() < thin.size()) {
+        thin = std::move(thin_now);
+        result.is_changed = true;
+        continue;
+      }
+      for (const auto& [f, g] : crossing)
+        for (const FaceId face : {f, g})
+          for (const VertexId v : soup_.faces[face.value]) is_fixed[v.value] = 1;
+      soup_ = std::move(before);
+      if (!is_known || crossing.empty()) return;
+    }
+  }
+
+  /// Plans what takes away thin triangles that share no corner: their shortest side becomes a point if it is short, and
+  /// otherwise the corner at their longest side becomes a point of that side.
+  CutPlan plan_without_thin(const std::vector<FaceId>& faces, const SoupEdges& edges,
+                            const std::vector<std::uint8_t>& is_fixed) const {
+    std::vector<std::pair<double, FaceId>> thin;
+    for (const FaceId f : faces) thin.push_back({smallest_height(corners(f.value)), f});
+    std::sort(thin.begin(), thin.end());
+    CutPlan plan;
+    const Grouping at = group_by(
+        3 * soup_.faces.size(), soup_.positions.size(),
+        [&](std::uint32_t i) { return soup_.faces[i / 3][i % 3].value; }, control_);
+    const auto faces_of = [&](VertexId v) {
+      std::vector<std::uint32_t> found;
+      for (const std::uint32_t i : at[v.value]) found.push_back(i / 3);
+      return found;
+    };
+    std::vector<std::uint8_t> is_taken = is_fixed;
+    std::vector<VertexId> image(soup_.positions.size());
+    for (std::size_t v = 0; v < image.size(); ++v) image[v] = VertexId(v);
+    bool is_any_joined = false;
+    StopCheck check(control_);
+    for (const auto& [height, f] : thin) {
+      check();
+      const Triangle& t = soup_.faces[f.value];
+      if (std::any_of(t.begin(), t.end(), [&](VertexId v) { return is_taken[v.value] != 0; })) continue;
+      const Corners3 c = corners(f.value);
+      std::size_t shortest = 0, longest = 0;
+      const auto length = [&](std::size_t k) { return norm(c[(k + 1) % 3] - c[k]); };
+      for (std::size_t k = 1; k < 3; ++k) {
+        if (length(k) < length(shortest)) shortest = k;
+        if (length(k) > length(longest)) longest = k;
+      }
+      if (length(shortest) < kThin * limit_) {
+        const auto [stays, goes] = std::minmax(t[shortest], t[(shortest + 1) % 3]);
+        if (goes.value < vertex_.size() || !may_move(faces_of(goes), stays)) continue;
+        image[goes.value] = stays;
+        is_any_joined = true;
+      } else {
+        const VertexId apex = t[(longest + 2) % 3];
+        const EdgeId side = edges.of(f, longest);
+        std::vector<std::uint32_t> beyond;
+        for (const std::uint32_t h : edges.half_edges(side)) beyond.push_back(h / 3);
+        if (!may_move(beyond, apex)) continue;
+        plan.on_edges.push_back({side, apex});
+      }
+      for (const VertexId v : t) is_taken[v.value] = 1;
+    }
+    if (is_any_joined) plan.image = std::move(image);
+    return plan;
+  }
+
+  /// Returns whether a vertex is near enough to all triangles that some faces cover, to become a corner of these faces.
+  bool may_move(std::span<const std::uint32_t> faces, VertexId to) const {
+    const Vec3& p = soup_.positions[to.value];
+    for (const std::uint32_t f : faces)
+      for (const Cover& cover : soup_.covers_of(f)) {
+        if (norm(p - nearest_on_triangle(p, corners_of_input(cover.face))) > limit_) return false;
+      }
+    return true;
+  }
+
+  Corners3 corners_of_input(FaceId f) const {
+    const Triangle& t = input_faces_[f.value];
+    return {scaled(input_positions_[t[0].value]), scaled(input_positions_[t[1].value]),
+            scaled(input_positions_[t[2].value])};
+  }
+
+  std::vector<FaceId> thin_faces() const {
+    return select_ids<FaceId>(soup_.faces.size(), kFacesPerBlock, control_,
+                              [&](std::size_t f) { return smallest_height(corners(f)) < kThin * limit_; });
   }
 
   /// Numbers vertices by their coordinates, and triangles by their corners, so that numbers do not depend on the input.
@@ -350,11 +474,6 @@ class Arranging {
   /// Returns how far points have moved: the largest distance of a corner from a triangle of which its face is a piece,
   /// and the height of triangles that have vanished.
   double find_moved() const {
-    const auto corners_of_input = [&](FaceId f) {
-      const Triangle& t = input_faces_[f.value];
-      return Corners3{scaled(input_positions_[t[0].value]), scaled(input_positions_[t[1].value]),
-                      scaled(input_positions_[t[2].value])};
-    };
     std::vector<std::uint8_t> is_there(input_faces_.size(), 0);
     for (const Cover& cover : soup_.covers) is_there[cover.face.value] = 1;
     const auto largest =
@@ -386,7 +505,7 @@ class Arranging {
   std::span<const Triangle> input_faces_;
   RunControl& control_;
   int exponent_ = 0;                   ///< the soup's coordinates are the input's times 2^-exponent_
-  double distance_ = 0;                ///< in the soup's unit
+  double distance_ = 0, limit_ = 0;    ///< in the soup's unit
   std::vector<std::uint32_t> vertex_;  ///< by vertex of the soup: that of the input; new vertices follow
   Soup soup_;
   std::vector<Flap> flaps_;           ///< with corners of the soup
@@ -398,7 +517,17 @@ class Arranging {
 
 Arrangement arrange(std::span<const Vec3> positions, std::span<const Triangle> faces, double distance,
                     RunControl& control) {
-  return Arranging(positions, faces, distance, control).run();
+  Arrangement best = Arranging(positions, faces, distance, distance, control).run();
+  const auto is_moved_too_far = [&](const Arrangement& a) { return a.moved > kRoundingOfMoves * distance; };
+  const auto faults = [&](const Arrangement& a) { return std::pair(a.left.size(), is_moved_too_far(a)); };
+  for (const double share : {kLessDistance, kMinDistance}) {
+    if (best.is_given_up || (best.left.empty() && !is_moved_too_far(best))) break;
+    if (best.left.size() > best.faces.size() / kFacesPerPair) break;
+    if (share > kMinDistance && !best.left.empty()) continue;
+    Arrangement other = Arranging(positions, faces, share * distance, distance, control).run();
+    if (!other.is_given_up && faults(other) < faults(best)) best = std::move(other);
+  }
+  return best;
 }
 
 }  // namespace remesh

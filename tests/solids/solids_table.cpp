@@ -5,20 +5,21 @@
 #include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 #include <functional>
-#include <map>
+#include <iterator>
 #include <set>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
-#include "core/base/largest_coordinate.h"
 #include "core/geometry/exact/predicates_3d.h"
 #include "core/geometry/intersections/self_intersections.h"
+#include "core/io/mesh_files.h"
 #include "core/solids/solid_union.h"
+#include "tests/solids/solid_measures.h"
 #include "tests/solids/solid_rows.h"
-#include "tests/support/cgal_space.h"
 #include "tests/support/random.h"
 #include "tests/support/remeshed.h"
 #include "tests/support/shapes.h"
@@ -66,87 +67,24 @@ std::vector<Variant> all_variants(bool is_short) {
   return all;
 }
 
-/// Measures of a result, by sums over its triangles.
-struct Measures {
-  double volume = 0, area = 0, lengths = 0, largest = 0;
-  int euler = 0;
-  std::size_t shells = 0, four_faces = 0, other_edges = 0;
-};
-
-Measures measures_of(const TriangleMesh& mesh) {
-  Measures found;
-  std::set<VertexId> vertices;
-  std::map<std::pair<VertexId, VertexId>, std::vector<FaceId>> edges;
-  for (FaceId f(0); f.value < mesh.faces.size(); ++f.value) {
-    const Triangle& t = mesh.faces[f];
-    const Vec3 origin = mesh.positions[mesh.faces[FaceId(0)][0]];
-    const Vec3 a = mesh.positions[t[0]] - origin, b = mesh.positions[t[1]] - origin, c = mesh.positions[t[2]] - origin;
-    found.volume += dot(a, cross(b - a, c - a)) / 6;
-    found.area += norm(cross(b - a, c - a)) / 2;
-    for (std::size_t k = 0; k < 3; ++k) {
-      edges[std::minmax(t[k], t[(k + 1) % 3])].push_back(f);
-      vertices.insert(t[k]);
-      found.largest = std::max(found.largest, largest_coordinate(mesh.positions[t[k]]));
-    }
-  }
-  std::vector<std::uint32_t> parent(mesh.faces.size());
-  for (std::uint32_t f = 0; f < parent.size(); ++f) parent[f] = f;
-  const auto root = [&](std::uint32_t f) {
-    while (parent[f] != f) f = parent[f] = parent[parent[f]];
-    return f;
-  };
-  for (const auto& [edge, faces] : edges) {
-    found.lengths += norm(mesh.positions[edge.second] - mesh.positions[edge.first]);
-    if (faces.size() == 2)
-      parent[root(faces[0].value)] = root(faces[1].value);
-    else
-      ++(faces.size() == 4 ? found.four_faces : found.other_edges);
-  }
-  for (std::uint32_t f = 0; f < parent.size(); ++f) found.shells += root(f) == f ? 1 : 0;
-  found.euler =
-      static_cast<int>(vertices.size()) - static_cast<int>(edges.size()) + static_cast<int>(mesh.faces.size());
-  return found;
-}
-
 std::vector<double> volumes_of_cells(const TriangleMesh& mesh) {
   RunControl control;
   const std::vector<Vec3> scaled = scaled_for_predicates(mesh.positions.items(), control);
   const std::vector<std::int32_t> weights(mesh.faces.size(), 0);
   const Cells cells = find_cells({scaled, mesh.faces.items(), weights}, control);
-  std::vector<double> volumes(cells.winding.size(), 0);
+  std::vector<long double> sums(cells.winding.size(), 0);
   const Vec3 origin = mesh.positions[mesh.faces[FaceId(0)][0]];
   for (std::uint32_t f = 0; f < mesh.faces.size(); ++f) {
     const Triangle& t = mesh.faces[FaceId(f)];
     const Vec3 a = mesh.positions[t[0]] - origin, b = mesh.positions[t[1]] - origin, c = mesh.positions[t[2]] - origin;
     const double under = dot(a, cross(b - a, c - a)) / 6;
-    volumes[cells.of_side[2 * f]] -= under;
-    volumes[cells.of_side[2 * f + 1]] += under;
+    sums[cells.of_side[2 * f]] -= under;
+    sums[cells.of_side[2 * f + 1]] += under;
   }
+  std::vector<double> volumes(sums.begin(), sums.end());
   std::erase_if(volumes, [](double v) { return v <= 0; });
   std::sort(volumes.begin(), volumes.end());
   return volumes;
-}
-
-/// Counts pairs that intersect by CGAL, among those whose boxes meet.
-std::size_t pairs_by_cgal(const TriangleMesh& mesh) {
-  std::vector<std::pair<Box3, FaceId>> boxes;
-  for (FaceId f(0); f.value < mesh.faces.size(); ++f.value) {
-    Box3 box;
-    for (const VertexId v : mesh.faces[f]) box.add(mesh.positions[v]);
-    boxes.push_back({box, f});
-  }
-  std::sort(boxes.begin(), boxes.end(), [](const auto& a, const auto& b) { return a.first.min.x < b.first.min.x; });
-  const CgalIntersection do_intersect(mesh.positions.items());
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < boxes.size(); ++i)
-    for (std::size_t j = i + 1; j < boxes.size() && boxes[j].first.min.x <= boxes[i].first.max.x; ++j) {
-      bool do_meet = true;
-      for (int axis = 1; axis < 3; ++axis)
-        do_meet = do_meet && boxes[i].first.min[axis] <= boxes[j].first.max[axis] &&
-                  boxes[j].first.min[axis] <= boxes[i].first.max[axis];
-      if (do_meet && do_intersect(mesh.faces[boxes[i].second], mesh.faces[boxes[j].second])) ++count;
-    }
-  return count;
 }
 
 /// Judges runs, and collects what is wrong.
@@ -251,7 +189,7 @@ class Judge {
                .pairs.empty(),
            "faces intersect");
     if (result.mesh.faces.size() <= largest_for_cgal_)
-      expect(pairs_by_cgal(result.mesh) == 0, "faces intersect by CGAL");
+      expect(pairs_by_cgal(result.mesh, 1) == 0, "faces intersect by CGAL");
   }
 
   const std::size_t largest_for_cgal_;
@@ -259,12 +197,33 @@ class Judge {
   std::size_t runs_ = 0, failures_ = 0;
 };
 
+/// Prints how many pairs of triangles of a mesh intersect by our test and by that of CGAL.
+int print_pairs(const std::string& path) {
+  RunControl control;
+  std::ifstream file(path, std::ios::binary);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  const PolygonMesh mesh = read_mesh(Format::kObj, text, {}, control).mesh;
+  TriangleMesh triangles;
+  triangles.positions = mesh.positions;
+  for (FaceId f(0); f.value < mesh.face_count(); ++f.value)
+    triangles.faces.push_back({mesh.face(f)[0], mesh.face(f)[1], mesh.face(f)[2]});
+  constexpr std::size_t kMany = 1000;
+  const SelfIntersections ours =
+      self_intersections(triangles.positions.items(), triangles.faces.items(), {}, SearchLimits(kMany), control);
+  std::printf("%zu %zu\n", ours.pairs.size(), pairs_by_cgal(triangles, kMany));
+  return 0;
+}
+
 int run(int argc, char** argv) {
+  if (argc == 3 && std::string_view(argv[1]) == "--pairs-of") return print_pairs(argv[2]);
   bool is_short = false;
   std::set<int> only;
+  std::string_view way;
   for (int i = 1; i < argc; ++i) {
     if (std::string_view(argv[i]) == "--short")
       is_short = true;
+    else if (std::string_view(argv[i]) == "--way" && i + 1 < argc)
+      way = argv[++i];
     else
       only.insert(std::atoi(argv[i]));
   }
@@ -276,8 +235,10 @@ int run(int argc, char** argv) {
     if (is_short && row.is_large) continue;
     const std::size_t before = judge.failures(), runs = judge.runs();
     const auto start = std::chrono::steady_clock::now();
-    for (const Variant& variant : variants)
+    for (const Variant& variant : variants) {
+      if (variant.name.find(way) == std::string::npos) continue;
       if (row.is_large ? variant.is_for_large : variant.is_for_small) judge.run(row, variant);
+    }
     std::printf("row %d, %s: %zu of %zu runs failed, %.1f s\n", row.number, row.name.c_str(), judge.failures() - before,
                 judge.runs() - runs, std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count());
     std::fflush(stdout);
