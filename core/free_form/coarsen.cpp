@@ -294,8 +294,9 @@ IdVector<VertexId, double> CoarseSheet::State::weights_of_moves() const {
   const Sheet& sheet = free.sheet;
   IdVector<VertexId, double> weights(sheet.positions.size(), 1);
   for (FaceId f(0); f.value < sheet.faces.size(); ++f.value) {
-    const std::uint32_t w = free.witnesses.of_face[f];
-    const double share = surface.share(w == kNone ? sheet.origin[f] : free.witnesses.all[w].face);
+    double share = 1;
+    for (std::uint32_t w = free.witnesses.of_face[f]; w != kNone; w = free.witnesses.all[w].next)
+      share = std::min(share, surface.share(free.witnesses.all[w].face));
     for (const VertexId v : sheet.faces[f]) weights[v] = std::min(weights[v], share);
   }
   for (VertexId v(0); v.value < weights.size(); ++v.value)

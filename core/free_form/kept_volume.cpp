@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <tuple>
 
 #include "core/base/stoppable.h"
+#include "core/base/union_find.h"
 
 namespace remesh {
 namespace {
@@ -15,8 +17,9 @@ double volume_under(const Vec3& a, const Vec3& b, const Vec3& c) { return dot(a,
 
 }  // namespace
 
-KeptVolume::KeptVolume(const OrderedInput& input, RunControl& control) : input_(input) {
+KeptVolume::KeptVolume(const OrderedInput& input, RunControl& control) {
   const std::size_t n = input.faces.size();
+  control.memory().ask_for<double>(8 * n);
   UnionFind joined(n);
   StopCheck check(control);
   // The edges with other than two faces of components, as (component, one end, other end, direction).
@@ -61,6 +64,7 @@ KeptVolume::KeptVolume(const OrderedInput& input, RunControl& control) : input_(
 IdVector<VertexId, Vec3> KeptVolume::places(const Sheet& sheet, const IdVector<VertexId, double>& weights,
                                             double tolerance, RunControl& control) const {
   constexpr int kSteps = 4;
+  constexpr double kFound = 1e-6;  // less than this share of the volume may still be missing
   const std::size_t n = sheet.positions.size();
   IdVector<VertexId, Vec3> ways(n);
   IdVector<VertexId, std::uint32_t> component(n, 0);
@@ -77,14 +81,15 @@ IdVector<VertexId, Vec3> KeptVolume::places(const Sheet& sheet, const IdVector<V
   // Newton's method for the distance that gives each component its volume. The volume is nearly linear in the distance.
   std::vector<double> distance(component_.size(), 0);
   IdVector<VertexId, Vec3> places;
+  std::vector<double> missing, gain;
   const auto move = [&] {
     places = sheet.positions;
     for (VertexId v(0); v.value < n; ++v.value)
       if (weights[v] > 0) places[v] += distance[component[v]] * ways[v];
   };
-  for (int step = 0; step < kSteps; ++step) {
-    move();
-    std::vector<double> missing = volume_, gain(volume_.size(), 0);
+  const auto measure = [&] {
+    missing = volume_;
+    gain.assign(volume_.size(), 0);
     for (FaceId f(0); f.value < sheet.faces.size(); ++f.value) {
       check();
       const Triangle& t = sheet.faces[f];
@@ -93,12 +98,21 @@ IdVector<VertexId, Vec3> KeptVolume::places(const Sheet& sheet, const IdVector<V
       missing[at] -= volume_under(a, b, c);
       gain[at] += dot(ways[t[0]] + ways[t[1]] + ways[t[2]], cross(b - a, c - a)) / 6;
     }
+  };
+  move();
+  measure();
+  const std::vector<double> at_first = missing;
+  for (int step = 0; step < kSteps; ++step) {
     for (std::size_t i = 0; i < distance.size(); ++i) {
       const double further = missing[i] / gain[i];
-      distance[i] = std::isfinite(further) ? distance[i] + further : 0;
-      if (!(std::fabs(distance[i]) <= tolerance / 2)) distance[i] = 0;
+      if (std::isfinite(further)) distance[i] += further;
     }
+    move();
+    measure();
   }
+  for (std::size_t i = 0; i < distance.size(); ++i)
+    if (!(std::fabs(distance[i]) <= tolerance / 2 && std::fabs(missing[i]) <= kFound * std::fabs(at_first[i])))
+      distance[i] = 0;
   move();
   return places;
 }

@@ -1,12 +1,10 @@
 /// Gives closed surfaces back the volume that they had.
 #pragma once
 
-#include <span>
 #include <vector>
 
 #include "core/base/ids.h"
 #include "core/base/run_control.h"
-#include "core/base/union_find.h"
 #include "core/base/vec.h"
 #include "core/free_form/ordered_input.h"
 #include "core/free_form/sheet.h"
@@ -17,13 +15,12 @@ namespace remesh {
 /// other than two faces, apart from those that stay with all that is around, cancel each other.
 class KeptVolume {
  public:
-  /// Input:  the surface, which has to outlive this.
-  /// Errors: kCancelled, kTimeout - asked to stop through `control`.
+  /// Errors: kCancelled, kTimeout - asked to stop through `control`; kOutOfMemory - see MemoryBound.
   /// Cost:   O(n log n).
   KeptVolume(const OrderedInput& input, RunControl& control);
 
   /// Returns the vertices' places, after some were moved along their normals, so that each closed component has its
-  /// volume, to rounding. A component for which they would have to move by more than half of `tolerance` stays.
+  /// volume, nearly to rounding. A component for which they would have to move by more than half of `tolerance` stays.
   /// Input:  per vertex, how far it may move in proportion to others; 0 if it stays.
   /// Errors: as above.
   /// Cost:   O(n).
@@ -31,7 +28,6 @@ class KeptVolume {
                                   RunControl& control) const;
 
  private:
-  const OrderedInput& input_;
   std::vector<std::uint32_t> component_;  ///< per face of the input
   std::vector<double> volume_;            ///< per component; NaN if it is open
 };

@@ -25,8 +25,8 @@ namespace {
 
 using Parts = std::vector<PolygonMesh>;
 
-/// A fault is what may be wrong with a run. Thin triangles are counted, but are no failure where parts are moved by about
-/// the tolerance: there, some features are joined and others are not.
+/// A fault is what may be wrong with a run. Thin triangles are counted, but are no failure where parts are moved by
+/// about the tolerance: there, some features are joined and others are not.
 enum Fault { kRefused, kPairs, kThin, kMoved, kOpen, kTriangles, kPieces, kVolume, kFaults };
 constexpr std::array<const char*, kFaults> kNames{"refused", "pairs",     "thin",   "moved",
                                                   "open",    "triangles", "pieces", "volume"};

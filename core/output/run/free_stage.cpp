@@ -264,10 +264,12 @@ namespace {
 
 /// Returns the option that has asked for a coarser surface, with its value.
 std::string option_in_force(const Coarsening& done, const Options& options) {
-  if (options.surface_tolerance || options.surface_tolerance_fraction)
-    return "surface_tolerance=" + number_text(done.tolerance);
-  return "elements_per_circle=" + number_text(*options.elements_per_circle) + " (within " +
-         number_text(done.tolerance) + ", and less where the surface turns more)";
+  const std::string within = number_text(done.tolerance);
+  if (!options.elements_per_circle) return "surface_tolerance=" + within;
+  const bool is_limited = options.surface_tolerance || options.surface_tolerance_fraction;
+  return "elements_per_circle=" + number_text(*options.elements_per_circle) +
+         (is_limited ? " with surface_tolerance" : "") + " (within " + within +
+         ", and less where the surface turns more)";
 }
 
 }  // namespace

@@ -164,6 +164,7 @@ class Curvatures {
     IdVector<VertexId, Ends> ends(part_.positions.size());
     const auto add = [&](VertexId v, VertexId w) {
       Ends& known = ends[v];
+      if (known.count > 0 && (known.at[0] == w || known.at[1] == w)) return;  // an edge with several faces
       if (known.count < 2) known.at[static_cast<std::size_t>(known.count)] = w;
       ++known.count;
     };
@@ -177,10 +178,16 @@ class Curvatures {
       add(v, w);
       add(w, v);
     }
+    // The turn is measured over two edges on each side, since borders along the edges of triangles go to and fro.
+    const auto beyond = [&](VertexId v, std::size_t k) {
+      const VertexId w = ends[v].at[k];
+      if (ends[w].count != 2) return part_.positions[w];
+      return part_.positions[ends[w].at[ends[w].at[0] == v ? 1 : 0]];
+    };
     for (VertexId v(0); v.value < ends.size(); ++v.value) {
+      check_();
       if (ends[v].count != 2) continue;
-      const Vec3 in = part_.positions[v] - part_.positions[ends[v].at[0]];
-      const Vec3 out = part_.positions[ends[v].at[1]] - part_.positions[v];
+      const Vec3 in = part_.positions[v] - beyond(v, 0), out = beyond(v, 1) - part_.positions[v];
       of_vertex_[v] = std::max(of_vertex_[v], 2 * angle_between(in, out) / (norm(in) + norm(out)));
     }
   }

@@ -17,7 +17,8 @@ struct FreeGoals {
   bool is_volume_kept = false;
 };
 
-/// A distance in the unit of the part, and the share of the distance that counts at each face.
+/// A distance in the unit of the part, which is proven in the end, and the share of the distance to which samples are
+/// held at each face.
 struct FreeTolerance {
   double largest = 0;
   std::vector<float> shares;  ///< in (0, 1]; empty if all are 1
@@ -27,7 +28,8 @@ struct FreeTolerance {
 /// themselves from what they probably stand for: the larger one of the chord height of most edges, and twice the noise
 /// of the vertices, at most a thousandth of the box's diagonal; 0 if the part has no smooth edges. With a number of
 /// elements per circle, the latter gets larger by the height of such an element over its chord, by the radius at each
-/// place; and a tolerance that was asked for is at most this sum.
+/// place, which is at most half of the diagonal of a free region; and a tolerance that was asked for is at most this
+/// sum. No share is below a thousandth.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:   O(n log n).
 /// Source: Cohen-Steiner, Morvan, Restricted Delaunay triangulations and normal cycle, 2003, for the curvature.

@@ -31,11 +31,15 @@ constexpr int kVainRefinements = 2;
 constexpr float kAfterDistance = 0.8F, kAfterIntersection = 0.3F;
 /// After this many surfaces, faces stay where a proof has failed.
 constexpr int kSurfacesWithoutKeeping = 2;
+/// The first surfaces get their volume back, if that is asked for.
+constexpr int kSurfacesWithVolume = 4;
 /// Faces face each other if the cosine of the angle between their normals is below this.
 constexpr double kFacing = -0.2;
 /// The share of the gap between such faces that each of them may use.
 constexpr double kShareOfGap = 0.4;
 constexpr float kMinShare = 1e-3F;
+/// The search for the gap at a face ends after so many boxes. A gap that is not found only costs a refinement.
+constexpr int kMaxBoxes = 4096;
 /// The number of rings of faces around a face at fault that get the smaller share as well.
 constexpr int kRingsAround = 2;
 
@@ -89,7 +93,7 @@ class FaceShares {
     for (std::size_t f = 0; f < is_near.size(); ++f)
       if (is_near[f] != 0) shares_[f] *= factor;
   }
-  /// Bounds the shares by the gaps between faces that face each other, so that these cannot meet.
+  /// Bounds the shares by the gaps between faces that face each other, so that these seldom meet.
   void limit_by_gaps(const FacesAround& around, double tolerance, RunControl& control) {
     const std::size_t n = shares_.size();
     const auto corners = [&](std::size_t i) -> Corners3 {
@@ -116,15 +120,18 @@ class FaceShares {
     const BoxTree<Directions> tree(entries, control);
     for_blocks(n, 64, control, [&](std::size_t begin, std::size_t end) {
       for (std::size_t f = begin; f < end; ++f) {
+        if (!input_.is_of_plane.empty() && input_.is_of_plane[f] != 0) continue;
         const Corners3 own = corners(f);
         const Triangle one = vertices(f);
         const Vec3 centre = (1.0 / 3) * (own[0] + own[1] + own[2]), up = normal(own);
         const double enough = tolerance * static_cast<double>(shares_[f]) / kShareOfGap;
         double squared = enough * enough;
+        int boxes = 0;
         tree.search(
             squared,
             [&](const BoxTree<Directions>::Entry& entry) {
-              return entry.tag.least_cosine(up) > kFacing ? HUGE_VAL : squared_distance(entry.box, centre);
+              return ++boxes > kMaxBoxes || entry.tag.least_cosine(up) > kFacing ? HUGE_VAL
+                                                                                 : squared_distance(entry.box, centre);
             },
             [&](std::size_t slot) {
               const Triangle other = vertices(tree.number(slot));
@@ -251,7 +258,8 @@ std::optional<ProvenCoarsening> coarsen_with_proof(const FreeForm& input, const 
   shares.limit_by_gaps(around, goals.tolerance, control);
   double share = kShareForSamples;
   for (int made = 1; made <= kMaxCoarseSurfaces; ++made) {
-    CoarseSheet sheet(shares.form(), {goals.tolerance * share, goals.min_angle_deg, goals.is_volume_kept}, control);
+    const bool is_volume_kept = goals.is_volume_kept && made <= kSurfacesWithVolume;
+    CoarseSheet sheet(shares.form(), {goals.tolerance * share, goals.min_angle_deg, is_volume_kept}, control);
     fault = CoarseningFault::kAngles;
     if (made == 1 && !is_wanted(sheet.result())) return std::nullopt;
     CoarseningProof proof(input, goals.tolerance, control);

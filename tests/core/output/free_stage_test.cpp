@@ -108,8 +108,8 @@ TEST(free_stage, the_reason_why_facets_stay_is_told) {
   EXPECT_TRUE(std::any_of(result.report.diagnostics.begin(), result.report.diagnostics.end(), is_reason));
 }
 
-/// Returns the height of the formula's surface over the middle of most edges of a bumpy ball, as automatic_tolerance
-/// means "most".
+/// Returns the height of the formula's surface over the middle of most edges of a bumpy ball, as tolerance_of means
+/// "most".
 double chord_height(const PolygonMesh& ball) {
   std::vector<double> heights;
   for (FaceId f(0); f.value < ball.face_count(); ++f.value) {
@@ -178,6 +178,17 @@ TEST(free_stage, a_number_of_elements_counts_by_the_radius_at_each_place) {
   EXPECT_LT(faces[1], 5 * faces[0]);
 }
 
+TEST(free_stage, the_numbering_of_the_input_does_not_count) {
+  const PolygonMesh ball = bumpy_ball(4);
+  std::vector<Corners3> one = corners_of(remeshed(ball, by_turn(16)).mesh);
+  std::vector<Corners3> other = corners_of(remeshed(shapes::renumbered(ball, 5), by_turn(16)).mesh);
+  for (std::vector<Corners3>* triangles : {&one, &other}) {
+    for (Corners3& t : *triangles) std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+    std::sort(triangles->begin(), triangles->end());
+  }
+  EXPECT_EQ(one, other);
+}
+
 TEST(free_stage, of_a_tolerance_and_a_number_of_elements_the_smaller_distance_counts) {
   const PolygonMesh ball = bumpy_ball(5);
   Options both = within(1e-3);
@@ -232,9 +243,12 @@ TEST(free_stage, the_volume_is_kept_where_that_is_asked_for) {
   EXPECT_TRUE(kept.report.verified.all_true());
   EXPECT_GT(std::fabs(volume_of(corners_of(plain.mesh)) - before), 1e-5 * before) << "nothing to mend";
   EXPECT_NEAR(volume_of(corners_of(kept.mesh)), before, 1e-12 * before);
-  // An outline that moves leaves no volume to keep.
-  options.circle_fit = CircleFit::kVolume;
-  EXPECT_TRUE(remeshed(hills(32), options).report.verified.all_true());
+  // A sheet with an outline has no volume to keep.
+  Options open = by_turn(12);
+  const Result sheet = remeshed(hills(48), open);
+  ASSERT_TRUE(is_told_coarser(sheet));
+  open.circle_fit = CircleFit::kVolume;
+  EXPECT_EQ(remeshed(hills(48), open).mesh.positions.items(), sheet.mesh.positions.items());
 }
 
 /// Returns the triangles of the result whose corners are all in a plane across an axis.
