@@ -326,21 +326,29 @@ std::optional<Coarser> coarser_surface(const FreeContext& context, FreeGoals goa
   const auto is_wanted = [&](const Coarsened& made) {
     return !is_much_sharper(context, part, made, goals.min_angle_deg, control);
   };
+  // The proof is repeated for the coordinates in model units, which were rounded. A bound near the tolerance may take
+  // more work there than is allowed.
+  std::vector<Vec3> old_places, places;
+  for (const VertexId v : part.vertex) old_places.push_back(before.positions[v]);
+  verification::TwoWayDistance measured;
+  const auto last_faults = [&](const Coarsened& made) {
+    places = model_places(made, part, before);
+    measured = verification::distance_between({old_places, part.faces.items()}, {places, made.faces.items()}, tolerance,
+                                              control);
+    CoarseningFaults faults;
+    for (const verification::FarFace& far : measured.a_to_b.far_faces) faults.far_input_faces.push_back(far.face);
+    for (const verification::FarFace& far : measured.b_to_a.far_faces) faults.far_faces.push_back(far.face);
+    return faults;
+  };
   const std::optional<ProvenCoarsening> proven = coarsen_with_proof(
       form, around, {allowed.largest * (1 - kShareOfRounding), goals.min_angle_deg, goals.is_volume_kept}, is_wanted,
-      in_vain.fault, control);
+      last_faults, in_vain.fault, control);
   if (!proven) return std::nullopt;
   const Coarsened& made = proven->surface;
   in_vain.fault = CoarseningFault::kAsManyFaces;
   if (made.faces.size() >= part.faces.size()) return std::nullopt;
   in_vain.fault = CoarseningFault::kAngles;
   if (!is_wanted(made)) return std::nullopt;
-  std::vector<Vec3> places = model_places(made, part, before);
-  // The proof is repeated for the coordinates in model units, which were rounded.
-  std::vector<Vec3> old_places;
-  for (const VertexId v : part.vertex) old_places.push_back(before.positions[v]);
-  const verification::TwoWayDistance measured = verification::distance_between(
-      {old_places, part.faces.items()}, {places, made.faces.items()}, tolerance, control);
   in_vain.fault = CoarseningFault::kDistance;
   const double distance = std::max(measured.a_to_b.bound, measured.b_to_a.bound);
   if (!(distance <= tolerance)) return std::nullopt;

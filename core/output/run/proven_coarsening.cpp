@@ -37,7 +37,7 @@ constexpr int kSurfacesWithVolume = 4;
 constexpr double kFacing = -0.2;
 /// The share of the gap between such faces that each of them may use.
 constexpr double kShareOfGap = 0.4;
-constexpr float kMinShare = 1e-3F;
+constexpr float kMinShare = 0.01F;
 /// The search for the gap at a face ends after so many boxes. A gap that is not found only costs a refinement.
 constexpr int kMaxBoxes = 4096;
 /// The number of rings of faces around a face at fault that get the smaller share as well.
@@ -141,7 +141,7 @@ class FaceShares {
             });
         // A share has to be positive.
         const auto share = static_cast<float>(kShareOfGap * std::sqrt(squared) / tolerance);
-        shares_[f] = std::max(std::min(shares_[f], share), kMinShare);
+        shares_[f] = std::min(shares_[f], std::max(share, kMinShare));
       }
     });
   }
@@ -252,7 +252,8 @@ std::pair<std::vector<FaceId>, bool> crossing_faces(const FreeForm& input, const
 
 std::optional<ProvenCoarsening> coarsen_with_proof(const FreeForm& input, const FacesAround& around,
                                                    const CoarseningGoals& goals, const IsWanted& is_wanted,
-                                                   CoarseningFault& fault, RunControl& control) {
+                                                   const LastFaults& last_faults, CoarseningFault& fault,
+                                                   RunControl& control) {
   const Topology before(input.positions, input.faces, control);
   FaceShares shares(input);
   shares.limit_by_gaps(around, goals.tolerance, control);
@@ -275,7 +276,8 @@ std::optional<ProvenCoarsening> coarsen_with_proof(const FreeForm& input, const 
         fault = CoarseningFault::kTopology;
         if (Topology(surface.positions, surface.faces, control) != before) return std::nullopt;
         fault = CoarseningFault::kNone;
-        return ProvenCoarsening{sheet.take_result(), made};
+        faults = last_faults(surface);
+        if (count(faults) == 0) return ProvenCoarsening{sheet.take_result(), made};
       }
       fault =
           faults.crossing_faces.empty() && are_all_known ? CoarseningFault::kDistance : CoarseningFault::kIntersections;

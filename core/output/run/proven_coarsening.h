@@ -48,20 +48,23 @@ std::pair<std::vector<FaceId>, bool> crossing_faces(const FreeForm& input, const
                                                     RunControl& control);
 
 using IsWanted = std::function<bool(const Coarsened&)>;
+/// Returns the faults that a surface has as it will be written.
+using LastFaults = std::function<CoarseningFaults(const Coarsened&)>;
 
 /// Makes a surface coarser until the result is proven to be within the tolerance, both ways, to have the topology of
 /// the input, and not to meet itself or what is around. Where a proof fails, the coarser surface is refined. If that
 /// does not help, another one is made, with a smaller share of the tolerance there; the last ones keep faces there.
 /// There are at most kMaxCoarseSurfaces.
 /// Input:   `goals.tolerance` is what has to be proven. Where `is_wanted` is false of the first surface, nothing is
-///          proven.
+///          proven. A surface that is proven counts if it has no `last_faults` either.
 /// Output:  nothing if the last surface has failed; then `fault` tells how, and the surface should stay as it is.
 /// Holds:   the result depends on places alone, and not on the number of threads.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`; kOutOfMemory - see MemoryBound.
 /// Cost:    that of CoarseSheet, CoarseningProof and self_intersections, for each surface.
 std::optional<ProvenCoarsening> coarsen_with_proof(const FreeForm& input, const FacesAround& around,
                                                    const CoarseningGoals& goals, const IsWanted& is_wanted,
-                                                   CoarseningFault& fault, RunControl& control);
+                                                   const LastFaults& last_faults, CoarseningFault& fault,
+                                                   RunControl& control);
 
 inline constexpr int kMaxCoarseSurfaces = 6;
 

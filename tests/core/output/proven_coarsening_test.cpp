@@ -8,6 +8,7 @@
 
 #include "core/geometry/triangles/triangle_intersection.h"
 #include "core/mesh/adjacency.h"
+#include "tests/support/free_shapes.h"
 #include "tests/support/hausdorff.h"
 #include "tests/support/shapes.h"
 
@@ -25,12 +26,13 @@ class proven_coarsening : public testing::Test {
     for (std::uint32_t h = 0; h < mesh.corners.size(); ++h) twins_.push_back(adjacency.twin(h));
     edges_.assign(mesh.corners.size(), FreeForm::Edge::kSmooth);
   }
-  std::optional<ProvenCoarsening> run(double tolerance) {
+  static CoarseningFaults no_faults(const Coarsened&) { return {}; }
+  std::optional<ProvenCoarsening> run(double tolerance, const LastFaults& last_faults = no_faults) {
     std::vector<VertexId> itself;
     for (VertexId v(0); v.value < positions_.size(); ++v.value) itself.push_back(v);
     return coarsen_with_proof(
         {positions_, faces_, twins_, edges_}, {positions_.items(), around_, itself}, {tolerance, 25},
-        [](const Coarsened&) { return true; }, fault_, control_);
+        [](const Coarsened&) { return true; }, last_faults, fault_, control_);
   }
   template <class Surface>
   static std::vector<Corners3> corners_of(const Surface& positions, const IdVector<FaceId, Triangle>& faces) {
@@ -82,6 +84,23 @@ TEST_F(proven_coarsening, thin_skins_do_not_cross) {
   EXPECT_LT(made->surface.faces.size(), faces_.size());
   EXPECT_EQ(crossing_pairs(made->surface), 0);
   EXPECT_GT(crossing_pairs(CoarseSheet({positions_, faces_, twins_, edges_}, {tolerance, 25}, control_).result()), 0);
+}
+
+/// A surface that is proven may still have faults as it will be written. It is refined there, and not given up.
+TEST_F(proven_coarsening, a_surface_with_faults_in_the_end_is_refined) {
+  use(bumpy_ball(4));
+  const auto plain = run(0.01);
+  ASSERT_TRUE(plain);
+  int calls = 0;
+  const auto refined = run(0.01, [&](const Coarsened& made) {
+    CoarseningFaults faults;
+    if (++calls == 1)
+      for (FaceId f(0); f.value < made.faces.size() / 200 + 1; ++f.value) faults.far_faces.push_back(f);
+    return faults;
+  });
+  ASSERT_TRUE(refined);
+  EXPECT_EQ(calls, 2);
+  EXPECT_GT(refined->surface.faces.size(), plain->surface.faces.size());
 }
 
 }  // namespace
