@@ -256,7 +256,9 @@ std::optional<ProvenCoarsening> coarsen_with_proof(const FreeForm& input, const 
                                                    RunControl& control) {
   const Topology before(input.positions, input.faces, control);
   FaceShares shares(input);
-  shares.limit_by_gaps(around, goals.tolerance, control);
+  // Where the tolerance is another one at each place, it is large on thin sheets that are flat.
+  bool are_gaps_known = !input.shares.empty();
+  if (are_gaps_known) shares.limit_by_gaps(around, goals.tolerance, control);
   double share = kShareForSamples;
   for (int made = 1; made <= kMaxCoarseSurfaces; ++made) {
     const bool is_volume_kept = goals.is_volume_kept && made <= kSurfacesWithVolume;
@@ -302,6 +304,8 @@ std::optional<ProvenCoarsening> coarsen_with_proof(const FreeForm& input, const 
       shares.lower(places->far, kAfterDistance, control);
       shares.lower(places->crossing, kAfterIntersection, control);
     }
+    if (!places->crossing.empty() && !std::exchange(are_gaps_known, true))
+      shares.limit_by_gaps(around, goals.tolerance, control);
   }
   return std::nullopt;
 }
