@@ -14,8 +14,8 @@ struct HttpRequest {
   std::string method;  ///< GET, POST or DELETE
   std::string target;  ///< the path with its query
   std::vector<std::pair<std::string, std::string>> headers;
-  std::string_view body;     ///< of a POST
-  std::string content_type;  ///< of a POST
+  std::string_view body;     ///< the body of a POST
+  std::string content_type;  ///< the type of that body
 };
 
 struct HttpAnswer {

@@ -64,7 +64,7 @@ KeptVolume::KeptVolume(const OrderedInput& input, RunControl& control) {
 IdVector<VertexId, Vec3> KeptVolume::places(const Sheet& sheet, const IdVector<VertexId, double>& weights,
                                             double tolerance, RunControl& control) const {
   constexpr int kSteps = 4;
-  constexpr double kFound = 1e-6;  // less than this share of the volume may still be missing
+  constexpr double kFound = 1e-6;  // this share of what was missing at first may still be missing
   const std::size_t n = sheet.positions.size();
   IdVector<VertexId, Vec3> ways(n);
   IdVector<VertexId, std::uint32_t> component(n, 0);

@@ -505,7 +505,7 @@ class Arranging {
   std::span<const Triangle> input_faces_;
   RunControl& control_;
   int exponent_ = 0;                   ///< the soup's coordinates are the input's times 2^-exponent_
-  double distance_ = 0, limit_ = 0;    ///< in the soup's unit
+  double distance_ = 0, limit_ = 0;    ///< lengths in the soup's unit
   std::vector<std::uint32_t> vertex_;  ///< by vertex of the soup: that of the input; new vertices follow
   Soup soup_;
   std::vector<Flap> flaps_;           ///< with corners of the soup

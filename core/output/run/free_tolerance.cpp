@@ -23,7 +23,7 @@ double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(norm(cros
 /// How far the free faces probably are from what they stand for.
 struct OwnDistance {
   double chord = 0;  ///< the height of an arc over most of the edges
-  double noise = 0;  ///< of the vertices, twice
+  double noise = 0;  ///< twice the noise of the vertices
 };
 
 OwnDistance own_distance(const FreePart& part, RunControl& control) {

@@ -12,7 +12,7 @@ namespace remesh {
 /// The goals for faces of no kind.
 struct FreeGoals {
   std::optional<double> tolerance;            ///< in the unit of the part; empty: see tolerance_of
-  std::optional<double> elements_per_circle;  ///< of arcs on the surface; empty: any
+  std::optional<double> elements_per_circle;  ///< how many edges an arc has per full turn; empty: any number
   double min_angle_deg = 0;  ///< no angle below this is made, except where the surface's own angles are smaller
   bool is_volume_kept = false;
 };
