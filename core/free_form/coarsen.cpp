@@ -36,6 +36,12 @@ constexpr int kImprovements = 3;
 /// in proportion to the edges of the result. A face or an edge has at most kMaxSteps of them in a row. If all together
 /// are more than these, they are farther apart.
 constexpr double kSpacing = 0.25;
+/// A face is narrow if its smallest angle is below the one with this cosine: 10 degrees.
+constexpr double kNarrow = 0.985;
+/// Narrow faces are split in at most so many rounds, until so many did not leave fewer of them than any before, and
+/// while there are at most so many times the faces of the input.
+constexpr int kMaxSplits = 8, kVainSplits = 2;
+constexpr std::size_t kFacesOfSplits = 4;
 
 /// Returns the vertices that are left, ascending.
 std::vector<VertexId> vertices_of(const Sheet& sheet) {
@@ -236,6 +242,18 @@ std::uint64_t sweep(FreeSheet& free, const InputSurface& surface, const SheetRul
   return std::accumulate(joined.begin(), joined.end(), std::uint64_t{0});
 }
 
+/// Returns the faces that are narrow and have a corner that may move, ascending.
+std::vector<FaceId> narrow_faces(const Sheet& sheet) {
+  std::vector<FaceId> narrow;
+  for (FaceId f(0); f.value < sheet.faces.size(); ++f.value) {
+    if (!sheet.is_alive(f) || sheet.is_of_plane[f] != 0 || max_cosine(sheet.corners_of(f)) <= kNarrow) continue;
+    const Triangle& t = sheet.faces[f];
+    if (std::any_of(t.begin(), t.end(), [&](VertexId v) { return sheet.kind[v] != Sheet::Kind::kFixed; }))
+      narrow.push_back(f);
+  }
+  return narrow;
+}
+
 /// Returns the faces of a sheet that are to be split because of faults, ascending.
 std::vector<FaceId> faces_at(const CoarseningFaults& faults, const OrderedInput& input, const FreeSheet& free) {
   const std::size_t n = free.sheet.faces.size();
@@ -283,6 +301,10 @@ struct CoarseSheet::State {
   FreeSheet free;
   std::optional<KeptVolume> kept_volume;
 
+  /// Splits narrow faces along their length: where the input is straight in one direction, it has no vertices there.
+  void split_narrow_faces(RunControl& control);
+  void sweep_all(int turn, RunControl& control);
+  void improve(std::span<const VertexId> vertices, RunControl& control);
   Coarsened result(RunControl& control);
 
  private:
@@ -302,6 +324,28 @@ IdVector<VertexId, double> CoarseSheet::State::weights_of_moves() const {
   for (VertexId v(0); v.value < weights.size(); ++v.value)
     if (free.source[v].is_valid() || sheet.kind[v] != Sheet::Kind::kFree) weights[v] = 0;
   return weights;
+}
+
+void CoarseSheet::State::split_narrow_faces(RunControl& control) {
+  std::size_t fewest = SIZE_MAX;
+  for (int round = 0, vain = 0; round < kMaxSplits && vain < kVainSplits; ++round) {
+    const std::vector<FaceId> narrow = narrow_faces(free.sheet);
+    vain = narrow.size() < fewest ? 0 : vain + 1;
+    fewest = std::min(fewest, narrow.size());
+    if (narrow.empty() || free.sheet.faces.size() + narrow.size() > kFacesOfSplits * input.faces.size()) break;
+    improve(SheetSplitter(free, surface, control).split(narrow, SheetSplitter::Place::kMiddle), control);
+  }
+}
+
+/// Makes small angles around some vertices larger.
+void CoarseSheet::State::improve(std::span<const VertexId> vertices, RunControl& control) {
+  std::vector<std::uint32_t> tried(3 * free.sheet.faces.size(), 0);
+  const std::size_t n = free.sheet.positions.size();
+  IdVector<VertexId, std::uint32_t> changed(n, 0);
+  SheetRules bounded = rules;
+  bounded.max_steps = kLooks * free.witnesses.all.size() + kLooksAlways;
+  SheetPart whole(free, surface, bounded, VertexId(0), VertexId(n), tried, changed, control);
+  for (int pass = 0; pass < kImprovements; ++pass) whole.improve_angles(vertices);
 }
 
 /// Numbers what is left by its places, and tells where it comes from.
@@ -336,6 +380,15 @@ Coarsened CoarseSheet::State::result(RunControl& control) {
   return result;
 }
 
+/// Sweeps with the whole tolerance until hardly any vertices can be joined.
+/// Input: `turn` is the number of sweeps before.
+void CoarseSheet::State::sweep_all(int turn, RunControl& control) {
+  for (; turn < kMaxSweeps; ++turn) {
+    const std::uint64_t joined = sweep(free, surface, rules, true, turn, control);
+    if (static_cast<double>(joined) < kFewJoined * static_cast<double>(free.sheet.positions.size())) break;
+  }
+}
+
 CoarseSheet::CoarseSheet(const FreeForm& input, const CoarseningGoals& goals, RunControl& control)
     : state_(std::make_unique<State>(input, goals, control)) {
   FreeSheet& free = state_->free;
@@ -345,10 +398,13 @@ CoarseSheet::CoarseSheet(const FreeForm& input, const CoarseningGoals& goals, Ru
     rules.tolerance = share * goals.tolerance;
     sweep(free, state_->surface, rules, false, turn++, control);
   }
-  rules.tolerance = goals.tolerance;
-  for (; turn < kMaxSweeps; ++turn) {
-    const std::uint64_t joined = sweep(free, state_->surface, rules, true, turn, control);
-    if (static_cast<double>(joined) < kFewJoined * static_cast<double>(free.sheet.positions.size())) break;
+  state_->sweep_all(turn, control);
+  const std::size_t narrow = narrow_faces(free.sheet).size();
+  if (goals.min_angle_deg > 0 && narrow > 0) {
+    FreeSheet before = free;
+    state_->split_narrow_faces(control);
+    state_->sweep_all(turn, control);
+    if (narrow_faces(free.sheet).size() >= narrow) free = std::move(before);
   }
   result_ = state_->result(control);
 }
@@ -361,14 +417,9 @@ bool CoarseSheet::refine(const CoarseningFaults& faults, bool are_all_moved, Run
   SheetSplitter splitter(free, state_->surface, control);
   bool is_changed = splitter.move_to_input(faults.crossing_faces);
   if (are_all_moved && splitter.move_to_input(faults.far_faces)) is_changed = true;
-  const std::vector<VertexId> touched = splitter.split(faces_at(faults, state_->input, free));
-  std::vector<std::uint32_t> tried(3 * free.sheet.faces.size(), 0);
-  const std::size_t n = free.sheet.positions.size();
-  IdVector<VertexId, std::uint32_t> changed(n, 0);
-  SheetRules rules = state_->rules;
-  rules.max_steps = kLooks * free.witnesses.all.size() + kLooksAlways;
-  SheetPart whole(free, state_->surface, rules, VertexId(0), VertexId(n), tried, changed, control);
-  for (int pass = 0; pass < kImprovements; ++pass) whole.improve_angles(touched);
+  const std::vector<VertexId> touched =
+      splitter.split(faces_at(faults, state_->input, free), SheetSplitter::Place::kInput);
+  state_->improve(touched, control);
   if (free.sheet.faces.size() > before) is_changed = true;
   result_ = state_->result(control);
   return is_changed;

@@ -11,8 +11,12 @@ namespace {
 constexpr double kHopeless = 40;
 /// The weight of an edge's length in its cost. Flat places become even by it.
 constexpr double kLengthWeight = 0.02;
-/// A flip or a move has to change the cosine of the smallest angle by this.
-constexpr double kGain = 0.005;
+/// Returns the cosine that the smallest angle may have after a flip or a move, which has to pay: with small angles, it
+/// has to become larger by a tenth.
+double cosine_wanted(double before) {
+  constexpr double kGain = 0.005, kGainOfNeedles = 1.2;
+  return std::max(before - kGain, 1 - kGainOfNeedles * (1 - before));
+}
 /// The share of the tolerance that samples may use.
 constexpr double kSampleShare = 0.98;
 
@@ -284,7 +288,7 @@ bool SheetPart::try_flip(std::uint32_t corner) {
   trial_.clear();
   trial_.add_changed(Sheet::face_of(corner), {r, p, s});
   trial_.add_changed(Sheet::face_of(other), {r, s, q});
-  if (!trial_.has_good_shapes(r, trial_.cosine_before() - kGain) ||
+  if (!trial_.has_good_shapes(r, cosine_wanted(trial_.cosine_before())) ||
       !trial_.finds_witnesses(kSampleShare * rules_.tolerance) ||
       !trial_.is_near_input(kSampleShare * rules_.tolerance))
     return false;
@@ -313,7 +317,7 @@ bool SheetPart::try_move(VertexId v) {
   });
   if (!(weight > 0)) return false;
   normal = normalized(normal);
-  const double wanted = trial_.cosine_before() - kGain;
+  const double wanted = cosine_wanted(trial_.cosine_before());
   const auto is_moved = [&](const Vec3& way) {
     const Vec3 flat = way - dot(way, normal) * normal;
     Vec3 place = here + flat;

@@ -27,7 +27,7 @@ bool SheetSplitter::move_to_input(std::span<const FaceId> faces) {
   return is_any_moved;
 }
 
-std::vector<VertexId> SheetSplitter::split(std::span<const FaceId> faces) {
+std::vector<VertexId> SheetSplitter::split(std::span<const FaceId> faces, Place place) {
   const Sheet& sheet = free_.sheet;
   std::vector<Triangle> before;
   before.reserve(faces.size());
@@ -44,7 +44,7 @@ std::vector<VertexId> SheetSplitter::split(std::span<const FaceId> faces) {
       };
       std::stable_sort(edges.begin(), edges.end(),
                        [&](std::uint32_t a, std::uint32_t b) { return squared_length(a) > squared_length(b); });
-      std::any_of(edges.begin(), edges.end(), [&](std::uint32_t c) { return split(c); });
+      std::any_of(edges.begin(), edges.end(), [&](std::uint32_t c) { return split(c, place); });
     }
     touched.insert(touched.end(), before[i].begin(), before[i].end());
     touched.insert(touched.end(), sheet.faces[f].begin(), sheet.faces[f].end());
@@ -98,7 +98,8 @@ bool SheetSplitter::is_split_possible(VertexId v, VertexId w, const Vec3& place,
     trial_.add_changed(Sheet::face_of(c), {place, across, from});
     trial_.add_changed(Sheet::face_of(c), {place, to, across});
   }
-  return trial_.has_good_shapes(place, max_cosine);
+  // Halves of a needle have its angle at the tip.
+  return trial_.has_good_shapes(place, std::max(max_cosine, (1 + trial_.cosine_before()) / 2));
 }
 
 /// Returns the witness of a chain edge that is nearest to a place; kNone if there are none.
@@ -157,7 +158,7 @@ void SheetSplitter::share_witnesses(std::span<const FaceId> old_faces, std::span
   }
 }
 
-bool SheetSplitter::split(std::uint32_t corner) {
+bool SheetSplitter::split(std::uint32_t corner, Place wanted) {
   Sheet& sheet = free_.sheet;
   SheetWitnesses& witnesses = free_.witnesses;
   const VertexId v = sheet.vertex(corner), w = sheet.vertex(Sheet::after(corner));
@@ -170,10 +171,11 @@ bool SheetSplitter::split(std::uint32_t corner) {
   Vec3 place = middle;
   if (witness != kNone) {
     place = witnesses.on_chains[witness].place;
-  } else if (chain == kNone) {
+  } else if (chain == kNone && wanted == Place::kInput) {
     place = input_.near_place(middle, start_near({v, w}, middle));
     if (!is_split_possible(v, w, place, kNeedle)) place = middle;
-  } else if (std::any_of(faces.begin(), faces.end(), [&](FaceId f) { return sheet.is_of_plane[f] != 0; })) {
+  } else if (chain != kNone &&
+             std::any_of(faces.begin(), faces.end(), [&](FaceId f) { return sheet.is_of_plane[f] != 0; })) {
     return false;  // an edge of the input: its middle would not be in the plane
   }
   if (!is_split_possible(v, w, place, kFlat)) return false;

@@ -20,17 +20,23 @@ class SheetSplitter {
   SheetSplitter(FreeSheet& free, const InputSurface& input, const RunControl& control)
       : free_(free), input_(input), trial_(free.sheet, free.witnesses, input, control), control_(control) {}
 
+  /// Where an edge is split that is no chain edge.
+  enum class Place : std::uint8_t {
+    kMiddle,
+    kInput  ///< at the place of the input nearest to the middle, if that makes no needles
+  };
+
   /// Moves the vertices of faces to the nearest places of the input, if no triangle is turned over by that.
   /// Output: whether any was moved.
   bool move_to_input(std::span<const FaceId> faces);
   /// Splits the longest edge of each face that can be split.
   /// Input:  faces that are there, ascending.
   /// Output: the vertices that the faces had and have, ascending.
-  std::vector<VertexId> split(std::span<const FaceId> faces);
+  std::vector<VertexId> split(std::span<const FaceId> faces, Place place);
 
  private:
   bool move_to_input(VertexId v);
-  bool split(std::uint32_t corner);
+  bool split(std::uint32_t corner, Place place);
   bool is_split_possible(VertexId v, VertexId w, const Vec3& place, double max_cosine);
   FaceId start_near(std::initializer_list<VertexId> vertices, const Vec3& place) const;
   std::uint32_t near_witness(std::uint32_t chain, const Vec3& place) const;

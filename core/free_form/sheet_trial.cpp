@@ -99,7 +99,10 @@ bool SheetTrial::has_good_shapes(const Vec3& apex, double max_cosine) {
     sum += area;
   }
   direction_ = normalized(sum);
-  return true;
+  // A needle tells nothing of its own, but has to look to the side of the others.
+  return std::all_of(changed_.begin(), changed_.end(), [&](const Changed& changed) {
+    return norm_squared(changed.normal_before) > 0 || dot(changed.normal, direction_) > kMaxTurn;
+  });
 }
 
 void SheetTrial::bound_step(double distance, double share, double tolerance) {

@@ -45,6 +45,37 @@ inline PolygonMesh relief(int n) {
   return block;
 }
 
+/// Hills with 2 n^2 faces that are flat along the lines x = -0.8 and x = 0.8. Beyond the second one, a surface of 2 n
+/// needles goes on to x = 3, straight in that direction; each needle has a plane of its own. Beyond the first one, a
+/// rectangle as narrow as they are, of two triangles in the plane z = 0, goes on to x = -3.
+inline PolygonMesh hills_with_needles(int n) {
+  std::vector<Vec3> positions;
+  const auto along = [n](int i) { return -0.8 + 1.6 * i / n; };
+  for (int j = 0; j <= n; ++j)
+    for (int i = 0; i <= n; ++i) {
+      const double x = along(i), y = along(j);
+      const bool is_flat = i == 0 || i == n;
+      positions.push_back({x, y, is_flat ? 0 : 0.1 * std::sin(4 * x) * std::cos(5 * y) * (1 - x * x / 0.64)});
+    }
+  std::vector<std::vector<std::uint32_t>> faces;
+  const auto add_quad = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
+    faces.push_back({a, b, c});
+    faces.push_back({a, c, d});
+  };
+  const auto row = static_cast<std::uint32_t>(n) + 1;
+  for (std::uint32_t j = 0; j + 1 < row; ++j)
+    for (std::uint32_t i = 0; i + 1 < row; ++i)
+      add_quad(j * row + i, j * row + i + 1, (j + 1) * row + i + 1, (j + 1) * row + i);
+  const auto far = static_cast<std::uint32_t>(positions.size());
+  for (int j = 0; j <= n; ++j) positions.push_back({3, along(j), 0.05 * std::cos(6 * along(j))});
+  for (std::uint32_t j = 0; j + 1 < row; ++j) add_quad(j * row + row - 1, far + j, far + j + 1, j * row + 2 * row - 1);
+  const std::uint32_t half = row / 2, rectangle = far + row;
+  positions.push_back({-3, along(n / 2), 0});
+  positions.push_back({-3, along(n / 2 + 1), 0});
+  add_quad(rectangle, half * row, (half + 1) * row, rectangle + 1);
+  return shapes::from_lists(positions, faces);
+}
+
 /// A round boss of this many sides whose top is a surface of no kind.
 inline PolygonMesh wavy_boss(int sides) {
   std::vector<Vec3> positions{{0, 0, 1.05}};

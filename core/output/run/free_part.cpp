@@ -15,6 +15,8 @@ namespace {
 constexpr double kLargePlane = 20;
 /// Unless it is smooth all around, and its triangles are not larger than this many median free facets.
 constexpr double kLargeFacet = 4;
+/// A plane is a needle if it is narrower than this share of its length.
+constexpr double kNeedle = 0.2;
 
 /// The normals of faces, as long as twice the faces' areas.
 class FaceNormals {
@@ -56,30 +58,115 @@ double median_area(const FreeContext& context, const FaceNormals& normals) {
   return *middle;
 }
 
-/// Returns whether a plane is a part of the free surface around it.
-bool is_plane_free(const FreeContext& context, const FaceNormals& normals, PatchId p, double median, StopCheck& check) {
-  const auto faces = context.patches.faces_of(p);
-  double area = 0;
-  std::size_t triangles = 0;
-  bool is_any_smooth = false, is_any_other = false;
-  for (const FaceId f : faces) {
-    check();
-    area += normals.area(f);
-    const std::uint32_t begin = context.surface.face_begin[f.value], end = context.surface.face_begin[f.value + 1];
-    triangles += end - begin - 2;
-    for (std::uint32_t h = begin; h < end; ++h) {
-      if (!is_patch_boundary(context.adjacency, context.patches, h)) continue;
-      const std::uint32_t twin = context.adjacency.twin(h);
-      const FaceId g = twin == kNone ? FaceId() : context.adjacency.face_of(twin);
-      const bool is_smooth = g.is_valid() && kind_of(context, context.patches.of_face[g]) == SurfaceKind::kFree &&
-                             context.surface.label(f) == context.surface.label(g) && normals.are_smooth(f, g);
-      (is_smooth ? is_any_smooth : is_any_other) = true;
+/// The roles of planes. Where a free surface is flat enough, its facets are patches of one or two triangles, and planes.
+/// This class is larger than the bound because it holds what is known of all patches.
+class PlaneRoles {
+ public:
+  PlaneRoles(const FreeContext& context, const FaceNormals& normals, RunControl& control)
+      : context_(context), normals_(normals), check_(control), is_free_(context.patches.count(), 0) {
+    const double median = median_area(context, normals);
+    for (PatchId p(0); p.value < context.patches.count(); ++p.value)
+      if (kind_of(context, p) == SurfaceKind::kFree || (is_plane(p) && is_free_plane(p, median))) is_free_[p] = 1;
+    free_needles();
+  }
+
+  bool is_free(PatchId p) const { return is_free_[p] != 0; }
+
+ private:
+  bool is_plane(PatchId p) const { return kind_of(context_, p) == SurfaceKind::kPlane; }
+
+  /// Calls `visit` with the half-edge of each edge of a patch's border, and with the patch that goes on smoothly beyond
+  /// it; that is invalid where none does.
+  template <class Visit>
+  void for_each_border_edge(PatchId p, const Visit& visit) {
+    for (const FaceId f : context_.patches.faces_of(p)) {
+      check_();
+      for (std::uint32_t h = context_.surface.face_begin[f.value]; h < context_.surface.face_begin[f.value + 1]; ++h) {
+        if (!is_patch_boundary(context_.adjacency, context_.patches, h)) continue;
+        const std::uint32_t twin = context_.adjacency.twin(h);
+        const FaceId g = twin == kNone ? FaceId() : context_.adjacency.face_of(twin);
+        const bool is_smooth =
+            g.is_valid() && context_.surface.label(f) == context_.surface.label(g) && normals_.are_smooth(f, g);
+        visit(h, is_smooth ? context_.patches.of_face[g] : PatchId());
+      }
     }
   }
-  if (!is_any_smooth) return false;
-  return area <= kLargePlane * median ||
-         (!is_any_other && area <= kLargeFacet * median * static_cast<double>(triangles));
-}
+
+  /// Returns whether a plane is a part of the free surface around it, because of its size.
+  bool is_free_plane(PatchId p, double median) {
+    double area = 0;
+    std::size_t triangles = 0;
+    for (const FaceId f : context_.patches.faces_of(p)) {
+      area += normals_.area(f);
+      triangles += context_.surface.face_begin[f.value + 1] - context_.surface.face_begin[f.value] - 2;
+    }
+    bool is_any_smooth = false, is_any_other = false;
+    for_each_border_edge(p, [&](std::uint32_t, PatchId q) {
+      (q.is_valid() && kind_of(context_, q) == SurfaceKind::kFree ? is_any_smooth : is_any_other) = true;
+    });
+    if (!is_any_smooth) return false;
+    return area <= kLargePlane * median ||
+           (!is_any_other && area <= kLargeFacet * median * static_cast<double>(triangles));
+  }
+
+  double length(std::uint32_t h) const {
+    const auto& local = context_.surface.local;
+    return norm(local[context_.adjacency.to(h)] - local[context_.adjacency.from(h)]);
+  }
+
+  /// Returns the length of a plane that is a needle: of one or two triangles, and thin. Otherwise returns 0.
+  double needle_length(PatchId p) {
+    double area = 0, longest = 0;
+    std::size_t triangles = 0;
+    for (const FaceId f : context_.patches.faces_of(p)) {
+      area += normals_.area(f);
+      triangles += context_.surface.face_begin[f.value + 1] - context_.surface.face_begin[f.value] - 2;
+      if (triangles > 2) return 0;
+    }
+    for_each_border_edge(p, [&](std::uint32_t h, PatchId) { longest = std::max(longest, length(h)); });
+    const double width = (triangles == 1 ? 2 : 1) * area / longest;
+    return width <= kNeedle * longest ? longest : 0;
+  }
+
+  /// Needles side by side are facets of a surface that is flat along them. Those that go on smoothly to a free surface,
+  /// over other such needles or by themselves, belong to it.
+  void free_needles() {
+    IdVector<PatchId, double> lengths(context_.patches.count(), 0);
+    for (PatchId p(0); p.value < lengths.size(); ++p.value)
+      if (is_free_[p] == 0 && is_plane(p)) lengths[p] = needle_length(p);
+    const auto goes_on_sideways = [&](PatchId p) {
+      bool does = false;
+      for_each_border_edge(p, [&](std::uint32_t h, PatchId q) {
+        if (q.is_valid() && (is_free_[q] != 0 || lengths[q] > 0) && length(h) >= lengths[p] / 2) does = true;
+      });
+      return does;
+    };
+    std::vector<PatchId> needles, reached;
+    for (PatchId p(0); p.value < lengths.size(); ++p.value)
+      if (lengths[p] > 0 && goes_on_sideways(p)) needles.push_back(p);
+    IdVector<PatchId, std::uint8_t> waits(lengths.size(), 0);
+    for (const PatchId p : needles) waits[p] = 1;
+    const auto reach = [&](PatchId p) {
+      waits[p] = 0;
+      is_free_[p] = 1;
+      reached.push_back(p);
+    };
+    for (const PatchId p : needles) {
+      bool is_beside = false;
+      for_each_border_edge(p, [&](std::uint32_t, PatchId q) { is_beside |= q.is_valid() && is_free_[q] != 0; });
+      if (is_beside && waits[p] != 0) reach(p);
+    }
+    for (std::size_t i = 0; i < reached.size(); ++i)
+      for_each_border_edge(reached[i], [&](std::uint32_t, PatchId q) {
+        if (q.is_valid() && waits[q] != 0) reach(q);
+      });
+  }
+
+  const FreeContext& context_;
+  const FaceNormals& normals_;
+  StopCheck check_;
+  IdVector<PatchId, std::uint8_t> is_free_;
+};
 
 }  // namespace
 
@@ -92,17 +179,10 @@ FilledIdVector<FaceId, FaceRole> roles_of(const FreeContext& context, const Tria
                    [](const RecognisedSurface& s) { return s.shape.kind == SurfaceKind::kFree; }))
     return roles;
   const FaceNormals normals(context.surface, triangles, context.feature_angle_deg, control);
-  const double median = median_area(context, normals);
-  StopCheck check(control);
+  const PlaneRoles planes(context, normals, control);
   for (PatchId p(0); p.value < context.patches.count(); ++p.value) {
-    FaceRole role = FaceRole::kStays;
-    switch (kind_of(context, p)) {
-      case SurfaceKind::kFree: role = FaceRole::kFree; break;
-      case SurfaceKind::kPlane:
-        role = is_plane_free(context, normals, p, median, check) ? FaceRole::kFree : FaceRole::kPlane;
-        break;
-      default: break;
-    }
+    const bool is_plane = kind_of(context, p) == SurfaceKind::kPlane;
+    const FaceRole role = planes.is_free(p) ? FaceRole::kFree : is_plane ? FaceRole::kPlane : FaceRole::kStays;
     for (const FaceId f : context.patches.faces_of(p)) roles[f] = role;
   }
   for (const auto& [f, g] : context.crossing) roles[f] = roles[g] = FaceRole::kStays;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <string>
 #include <utility>
@@ -34,6 +35,15 @@ std::vector<Corners3> corners_of(const TriangleMesh& mesh) {
   for (const Triangle& t : mesh.faces)
     corners.push_back({mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]});
   return corners;
+}
+
+double min_angle_deg(const Corners3& t) {
+  double least = 180;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vec3 p = t[(i + 1) % 3] - t[i], q = t[(i + 2) % 3] - t[i];
+    least = std::min(least, std::atan2(norm(cross(p, q)), dot(p, q)) * 180 / 3.14159265358979323846);
+  }
+  return least;
 }
 
 bool is_told_coarser(const Result& result) {
@@ -307,6 +317,31 @@ TEST(free_stage, planes_beside_a_free_surface_keep_their_planes) {
         test::hausdorff(upper_faces(shapes::triangles(mesh), box), upper_faces(result.mesh, box), 0.2 * tolerance),
         tolerance * (1 + 1e-9));
   }
+}
+
+/// CAD programs make needles where a surface is straight in one direction.
+TEST(free_stage, needles_side_by_side_become_good_triangles_with_the_free_surface_and_a_lone_one_keeps_its_plane) {
+  const PolygonMesh mesh = hills_with_needles(32);
+  Options options = within(5e-4);
+  options.refine = false;
+  const Result result = remeshed(mesh, options);
+  const Report& report = result.report;
+  EXPECT_TRUE(report.verified.all_true());
+  EXPECT_TRUE(is_told_coarser(result));
+  double flat_area = 0, area_of_needles = 0, narrow_area = 0;
+  for (const Corners3& t : corners_of(result.mesh)) {
+    const double area = norm(cross(t[1] - t[0], t[2] - t[0])) / 2;
+    if ((t[0].x + t[1].x + t[2].x) / 3 > 0.8) {
+      area_of_needles += area;
+      narrow_area += min_angle_deg(t) < 10 ? area : 0;
+    }
+    if (std::max({t[0].x, t[1].x, t[2].x}) <= -0.8 && t[0].z == 0 && t[1].z == 0 && t[2].z == 0) flat_area += area;
+  }
+  EXPECT_NEAR(flat_area, 2.2 * 0.05, 1e-9) << "the rectangle has lost its plane";
+  EXPECT_LT(narrow_area, 0.2 * area_of_needles) << "it was all of it";
+  const double bound = std::max(report.distance_bound->output_to_input, report.distance_bound->input_to_output);
+  EXPECT_LE(bound, 5e-4 * diagonal_of(mesh) + report.plane_tolerance);
+  EXPECT_LE(test::hausdorff(corners_of(shapes::as_triangles(mesh)), corners_of(result.mesh), 0.2 * bound), bound);
 }
 
 TEST(free_stage, curved_surfaces_beside_a_free_one_are_remeshed_as_before) {
