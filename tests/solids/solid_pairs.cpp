@@ -66,7 +66,7 @@ Polygon part_within(Polygon polygon, const std::vector<Polygon>& solid) {
   return polygon;
 }
 
-/// The area of a surface, and what it adds to the volume that a closed surface encloses.
+/// Sums over a surface: its area, and what it adds to the volume that a closed surface encloses.
 struct Sums {
   long double volume = 0, area = 0;
 
@@ -79,7 +79,7 @@ struct Sums {
   }
 };
 
-/// What is known of the union of two convex solids.
+/// The figures of the union of two convex solids, as they follow from the convexity.
 struct Known {
   double volume = 0, area = 0;
   int euler = 0;
