@@ -1,6 +1,7 @@
 // Unites random pairs of convex solids in general position, and holds volumes, areas and Euler numbers against what
 // follows from the convexity: the volume that two such solids share is bounded by the part of each surface that lies
-// behind all faces of the other solid. Prints how many rounds of joining points they took. `./dev solids pairs` runs it.
+// behind all faces of the other solid. Prints how many rounds of joining points they took. `./dev solids pairs` runs
+// it.
 
 #include <array>
 #include <cmath>
