@@ -131,8 +131,7 @@ TEST_F(stage_memory, hostile_surfaces_keep_to_the_bounds) {
 }
 
 TEST_F(stage_memory, hostile_surfaces_keep_to_the_bounds_with_gaps_and_circles) {
-  for (const std::size_t size : {std::size_t{30}, std::size_t{60}})
-    for (const Options& options : {close_ups(), round_ups()}) expect_within_bounds(hostile_surfaces(size), options);
+  for (const Options& options : {close_ups(), round_ups()}) expect_within_bounds(hostile_surfaces(30), options);
 }
 
 TEST_F(stage_memory, cuts_beyond_the_faces_allowed_are_not_stored) {

@@ -82,7 +82,7 @@ double last_place(double x, int bits) {
 }
 
 /// The points of a mesh before they are rounded, and what is known about their coordinates.
-struct Model {
+struct WrittenModel {
   std::vector<Vec3> points;
   std::string name;
   std::vector<bool> is_free;                       ///< per coordinate: it may have any value, and depends on no other
@@ -93,9 +93,9 @@ class Models {
  public:
   explicit Models(std::uint64_t seed) : random_(seed) {}
 
-  Model any(double size) {
+  WrittenModel any(double size) {
     const int n = count();
-    Model model;
+    WrittenModel model;
     switch (random_.below(5)) {
       case 0:
         model.name = "cloud";
@@ -165,11 +165,11 @@ class Models {
     const double part = unit * kParts[static_cast<std::size_t>(random_.below(static_cast<int>(kParts.size())))];
     return part * std::round(random_.uniform(-size, size) / part);
   }
-  void add_free(Model& model, double size) {
+  void add_free(WrittenModel& model, double size) {
     add(model, {free(size), free(size), free(size)}, true, true, true);
     model.is_exact = {};
   }
-  void add(Model& model, const Vec3& p, bool x, bool y, bool z) {
+  void add(WrittenModel& model, const Vec3& p, bool x, bool y, bool z) {
     model.points.push_back(p);
     for (const bool is : {x, y, z}) model.is_free.push_back(is);
   }
@@ -185,7 +185,7 @@ struct Truth {
 
 /// Returns the coarsest rounding that gives the same points as `rounder` does. If there are few numbers, all may end in
 /// a 0 by chance, and then they are those of a mesh that was rounded more coarsely.
-Rounder coarsest_alike(const Model& model, Rounder rounder) {
+Rounder coarsest_alike(const WrittenModel& model, Rounder rounder) {
   if (rounder.kind != Kind::kDecimals && rounder.kind != Kind::kDigits) return rounder;
   const int least = rounder.kind == Kind::kDecimals ? 0 : 1;
   for (; rounder.places > least; --rounder.places) {
@@ -199,7 +199,7 @@ Rounder coarsest_alike(const Model& model, Rounder rounder) {
 }
 
 /// Rounds the points and says what a perfect estimate would be.
-Truth round_to(Model& model, const Rounder& as_drawn) {
+Truth round_to(WrittenModel& model, const Rounder& as_drawn) {
   const Rounder rounder = coarsest_alike(model, as_drawn);
   Truth truth;
   Vec3 largest, largest_long;
@@ -266,7 +266,7 @@ TEST(rounding_estimate, the_step_is_right_or_not_told_and_never_coarser_than_the
     if (rounder.kind == Kind::kDecimals)
       rounder.places = std::max(0, random.integer(1, 10) - static_cast<int>(std::floor(std::log10(size))));
     if (rounder.kind == Kind::kDigits) rounder.places = random.integer(1, 9);
-    Model model = models.any(size);
+    WrittenModel model = models.any(size);
     const Truth truth = round_to(model, rounder);
     const int power = random.chance(0.5) ? 0 : random.integer(-40, 40);
     const double scale = std::ldexp(1.0, power);

@@ -14,14 +14,14 @@ const Vec3 kCentre{1, -2, 3};
 const Vec3 kX{0, 1, 0}, kY{0, 0, 1}, kZ{1, 0, 0};
 
 /// A place on a surface by two parameters. The first one goes around the axis.
-using Place = std::function<Vec3(double u, double v)>;
+using PointAt = std::function<Vec3(double u, double v)>;
 
 Vec3 around(double radius, double angle, double height) {
   return kCentre + radius * (std::cos(angle) * kX + std::sin(angle) * kY) + height * kZ;
 }
 
 /// Adds a straight way in the plane of the parameters, cut into pieces.
-void add_way(const Place& place, Vec2 from, Vec2 to, int pieces, SurfaceIntegral& integral) {
+void add_way(const PointAt& place, Vec2 from, Vec2 to, int pieces, SurfaceIntegral& integral) {
   for (int i = 0; i < pieces; ++i) {
     SurfaceIntegral::Curve curve;
     for (std::size_t k = 0; k < curve.size(); ++k) {
@@ -33,7 +33,7 @@ void add_way(const Place& place, Vec2 from, Vec2 to, int pieces, SurfaceIntegral
 }
 
 /// Returns the integral over the place's rectangle of parameters.
-SurfaceIntegral over(const AnalyticSurface& shape, const Place& place, Vec2 low, Vec2 high, int pieces,
+SurfaceIntegral over(const AnalyticSurface& shape, const PointAt& place, Vec2 low, Vec2 high, int pieces,
                      double unit = 1) {
   const Vec2 middle = 0.5 * (low + high);
   SurfaceIntegral integral(shape, place(middle.x, middle.y), unit);
@@ -46,7 +46,7 @@ SurfaceIntegral over(const AnalyticSurface& shape, const Place& place, Vec2 low,
 
 /// The volume between a point and fans of straight lines from the middles of chords over the ways around a rectangle.
 /// The ways are approximated by very short lines.
-double fans(const Place& place, Vec2 low, Vec2 high, int pieces, const Vec3& from) {
+double fans(const PointAt& place, Vec2 low, Vec2 high, int pieces, const Vec3& from) {
   constexpr int kFine = 2000;
   double volume = 0;
   const std::vector<Vec2> corners{low, {high.x, low.y}, high, {low.x, high.y}, low};
@@ -67,7 +67,7 @@ double fans(const Place& place, Vec2 low, Vec2 high, int pieces, const Vec3& fro
 struct Sums {
   double volume = 0, area = 0;
 };
-Sums brute_force(const Place& place, Vec2 low, Vec2 high, const Vec3& from) {
+Sums brute_force(const PointAt& place, Vec2 low, Vec2 high, const Vec3& from) {
   constexpr int kSteps = 500;
   const double du = (high.x - low.x) / kSteps, dv = (high.y - low.y) / kSteps;
   Sums sums;
@@ -83,7 +83,7 @@ Sums brute_force(const Place& place, Vec2 low, Vec2 high, const Vec3& from) {
   return sums;
 }
 
-void expect_like_brute_force(const AnalyticSurface& shape, const Place& place, Vec2 low, Vec2 high) {
+void expect_like_brute_force(const AnalyticSurface& shape, const PointAt& place, Vec2 low, Vec2 high) {
   constexpr int kPieces = 3;
   const SurfaceIntegral integral = over(shape, place, low, high, kPieces);
   const Sums sums = brute_force(place, low, high, integral.centre());
@@ -103,7 +103,7 @@ TEST(surface_integral, a_piece_of_each_kind_has_the_volume_and_area_of_small_par
       {SurfaceKind::kSphere, kCentre, {}, 3, 0, 0},
       [](double u, double v) { return around(3 * std::cos(v), u, 3 * std::sin(v)); }, low, high);
   const AnalyticSurface torus{SurfaceKind::kTorus, kCentre, kZ, 5, 2, 0};
-  const Place on_torus = [](double u, double v) { return around(5 + 2 * std::cos(v), u, 2 * std::sin(v)); };
+  const PointAt on_torus = [](double u, double v) { return around(5 + 2 * std::cos(v), u, 2 * std::sin(v)); };
   expect_like_brute_force(torus, on_torus, low, high);
   // The inner side of the tube, across the place where angles jump.
   expect_like_brute_force(torus, on_torus, {-0.4, 2.3}, {1.1, 4.4});
@@ -141,8 +141,8 @@ TEST(surface_integral, whole_solids_have_their_volumes_to_twelve_digits) {
 
 TEST(surface_integral, a_piece_on_the_right_counts_negative_and_units_divide) {
   const AnalyticSurface shape{SurfaceKind::kCylinder, kCentre, kZ, 2, 0, 0};
-  const Place place = [](double u, double v) { return around(2, u, v); };
-  const Place mirrored = [](double u, double v) { return around(2, -u, v); };
+  const PointAt place = [](double u, double v) { return around(2, u, v); };
+  const PointAt mirrored = [](double u, double v) { return around(2, -u, v); };
   const SurfaceIntegral left = over(shape, place, {-1, -1}, {1, 1}, 3),
                         right = over(shape, mirrored, {-1, -1}, {1, 1}, 3);
   EXPECT_GT(left.volume(), 0);

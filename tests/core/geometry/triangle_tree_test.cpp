@@ -22,13 +22,13 @@ struct SphereTree {
   TriangleTree tree;
 };
 
-constexpr std::size_t kSizes[] = {0, 1, 4, 5, 333, 2048};
+constexpr std::size_t kTreeSizes[] = {0, 1, 4, 5, 333, 2048};
 
 constexpr TriangleTree::Split kSplits[] = {TriangleTree::kByPlace, TriangleTree::kByShape};
 
 TEST(triangle_tree, every_face_has_one_slot_with_its_box) {
   for (const std::size_t i : {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}) {
-    const std::size_t n = kSizes[i / 2];
+    const std::size_t n = kTreeSizes[i / 2];
     const SphereTree sphere(n, kSplits[i % 2]);
     ASSERT_EQ(sphere.tree.size(), n);
     std::vector<FaceId> faces;
@@ -45,7 +45,7 @@ TEST(triangle_tree, every_face_has_one_slot_with_its_box) {
 }
 
 TEST(triangle_tree, a_query_visits_the_slots_whose_boxes_meet_the_box_in_order) {
-  for (const std::size_t n : kSizes) {
+  for (const std::size_t n : kTreeSizes) {
     const SphereTree sphere(n);
     Random random(1);
     for (int i = 0; i < 300; ++i) {

@@ -36,28 +36,28 @@ Vec3 way(const Vec3& at, const OffsetSite& site, const std::vector<double>& offs
   const std::vector<OffsetMove> found = moves(at, site);
   return moved_by(found, by);
 }
-void expect_near(const Vec3& a, const Vec3& b, double tolerance = 1e-14) {
+void expect_move(const Vec3& a, const Vec3& b, double tolerance = 1e-14) {
   EXPECT_LE(norm(a - b), tolerance) << a.x << " " << a.y << " " << a.z;
 }
 
 TEST(offset_moves, a_vertex_of_one_surface_moves_along_its_normal) {
-  expect_near(way({0, 2, 5}, {{kRod}, {}, {}}, {0.1}), {0, 0.1, 0});
-  expect_near(way({0, 0, 2}, {{kBall}, {}, {}}, {0, 0.1}), {0, 0, 0.1});
+  expect_move(way({0, 2, 5}, {{kRod}, {}, {}}, {0.1}), {0, 0.1, 0});
+  expect_move(way({0, 0, 2}, {{kBall}, {}, {}}, {0, 0.1}), {0, 0, 0.1});
 }
 
 TEST(offset_moves, a_cone_turns_around_its_apex) {
   const double along = 3, angle = 1e-6;
   const Vec3 at{along * std::sin(0.5), 0, along * std::cos(0.5)};
   const Vec3 to{along * std::sin(0.5 + angle), 0, along * std::cos(0.5 + angle)};
-  expect_near(way(at, {{kCone}, {}, {}}, {0, 0, angle}), to - at, 1e-11);
+  expect_move(way(at, {{kCone}, {}, {}}, {0, 0, angle}), to - at, 1e-11);
   EXPECT_TRUE(moves({}, {{kCone}, {}, {}}).empty()) << "the apex";
 }
 
 TEST(offset_moves, a_vertex_keeps_to_its_planes_and_lines) {
-  expect_near(way({0, 2, 5}, {{kRod}, {{0, 0, 1}}, {}}, {0.1}), {0, 0.1, 0});
+  expect_move(way({0, 2, 5}, {{kRod}, {{0, 0, 1}}, {}}, {0.1}), {0, 0.1, 0});
   // A plane through the axis ends at the rod, and so does a cap.
-  expect_near(way({0, 2, 5}, {{kRod}, {{0, 0, 1}, {1, 0, 0}}, {}}, {0.1}), {0, 0.1, 0});
-  expect_near(way({0, 2, 5}, {{kRod}, {{0, 0, 1}, {1, 0, 0}}, {{0, 1, 0}}}, {0.1}), {0, 0.1, 0});
+  expect_move(way({0, 2, 5}, {{kRod}, {{0, 0, 1}, {1, 0, 0}}, {}}, {0.1}), {0, 0.1, 0});
+  expect_move(way({0, 2, 5}, {{kRod}, {{0, 0, 1}, {1, 0, 0}}, {{0, 1, 0}}}, {0.1}), {0, 0.1, 0});
   // In an oblique plane, the vertex is outside by about the offset.
   const Vec3 oblique = normalized({0, 1, 2});
   const Vec3 in_plane = way({0, 2, 5}, {{kRod}, {oblique}, {}}, {0.1});
@@ -77,8 +77,8 @@ TEST(offset_moves, a_vertex_stays_where_a_plane_touches_the_surface) {
 
 TEST(offset_moves, planes_that_are_the_same_up_to_rounding_count_once) {
   const Vec3 almost = normalized({3e-9, -4e-9, 1});
-  expect_near(way({0, 2, 5}, {{kRod}, {{0, 0, 1}, almost}, {}}, {0.1}), {0, 0.1, 0}, 1e-8);
-  expect_near(way({0, 2, 5}, {{kRod}, {{0, 0, 1}}, {{0, 1, 0}, {1e-7, -1, 0}}}, {0.1}), {0, 0.1, 0}, 1e-7);
+  expect_move(way({0, 2, 5}, {{kRod}, {{0, 0, 1}, almost}, {}}, {0.1}), {0, 0.1, 0}, 1e-8);
+  expect_move(way({0, 2, 5}, {{kRod}, {{0, 0, 1}}, {{0, 1, 0}, {1e-7, -1, 0}}}, {0.1}), {0, 0.1, 0}, 1e-7);
 }
 
 TEST(offset_moves, where_two_surfaces_meet_a_vertex_moves_out_of_both) {

@@ -14,7 +14,7 @@
 namespace remesh {
 namespace {
 
-constexpr double kTolerance = 1e-4;
+constexpr double kSheetTolerance = 1e-4;
 
 /// Makes a unit sheet of n x n squares. Every tenth vertex is lifted, and all are moved up or down by noise. Both are
 /// given in tolerances.
@@ -22,7 +22,7 @@ PolygonMesh lifted_sheet(int n, double lift, double noise) {
   Random random(1);
   PolygonMesh mesh = shapes::sheet(1, 1, n, n);
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
-    mesh.positions[VertexId(v)].z = kTolerance * ((v % 10 == 0 ? lift : 0) + random.uniform(-noise, noise));
+    mesh.positions[VertexId(v)].z = kSheetTolerance * ((v % 10 == 0 ? lift : 0) + random.uniform(-noise, noise));
   return mesh;
 }
 
@@ -47,7 +47,7 @@ TEST(merge_regions, corners_in_one_band_are_one_region_however_many_attempts_fai
   // Growth begins in the plane of most vertices, from which the lifted ones are too far, so it leaves many pieces.
   for (const int n : {50, 100, 150, 200}) {
     for (const auto& [lift, noise] : {std::pair(0.66, 0.0), {0.66, 0.1}, {0.3, 0.3}}) {
-      const StageChain chain(lifted_sheet(n, lift, noise), kTolerance);
+      const StageChain chain(lifted_sheet(n, lift, noise), kSheetTolerance);
       EXPECT_EQ(chain.region_count(), 1u) << n << ' ' << lift << ' ' << noise;
       expect_in_band(chain);
     }
@@ -59,7 +59,7 @@ TEST(merge_regions, on_either_side_of_a_slight_fold_there_is_one_region) {
   for (const auto& [lift, noise] : {std::pair(0.66, 0.0), {0.66, 0.1}, {0.3, 0.3}}) {
     PolygonMesh mesh = lifted_sheet(100, lift, noise);
     for (Vec3& p : mesh.positions) p.z += 0.05 * std::max(0.0, p.x - 0.6);
-    const StageChain chain(mesh, kTolerance);
+    const StageChain chain(mesh, kSheetTolerance);
     EXPECT_EQ(chain.region_count(), 2u) << lift << ' ' << noise;
     expect_in_band(chain);
   }
