@@ -39,8 +39,7 @@ class LabelsOfShells {
                return pairs;
              }))
       pairs_.insert(pairs_.end(), of_block.begin(), of_block.end());
-    sort_stoppable(pairs_.begin(), pairs_.end(), control);
-    pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
+    sort_unique(pairs_, control);
   }
 
   /// Returns whether two shells have a label in common. Cost: O(k log n), where one of them has k labels.
@@ -56,8 +55,7 @@ class LabelsOfShells {
  private:
   template <class Pairs>
   static void sort_out(Pairs& pairs) {
-    std::sort(pairs.begin(), pairs.end());
-    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    sort_unique(pairs);
   }
 
   std::span<const std::pair<std::uint32_t, std::uint32_t>> of(std::uint32_t shell) const {

@@ -76,8 +76,7 @@ bool is_half_in(const Box3& box, const Box3& other) {
 }
 
 void sort_out(std::vector<std::uint32_t>& numbers) {
-  std::sort(numbers.begin(), numbers.end());
-  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  sort_unique(numbers);
 }
 
 /// The smallest number of a nest in a node of a tree.
@@ -165,8 +164,7 @@ void ShellNesting::correct(const std::vector<std::uint32_t>& inner, std::vector<
   std::vector<std::uint32_t> beside;
   for (std::size_t i = 0; i < inner.size(); ++i)
     if (is_beside(i)) beside.push_back(links[i].nest);
-  sort_stoppable(beside.begin(), beside.end(), control_);
-  beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
+  sort_unique(beside, control_);
   std::vector<std::vector<std::uint32_t>> crossed(beside.size());
   for_blocks(beside.size(), kShellsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) crossed[i] = crossed_by(beside[i]);

@@ -134,8 +134,7 @@ class DetailRemover {
       while (end < edges.size() && edges[end] == edges[begin]) ++end;
       if (end - begin == 1) nodes.insert(nodes.end(), {edges[begin].first, edges[begin].second});
     }
-    sort_stoppable(nodes.begin(), nodes.end(), control_);
-    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    sort_unique(nodes, control_);
     return nodes;
   }
 
@@ -330,8 +329,7 @@ class DetailRemover {
       const int at = t.at(from);
       opposite_from.push_back(std::minmax(t.corners[(at + 1) % 3], t.corners[(at + 2) % 3]));
     }
-    std::sort(apexes.begin(), apexes.end());
-    apexes.erase(std::unique(apexes.begin(), apexes.end()), apexes.end());
+    sort_unique(apexes);
     const auto common = std::count_if(spokes_from.begin(), spokes_from.end(), [&](const Spoke& s) {
       return s.to != to && find_spoke(spokes_to, s.to) != nullptr;
     });

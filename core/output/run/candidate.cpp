@@ -16,8 +16,7 @@ namespace remesh {
 namespace {
 
 void sort_pairs(std::vector<std::pair<PatchId, PatchId>>& pairs) {
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  sort_unique(pairs);
 }
 
 /// Finds the surface's own vertices that are somewhere else in the result.

@@ -103,8 +103,7 @@ class ArrangedSurface {
       const std::vector<FaceId> covered = covered_by(before_, patches_.faces_of(p));
       faces.insert(faces.end(), covered.begin(), covered.end());
     }
-    std::sort(faces.begin(), faces.end());
-    faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+    sort_unique(faces);
     for (const FaceId f : faces) told.add(f.value);
     return static_cast<std::size_t>(std::count(is_of_patch.begin(), is_of_patch.end(), 1));
   }
@@ -149,8 +148,7 @@ class ArrangedSurface {
         const std::vector<FaceId> covered = covered_by(before_, patches_.faces_of(patch));
         of_face.insert(of_face.end(), covered.begin(), covered.end());
       }
-      std::sort(of_face.begin(), of_face.end());
-      of_face.erase(std::unique(of_face.begin(), of_face.end()), of_face.end());
+      sort_unique(of_face);
       covers.faces.insert(covers.faces.end(), of_face.begin(), of_face.end());
       covers.begin.push_back(covers.faces.size());
     }

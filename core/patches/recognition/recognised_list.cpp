@@ -62,8 +62,7 @@ class Records {
         check_();
         if (graph_.is_corner(s)) vertices.push_back(graph_.vertex(s));
       }
-    sort_stoppable(vertices.begin(), vertices.end(), control_);
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    sort_unique(vertices, control_);
     std::vector<Vec3> points;
     points.reserve(vertices.size());
     for (const VertexId v : vertices) points.push_back(graph_.position(v));

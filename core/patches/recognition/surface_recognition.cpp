@@ -320,8 +320,7 @@ class Recogniser {
         check_();
         if (table_.owner[q] != c && graph_.may_be_seed(q)) beside.push_back({table_.owner[q], q});
       });
-    std::sort(beside.begin(), beside.end());
-    beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
+    sort_unique(beside);
     for (std::size_t begin = 0, end = 0; begin < beside.size(); begin = end) {
       others_.clear();
       while (end < beside.size() && beside[end].first == beside[begin].first) others_.push_back(beside[end++].second);
@@ -359,8 +358,7 @@ class Recogniser {
     double largest = 0;
     for (const PatchId p : claim.facets)
       if (table_.owner[p] != kNone) owners.push_back(table_.owner[p]);
-    std::sort(owners.begin(), owners.end());
-    owners.erase(std::unique(owners.begin(), owners.end()), owners.end());
+    sort_unique(owners);
     for (const std::uint32_t o : owners) largest = std::max(largest, table_.claims[o].area);
     if (!(claim.area > kMuchLarger * largest)) return false;
     // Three or four bands of any surface of revolution are nearly a torus.
@@ -475,8 +473,7 @@ class Recogniser {
         graph_.for_each_neighbour(cluster[i], [&](PatchId q) {
           if (is_free(q) && graph_.may_be_seed(q) && graph_.area(q) <= area) ring.push_back(q);
         });
-      std::sort(ring.begin(), ring.end());
-      ring.erase(std::unique(ring.begin(), ring.end()), ring.end());
+      sort_unique(ring);
       std::erase_if(ring, [&](PatchId q) { return std::find(cluster.begin(), cluster.end(), q) != cluster.end(); });
       if (ring.empty() || cluster.size() + ring.size() > kTooMany) return;
       cluster.insert(cluster.end(), ring.begin(), ring.end());

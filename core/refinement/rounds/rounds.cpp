@@ -332,12 +332,12 @@ class Rounds {
       for (const Cut& cut : made) fresh.push_back({cut, p});
       if (!refiner.is_done()) unfinished.push_back(p);
     }
-    sort_unique(barrier_.impossible);
+    sort_unique(barrier_.impossible, control_);
     if (budget_.is_spent()) unfinished.clear();
     cuts_.exchange(std::move(fresh));
     barrier_.dirty = std::move(unfinished);
     for (const SegmentCuts::Message& m : cuts_.messages()) barrier_.dirty.push_back(m.patch);
-    sort_unique(barrier_.dirty);
+    sort_unique(barrier_.dirty, control_);
   }
 
   bool can_split_any(const std::vector<Chord>& chords) const {
@@ -352,13 +352,7 @@ class Rounds {
       chords_.of_patch[chord.patch].push_back(chord.half_edge);
       barrier_.dirty.push_back(chord.patch);
     }
-    sort_unique(barrier_.dirty);
-  }
-
-  template <class Item>
-  void sort_unique(std::vector<Item>& items) {
-    sort_stoppable(items.begin(), items.end(), control_);
-    items.erase(std::unique(items.begin(), items.end()), items.end());
+    sort_unique(barrier_.dirty, control_);
   }
 
   /// The chords that patches are to split, and the state of this work.

@@ -145,8 +145,7 @@ std::vector<std::array<VertexId, 2>> segment_ends(const PatchMeshes& meshes, Run
       const auto [low, high] = std::minmax(patch.vertices[patch.mesh.from(h)], patch.vertices[patch.mesh.to(h)]);
       ends.push_back({low, high});
     }
-  sort_stoppable(ends.begin(), ends.end(), control);
-  ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+  sort_unique(ends, control);
   return ends;
 }
 

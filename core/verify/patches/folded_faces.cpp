@@ -92,8 +92,7 @@ double farthest_of_folded(const NumberedClaim& numbered, std::size_t patch, std:
       check();
       if (numbered.is_in_output[v.value] == 0) gone.push_back(v);
     }
-  sort_stoppable(gone.begin(), gone.end(), control);
-  gone.erase(std::unique(gone.begin(), gone.end()), gone.end());
+  sort_unique(gone, control);
 
   const OutputDistance distance(numbered, patch, control);
   double farthest = 0;
