@@ -13,6 +13,7 @@
 
 #include "api/cli/http_client.h"
 #include "api/cli/progress_bar.h"
+#include "api/quoting.h"
 
 namespace remesh::cli {
 namespace {
@@ -38,18 +39,6 @@ std::pair<std::string, std::string> split_url(std::string url) {
   std::string rest = url.substr(path);
   while (!rest.empty() && rest.back() == '/') rest.pop_back();
   return {url.substr(0, path), rest};
-}
-
-std::string escaped(std::string_view text) {
-  constexpr std::string_view kDigits = "0123456789ABCDEF";
-  std::string out;
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    const bool is_plain = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
-                          std::string_view("-_.~,").find(c) != std::string_view::npos;
-    is_plain ? out.append(1, c) : out.append({'%', kDigits[byte / 16], kDigits[byte % 16]});
-  }
-  return out;
 }
 
 /// Finds the origin in a summary, which has the form `..., origin=1 2 3`.

@@ -25,12 +25,8 @@ struct Place {
 /// Angles around an axis that facets cover.
 class Sweep {
  public:
-  Sweep(const AnalyticSurface& shape, double tolerance) : shape_(shape), tolerance_(tolerance) {
-    const Vec3& a = shape.axis;
-    const double ax = std::fabs(a.x), ay = std::fabs(a.y), az = std::fabs(a.z);
-    x_ = normalized(cross(a, ax <= ay && ax <= az ? Vec3{1, 0, 0} : ay <= az ? Vec3{0, 1, 0} : Vec3{0, 0, 1}));
-    y_ = cross(a, x_);
-  }
+  Sweep(const AnalyticSurface& shape, double tolerance)
+      : shape_(shape), tolerance_(tolerance), x_(unit_across(shape.axis)), y_(cross(shape.axis, x_)) {}
 
   Place place_of(const Vec3& p) const {
     const Vec3 q = p - shape_.origin;
