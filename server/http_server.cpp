@@ -100,7 +100,9 @@ class CurrentExchange {
 std::string canonical_head(const Exchange& exchange) {
   const Request& request = exchange.request;
   const std::string method = exchange.refusal && request.method != "HEAD" ? "GET" : request.method;
-  const std::string path = exchange.refusal ? "/" : request.path == "*" ? "*" : api::percent_encoded(request.path, "/-_.~");
+  const std::string path = exchange.refusal      ? "/"
+                           : request.path == "*" ? "*"
+                                                 : api::percent_encoded(request.path, "/-_.~");
   return method + " " + path + " HTTP/1.1\r\nHost: remeshd\r\nContent-Length: 0\r\n\r\n";
 }
 

@@ -153,8 +153,9 @@ class Remote::Client {
     tell("sending", 0);
     std::string path = "/v1/jobs";
     char separator = '?';
+    const auto encoded = [](std::string_view text) { return api::percent_encoded(text, "-_.~,"); };
     for (const auto& [name, value] : job_.options) {
-      path += std::exchange(separator, '&') + escaped(name) + "=" + escaped(value);
+      path += std::exchange(separator, '&') + encoded(name) + "=" + encoded(value);
     }
     HttpRequest post = request("POST", path);
     // The key is the same at each attempt, so a job whose answer was lost is not created twice.

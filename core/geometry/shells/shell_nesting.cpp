@@ -75,9 +75,7 @@ bool is_half_in(const Box3& box, const Box3& other) {
   return 2 * volume(both) >= volume(box);
 }
 
-void sort_out(std::vector<std::uint32_t>& numbers) {
-  sort_unique(numbers);
-}
+void sort_out(std::vector<std::uint32_t>& numbers) { sort_unique(numbers); }
 
 /// The smallest number of a nest in a node of a tree.
 struct FirstNest {

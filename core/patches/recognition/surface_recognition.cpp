@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <set>
 #include <span>
@@ -9,11 +10,12 @@
 #include <vector>
 
 #include "core/base/blocks.h"
+#include "core/base/run_control.h"
 #include "core/base/stoppable.h"
 #include "core/geometry/surfaces/surface_fit.h"
 #include "core/patches/recognition/explained_height.h"
 #include "core/patches/recognition/facet_graph.h"
-#include "core/patches/recognition/false_fits.h"
+#include "core/patches/recognition/free_regions.h"
 #include "core/patches/recognition/loose_claims.h"
 #include "core/patches/recognition/recognised_list.h"
 #include "core/patches/recognition/region_growing.h"
@@ -24,6 +26,46 @@
 
 namespace remesh {
 namespace {
+
+/// A claim fits by chance if it has at most kMaxFacets facets, if more than kFreeShare of its border is with seas, and
+/// if its area is below kMaxAreaShare of the largest sea's. A sea is a free region.
+constexpr std::size_t kMaxFacets = 40;
+constexpr double kFreeShare = 0.6, kMaxAreaShare = 0.05;
+
+/// A claim does not fit by chance if it has at least this many facets and if all of their corners are within this part
+/// of the tolerance.
+constexpr std::size_t kMinClear = 9;
+constexpr double kClear = 0.1;
+
+/// Drops small claims in the middle of many facets that belong to no claim. They fit by chance, because a small piece
+/// of any smooth surface is nearly a piece of a cylinder or a torus.
+/// Errors: kCancelled, kTimeout - asked to stop through `control`.
+/// Cost:   O(n).
+void drop_false_fits(const FacetGraph& graph, ClaimTable& table, RunControl& control) {
+  StopCheck check(control);
+  std::optional<FreeRegions> seas;  // on most surfaces none is needed
+  for (SurfaceClaim& claim : table.claims) {
+    if (claim.facets.empty() || claim.facets.size() > kMaxFacets) continue;
+    if (claim.facets.size() >= kMinClear && claim.deviation <= kClear * claim.tolerance) continue;
+    if (!seas) seas.emplace(graph, table, control);
+    double border = 0, shore = 0, sea = 0;
+    for (const PatchId p : claim.facets)
+      for (std::uint32_t s = graph.sides_begin(p); s < graph.sides_end(p); ++s) {
+        check();
+        const PatchId q = graph.beyond(s);
+        if (q.is_valid() && table.owner[q] == table.owner[p]) continue;
+        const double length = norm(graph.position(graph.end_vertex(s)) - graph.position(graph.vertex(s)));
+        border += length;
+        if (!q.is_valid()) continue;
+        const double area = seas->area_of(q);
+        if (area > 0) shore += length;
+        sea = std::max(sea, area);
+      }
+    if (shore <= kFreeShare * border || claim.area >= kMaxAreaShare * sea) continue;
+    for (const PatchId p : claim.facets) table.owner[p] = kNone;
+    claim.facets.clear();
+  }
+}
 
 /// A claim replaces smaller ones if its area is larger than the largest of theirs by this factor. The second factor is
 /// for claims that are not close (see kCloseFit).
