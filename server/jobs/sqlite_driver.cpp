@@ -358,7 +358,7 @@ class SqliteDriver : public DatabaseDriver {
     return {"CREATE TABLE remeshd_clock (boot text NOT NULL, base_ms bigint NOT NULL)"};
   }
   bool has_table(Database& database, std::string_view name) const override {
-    return !database.run("SELECT name FROM sqlite_master WHERE type = 'table' AND name = $1", {name}).empty();
+    return database.finds("SELECT name FROM sqlite_master WHERE type = 'table' AND name = $1", {name});
   }
   void lock_schema(Database&) const override {}  // BEGIN IMMEDIATE has locked it already
   void prepare(Database& database) override {

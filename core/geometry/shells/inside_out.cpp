@@ -10,6 +10,7 @@
 #include "core/base/stoppable.h"
 #include "core/geometry/shells/shell_nesting.h"
 #include "core/geometry/shells/winding_number.h"
+#include "core/geometry/trees/box_tree.h"
 
 namespace remesh {
 namespace {
@@ -68,12 +69,6 @@ class LabelsOfShells {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs_;
 };
 
-bool encloses(const Box3& outer, const Box3& inner) {
-  for (int axis = 0; axis < 3; ++axis)
-    if (inner.min[axis] < outer.min[axis] || inner.max[axis] > outer.max[axis]) return false;
-  return true;
-}
-
 /// The shells that are not closed. What they enclose is unknown; only how far they wind around a place can be computed.
 class OpenPieces {
  public:
@@ -85,7 +80,7 @@ class OpenPieces {
   /// lies.
   bool are_between(std::uint32_t shell, std::optional<std::uint32_t> outer) {
     if (ends_.empty()) prepare();
-    if (!number_ || !encloses(number_->box(), shells_.all[shell].box)) return false;
+    if (!number_ || !contains(number_->box(), shells_.all[shell].box)) return false;
     // From the middle of a box, each of its sides covers about a sixth of all directions. This threshold is above
     // rounding and below one side.
     constexpr double kClearly = 0.1;

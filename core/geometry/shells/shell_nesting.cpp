@@ -48,18 +48,6 @@ constexpr std::array<Vec3, 14> kDirections{{{-1, 0, 0},
 
 auto box_key(const Box3& box) { return std::tie(box.min, box.max); }
 
-bool contains(const Box3& outer, const Box3& inner) {
-  for (int axis = 0; axis < 3; ++axis)
-    if (inner.min[axis] < outer.min[axis] || inner.max[axis] > outer.max[axis]) return false;
-  return true;
-}
-
-bool contains(const FloatBox& outer, const Box3& inner) {
-  for (int axis = 0; axis < 3; ++axis)
-    if (inner.min[axis] < outer.min[axis] || inner.max[axis] > outer.max[axis]) return false;
-  return true;
-}
-
 double volume(const Box3& box) {
   return box.is_empty() ? 0 : (box.max.x - box.min.x) * (box.max.y - box.min.y) * (box.max.z - box.min.z);
 }
