@@ -1,4 +1,7 @@
 // Answers GET /v1/capabilities and GET /openapi.json.
+#include <algorithm>
+#include <iterator>
+
 #include "api/json_writer.h"
 #include "api/negotiation.h"
 #include "api/operations.h"
@@ -29,7 +32,6 @@ std::string_view type_name(OptionType type) {
 }
 
 void write_option(JsonWriter& json, const OptionSpec& spec) {
-  json.begin_object();
   json.member("name", spec.name);
   json.member("type", type_name(spec.type));
   json.member("group", group_name(spec.group));
@@ -41,15 +43,11 @@ void write_option(JsonWriter& json, const OptionSpec& spec) {
     if (range->maximum) json.member("maximum", *range->maximum);
   }
   if (const std::vector<std::string_view> words = option_words(spec); !words.empty()) {
-    json.key("values");
-    json.begin_array();
-    for (const std::string_view word : words) json.string(word);
-    json.end_array();
+    json.values("values", words);
     if (spec.type == OptionType::kWords) json.member("is_list", true);
   }
   if (!spec.excludes.empty()) json.member("excludes", spec.excludes);
   json.member("description", spec.help);
-  json.end_object();
 }
 
 std::string_view labels_name(LabelsHeld labels) {
@@ -63,32 +61,23 @@ std::string_view labels_name(LabelsHeld labels) {
 
 void write_formats(JsonWriter& json, std::string_view name, bool (*is_known)(Format),
                    std::string_view FormatSpec::*about) {
-  json.key(name);
-  json.begin_array();
-  for (const Format format : kFormats) {
-    if (!is_known(format)) continue;
-    json.begin_object();
+  std::vector<Format> formats;
+  std::copy_if(kFormats.begin(), kFormats.end(), std::back_inserter(formats), is_known);
+  json.objects(name, formats, [&](Format format) {
+    const FormatSpec& spec = format_spec(format);
     json.member("name", format_name(format));
     json.member("media_type", media_type(format));
     json.member("ending", file_ending(format));
-    json.key("endings");
-    json.begin_array();
-    for (const std::string_view ending : format_spec(format).endings) json.string(ending);
-    json.end_array();
+    json.values("endings", spec.endings);
     if (text_form(format) != format) json.member("text_form", format_name(text_form(format)));
-    const FormatSpec& spec = format_spec(format);
     json.member("about", spec.*about);
     json.member("numbers", spec.storage == Storage::kFloat ? "float" : "double");
     json.member("labels", labels_name(spec.labels));
-    json.key("programs");
-    write_programs(json, format, {});
-    json.end_object();
-  }
-  json.end_array();
+    write_programs(json, "programs", format, {});
+  });
 }
 
 void write_limits(JsonWriter& json, const Limits& limits) {
-  json.begin_object();
   json.member("max_body", limits.max_body);
   json.member("max_decompressed", limits.decompression.max_bytes);
   json.member("max_ratio", limits.decompression.max_ratio);
@@ -103,7 +92,6 @@ void write_limits(JsonWriter& json, const Limits& limits) {
   json.member("max_distance_from_middle", CoordinateRange::kFarthest);
   json.member("min_extent", CoordinateRange::kSmallest);
   json.member("min_width_of_length", CoordinateRange::kNarrowest);
-  json.end_object();
 }
 
 Response json_response(std::string body) {
@@ -117,25 +105,19 @@ Response json_response(std::string body) {
 
 Response capabilities(const Limits& limits) {
   JsonWriter json;
-  json.begin_object();
-  json.member("name", "remeshd");
-  json.key("versions");
-  json.begin_object();
-  json.member("remeshd", version());
-  json.member("api", "v1");
-  json.end_object();
-  json.key("formats");
-  json.begin_object();
-  write_formats(json, "input", can_read, &FormatSpec::reads);
-  write_formats(json, "output", is_written, &FormatSpec::about);
-  json.end_object();
-  json.key("options");
-  json.begin_array();
-  for (const OptionSpec& spec : option_table()) write_option(json, spec);
-  json.end_array();
-  json.key("limits");
-  write_limits(json, limits);
-  json.end_object();
+  json.object([&] {
+    json.member("name", "remeshd");
+    json.object("versions", [&] {
+      json.member("remeshd", version());
+      json.member("api", "v1");
+    });
+    json.object("formats", [&] {
+      write_formats(json, "input", can_read, &FormatSpec::reads);
+      write_formats(json, "output", is_written, &FormatSpec::about);
+    });
+    json.objects("options", option_table(), [&](const OptionSpec& spec) { write_option(json, spec); });
+    json.object("limits", [&] { write_limits(json, limits); });
+  });
   return json_response(json.take());
 }
 

@@ -1,7 +1,9 @@
 #include "api/comparison.h"
 
 #include <algorithm>
+#include <array>
 #include <chrono>
+#include <span>
 #include <utility>
 
 #include "api/json_writer.h"
@@ -15,39 +17,23 @@ namespace {
 /// The far faces that an answer lists.
 constexpr std::size_t kListedFaces = 100;
 
-void write_position(JsonWriter& json, const Vec3& p) {
-  json.begin_array();
-  for (int axis = 0; axis < 3; ++axis) json.number(p[axis]);
-  json.end_array();
-}
-
 void write_one_way(JsonWriter& json, const verification::OneWayDistance& way, bool has_tolerance) {
-  json.begin_object();
   json.member("bound", way.bound);
   json.member("distance", way.distance);
-  json.key("at");
-  write_position(json, way.at);
+  json.values("at", std::array{way.at.x, way.at.y, way.at.z});
   json.member("face", std::uint64_t{way.face.value});
   json.member("other_face", std::uint64_t{way.other_face.value});
   json.member("coarse", way.is_coarse);
   json.key("beyond");
-  if (has_tolerance) {
-    json.begin_object();
+  if (!has_tolerance) return json.null();
+  json.object([&] {
     json.member("count", way.far_count);
-    json.key("faces");
-    json.begin_array();
-    for (std::size_t i = 0; i < std::min(kListedFaces, way.far_faces.size()); ++i) {
-      json.begin_object();
-      json.member("face", std::uint64_t{way.far_faces[i].face.value});
-      json.member("bound", way.far_faces[i].bound);
-      json.end_object();
-    }
-    json.end_array();
-    json.end_object();
-  } else {
-    json.null();
-  }
-  json.end_object();
+    const std::span far_faces(way.far_faces);
+    json.objects("faces", far_faces.first(std::min(kListedFaces, far_faces.size())), [&](const auto& far) {
+      json.member("face", std::uint64_t{far.face.value});
+      json.member("bound", far.bound);
+    });
+  });
 }
 
 }  // namespace
@@ -87,15 +73,14 @@ ComparisonAnswer compare(ComparedMesh a, ComparedMesh b, std::optional<double> t
 
 std::string comparison_document(const ComparisonAnswer& answer) {
   JsonWriter json;
-  json.begin_object();
-  json.key("a_to_b");
-  write_one_way(json, answer.distance.a_to_b, answer.tolerance.has_value());
-  json.key("b_to_a");
-  write_one_way(json, answer.distance.b_to_a, answer.tolerance.has_value());
-  json.member("diagonal", answer.distance.diagonal);
-  json.member("tolerance", answer.tolerance);
-  json.member("within", answer.is_within());
-  json.end_object();
+  const bool has_tolerance = answer.tolerance.has_value();
+  json.object([&] {
+    json.object("a_to_b", [&] { write_one_way(json, answer.distance.a_to_b, has_tolerance); });
+    json.object("b_to_a", [&] { write_one_way(json, answer.distance.b_to_a, has_tolerance); });
+    json.member("diagonal", answer.distance.diagonal);
+    json.member("tolerance", answer.tolerance);
+    json.member("within", answer.is_within());
+  });
   return json.take() + "\n";
 }
 

@@ -46,26 +46,13 @@ std::string in_ascii(std::string_view text) {
   return ascii;
 }
 
-std::string percent_encoded(std::string_view text) {
-  std::string encoded;
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    if (is_plain(c)) {
-      encoded += c;
-    } else {
-      encoded.append({'%', kHexDigits[byte / 16], kHexDigits[byte % 16]});
-    }
-  }
-  return encoded;
-}
-
 }  // namespace
 
 std::string content_disposition(std::string_view upload, Format format) {
   const std::string name = safe_stem(upload).append(".").append(file_ending(format));
   const std::string ascii = in_ascii(name);
   std::string value = "attachment; filename=\"" + ascii + "\"";
-  if (ascii != name) value += "; filename*=UTF-8''" + percent_encoded(name);
+  if (ascii != name) value += "; filename*=UTF-8''" + percent_encoded(name, "._-");
   return value;
 }
 

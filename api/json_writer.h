@@ -30,30 +30,57 @@ class JsonWriter {
   /// Writes a value that is JSON already.
   void raw(std::string_view json) { literal(json); }
 
-  /// These functions write a key with its value, or with null if there is none.
-  void member(std::string_view name, bool value) {
-    key(name);
-    boolean(value);
-  }
-  void member(std::string_view name, double value) {
-    key(name);
-    number(value);
-  }
-  void member(std::string_view name, std::uint64_t value) {
-    key(name);
-    integer(value);
-  }
-  void member(std::string_view name, std::string_view value) {
-    key(name);
-    string(value);
-  }
-  /// This overload exists because a pointer to characters would otherwise convert to bool.
-  void member(std::string_view name, const char* value) { member(name, std::string_view(value)); }
+  void value(bool of) { boolean(of); }
+  void value(double of) { number(of); }
+  void value(std::uint64_t of) { integer(of); }
+  void value(std::string_view of) { string(of); }
+  void value(const char* of) { string(of); }  // a pointer to characters would otherwise convert to bool
+  /// Writes a value, or null if there is none.
   template <class T>
-  void member(std::string_view name, const std::optional<T>& value) {
-    if (value) return member(name, *value);
+  void value(const std::optional<T>& of) {
+    of ? value(*of) : null();
+  }
+
+  // These functions write a whole object or list. With a name, they write a key first.
+
+  template <class T>
+  void member(std::string_view name, const T& of) {
     key(name);
-    null();
+    value(of);
+  }
+  /// `write` writes the members of the object.
+  template <class Write>
+  void object(const Write& write) {
+    begin_object();
+    write();
+    end_object();
+  }
+  template <class Write>
+  void object(std::string_view name, const Write& write) {
+    key(name);
+    object(write);
+  }
+  /// `write` writes an item as one value.
+  template <class Items, class Write>
+  void list(const Items& items, const Write& write) {
+    begin_array();
+    for (const auto& item : items) write(item);
+    end_array();
+  }
+  template <class Items, class Write>
+  void list(std::string_view name, const Items& items, const Write& write) {
+    key(name);
+    list(items, write);
+  }
+  /// The items are the values.
+  template <class Items>
+  void values(std::string_view name, const Items& items) {
+    list(name, items, [&](const auto& item) { value(item); });
+  }
+  /// `write` writes the members of an item's object.
+  template <class Items, class Write>
+  void objects(std::string_view name, const Items& items, const Write& write) {
+    list(name, items, [&](const auto& item) { object([&] { write(item); }); });
   }
 
   void reserve(std::size_t bytes) { out_.reserve(bytes); }

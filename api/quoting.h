@@ -27,6 +27,18 @@ inline std::string ascii_lower(std::string_view text) {
   return lower;
 }
 
+/// Replaces all characters but letters, digits and the given signs by % and two hexadecimal digits for each byte.
+inline std::string percent_encoded(std::string_view text, std::string_view signs) {
+  constexpr std::string_view kDigits = "0123456789ABCDEF";
+  std::string encoded;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool is_plain = is_letter(c) || is_digit(c) || signs.find(c) != std::string_view::npos;
+    is_plain ? encoded.append(1, c) : encoded.append({'%', kDigits[byte / 16], kDigits[byte % 16]});
+  }
+  return encoded;
+}
+
 /// Splits `text` at the first `separator` into the parts before and after it. Without a separator the second part is
 /// empty.
 inline std::pair<std::string_view, std::string_view> cut(std::string_view text, char separator) {

@@ -1,6 +1,7 @@
 #include "api/report_json.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <string>
@@ -47,45 +48,34 @@ class PaceOfList : Pace {
 };
 
 void write_point(JsonWriter& json, const Vec3& p) {
-  json.begin_array();
-  json.number(p.x);
-  json.number(p.y);
-  json.number(p.z);
-  json.end_array();
+  json.list(std::array{p.x, p.y, p.z}, [&](double coordinate) { json.number(coordinate); });
+}
+
+void write_point(JsonWriter& json, std::string_view name, const Vec3& p) {
+  json.key(name);
+  write_point(json, p);
 }
 
 void write_places(JsonWriter& json, const std::vector<Vec3>& places) {
-  json.key("places");
-  json.begin_array();
-  for (const Vec3& place : places) write_point(json, place);
-  json.end_array();
+  json.list("places", places, [&](const Vec3& place) { write_point(json, place); });
 }
 
 void write_range(JsonWriter& json, std::string_view name, const Range& range) {
-  json.key(name);
-  json.begin_object();
-  json.member("min", range.min);
-  json.member("mean", range.mean);
-  json.member("max", range.max);
-  json.end_object();
+  json.object(name, [&] {
+    json.member("min", range.min);
+    json.member("mean", range.mean);
+    json.member("max", range.max);
+  });
 }
 
 void write_histogram(JsonWriter& json, std::string_view name, const Histogram& histogram) {
-  json.key(name);
-  json.begin_object();
-  json.key("edges");
-  json.begin_array();
-  for (const double edge : histogram.edges) json.number(edge);
-  json.end_array();
-  json.key("counts");
-  json.begin_array();
-  for (const std::uint64_t count : histogram.counts) json.integer(count);
-  json.end_array();
-  json.end_object();
+  json.object(name, [&] {
+    json.values("edges", histogram.edges);
+    json.values("counts", histogram.counts);
+  });
 }
 
 void write_quality(JsonWriter& json, const Quality& quality) {
-  json.begin_object();
   json.member("min_angle_deg", quality.min_angle_deg);
   json.member("max_angle_deg", quality.max_angle_deg);
   write_range(json, "radius_edge_ratio", quality.radius_edge_ratio);
@@ -94,22 +84,19 @@ void write_quality(JsonWriter& json, const Quality& quality) {
   write_range(json, "area", quality.area);
   write_histogram(json, "angle_histogram_deg", quality.angle_histogram_deg);
   write_histogram(json, "radius_edge_histogram", quality.radius_edge_histogram);
-  json.end_object();
 }
 
 /// Writes a box, or null if it is empty.
 void write_box(JsonWriter& json, std::string_view name, const Box3& box) {
   json.key(name);
   if (box.is_empty()) return json.null();
-  json.begin_object();
-  json.key("min");
-  write_point(json, box.min);
-  json.key("max");
-  write_point(json, box.max);
-  json.end_object();
+  json.object([&] {
+    write_point(json, "min", box.min);
+    write_point(json, "max", box.max);
+  });
 }
 
-void write_statistics_members(JsonWriter& json, const MeshStatistics& mesh) {
+void write_statistics(JsonWriter& json, const MeshStatistics& mesh) {
   json.member("vertices", mesh.vertices);
   json.member("faces", mesh.faces);
   json.member("components", mesh.components);
@@ -126,40 +113,35 @@ void write_statistics_members(JsonWriter& json, const MeshStatistics& mesh) {
   json.member("volume", mesh.volume);
   json.member("intersecting_pairs", mesh.intersecting_pairs);
   write_box(json, "bounding_box", mesh.bounding_box);
-  json.key("quality");
-  write_quality(json, mesh.quality);
+  json.object("quality", [&] { write_quality(json, mesh.quality); });
 }
 
 /// Writes the statistics of the input, and what its format tells of the coordinates.
 void write_input(JsonWriter& json, const Report& report) {
-  json.begin_object();
-  write_statistics_members(json, report.input);
-  if (!report.input_unit.empty()) json.member("unit", report.input_unit);
-  if (!report.input_up_axis.empty()) json.member("up_axis", report.input_up_axis);
-  json.end_object();
+  json.object("input", [&] {
+    write_statistics(json, report.input);
+    if (!report.input_unit.empty()) json.member("unit", report.input_unit);
+    if (!report.input_up_axis.empty()) json.member("up_axis", report.input_up_axis);
+  });
 }
 
 /// Writes the statistics of the output, and the effect of the output format on the coordinates.
 void write_output(JsonWriter& json, const Report& report) {
-  json.begin_object();
-  write_statistics_members(json, report.output);
-  json.member("rounding", report.output_rounding);
-  json.key("origin");
-  if (report.output_origin) {
-    write_point(json, *report.output_origin);
-  } else {
-    json.null();
-  }
-  json.end_object();
+  json.object("output", [&] {
+    write_statistics(json, report.output);
+    json.member("rounding", report.output_rounding);
+    json.key("origin");
+    report.output_origin ? write_point(json, *report.output_origin) : json.null();
+  });
 }
 
 void write_options(JsonWriter& json, const RequestOptions& options) {
-  json.begin_object();
-  for (const OptionSpec& spec : option_table()) {
-    json.key(spec.name);
-    write_option_value(json, option_value(spec, options));
-  }
-  json.end_object();
+  json.object("options", [&] {
+    for (const OptionSpec& spec : option_table()) {
+      json.key(spec.name);
+      write_option_value(json, option_value(spec, options));
+    }
+  });
 }
 
 /// Writes the numbers that describe a surface of its kind: its position and its size.
@@ -167,15 +149,12 @@ void write_shape(JsonWriter& json, const RecognisedSurface& surface) {
   const AnalyticSurface& shape = surface.shape;
   const SurfaceKind kind = shape.kind;
   if (kind == SurfaceKind::kFree) return;
-  json.key("point");
-  write_point(json, shape.origin);
+  write_point(json, "point", shape.origin);
   if (kind == SurfaceKind::kPlane) {
-    json.key("normal");
-    write_point(json, shape.axis);
+    write_point(json, "normal", shape.axis);
     json.member("offset", dot(shape.axis, shape.origin));
   } else if (kind != SurfaceKind::kSphere) {
-    json.key("axis");
-    write_point(json, shape.axis);
+    write_point(json, "axis", shape.axis);
   }
   if (kind == SurfaceKind::kCylinder || kind == SurfaceKind::kSphere) json.member("radius", shape.radius);
   if (kind == SurfaceKind::kTorus) {
@@ -183,17 +162,10 @@ void write_shape(JsonWriter& json, const RecognisedSurface& surface) {
     json.member("minor_radius", shape.minor_radius);
   }
   if (kind == SurfaceKind::kCone) json.member("half_angle_deg", shape.half_angle * 180 / std::numbers::pi);
-  if (kind == SurfaceKind::kRevolution) {
-    json.key("profile");
-    json.begin_array();
-    for (const Vec2& at : surface.profile) {
-      json.begin_array();
-      json.number(at.x);
-      json.number(at.y);
-      json.end_array();
-    }
-    json.end_array();
-  }
+  if (kind != SurfaceKind::kRevolution) return;
+  json.list("profile", surface.profile, [&](Vec2 at) {
+    json.list(std::array{at.x, at.y}, [&](double coordinate) { json.number(coordinate); });
+  });
 }
 
 /// Writes the reason why a free region belongs to no surface, and the kind of surface that comes nearest to it.
@@ -212,7 +184,6 @@ std::optional<double> proven(double bound, ReportKind kind) {
 void write_surface(JsonWriter& json, SurfaceId id, const RecognisedSurface& surface, ReportKind kind) {
   const bool is_free = surface.shape.kind == SurfaceKind::kFree;
   const bool is_curved = !is_free && surface.shape.kind != SurfaceKind::kPlane;
-  json.begin_object();
   json.member("id", std::uint64_t{id.value});
   json.member("kind", kind_name(surface.shape.kind));
   write_shape(json, surface);
@@ -239,36 +210,30 @@ void write_surface(JsonWriter& json, SurfaceId id, const RecognisedSurface& surf
   }
   write_box(json, "bounding_box", surface.extent);
   if (is_free) write_freedom(json, surface);
-  json.end_object();
 }
 
 void write_surfaces(JsonWriter& json, const RecognisedSurfaces& surfaces, ReportKind kind, RunControl& control) {
   PaceOfList pace(control, json, surfaces.surfaces.size());
-  json.begin_array();
   SurfaceId id(0);
-  for (const RecognisedSurface& surface : surfaces.surfaces) {
+  json.objects("surfaces", surfaces.surfaces, [&](const RecognisedSurface& surface) {
     pace();
     write_surface(json, id, surface, kind);
     ++id.value;
-  }
-  json.end_array();
+  });
 }
 
 void write_patches(JsonWriter& json, const std::vector<PatchSummary>& patches, const RecognisedSurfaces& surfaces,
                    ReportKind kind, RunControl& control) {
   // Surfaces follow after the patches. Most surfaces take less than twice as much text as a patch.
   PaceOfList pace(control, json, patches.size() + 2 * surfaces.surfaces.size());
-  json.begin_array();
-  for (std::size_t id = 0; id < patches.size(); ++id) {
+  PatchId id(0);
+  json.objects("patches", patches, [&](const PatchSummary& patch) {
     pace();
-    const PatchSummary& patch = patches[id];
-    json.begin_object();
-    json.member("id", std::uint64_t{id});
-    const SurfaceId surface = surfaces.of_patch[PatchId(id)];
+    const SurfaceId surface = surfaces.of_patch[id];
+    json.member("id", std::uint64_t{id.value++});
     json.member("kind", kind_name(surfaces.surfaces[surface].shape.kind));
     json.member("surface", std::uint64_t{surface.value});
-    json.key("normal");
-    write_point(json, patch.normal);
+    write_point(json, "normal", patch.normal);
     json.member("offset", patch.offset);
     json.member("area", patch.area);
     json.member("input_faces", patch.input_faces);
@@ -280,132 +245,98 @@ void write_patches(JsonWriter& json, const std::vector<PatchSummary>& patches, c
     json.member("reason", reason.empty() ? std::nullopt : std::optional(reason));
     json.member("deviation", patch.deviation);
     json.member("bound", proven(patch.bound, kind));
-    json.end_object();
-  }
-  json.end_array();
+  });
 }
 
 void write_renamed_labels(JsonWriter& json, const std::vector<RenamedLabel>& renamed) {
-  json.begin_array();
-  for (const RenamedLabel& label : renamed) {
-    json.begin_object();
+  json.objects("renamed_labels", renamed, [&](const RenamedLabel& label) {
     json.member("from", label.from);
     json.member("to", label.to);
-    json.end_object();
-  }
-  json.end_array();
+  });
 }
 
 void write_diagnostics(JsonWriter& json, const std::vector<Diagnostic>& diagnostics) {
-  json.begin_array();
-  for (const Diagnostic& diagnostic : diagnostics) {
-    json.begin_object();
+  json.objects("diagnostics", diagnostics, [&](const Diagnostic& diagnostic) {
     json.member("code", diagnostic_name(diagnostic.code));
     json.member("count", diagnostic.count);
-    json.key("elements");
-    json.begin_array();
-    for (const std::uint64_t element : diagnostic.elements) json.integer(element);
-    json.end_array();
+    json.values("elements", diagnostic.elements);
     json.member("message", diagnostic.message);
-    json.key("remedies");
-    json.begin_array();
-    for (const Remedy& remedy : diagnostic.remedies) {
-      json.begin_object();
+    json.objects("remedies", diagnostic.remedies, [&](const Remedy& remedy) {
       json.member("options", remedy.options);
       json.member("effect", remedy.effect);
-      json.end_object();
-    }
-    json.end_array();
-    json.end_object();
-  }
-  json.end_array();
+    });
+  });
 }
 
 /// Writes whether a volume mesher would accept the surface, and if not, the reasons and places.
 void write_volume_ready(JsonWriter& json, const std::vector<VolumeObstacle>& obstacles) {
-  json.begin_object();
-  json.member("ready", obstacles.empty());
-  json.key("reasons");
-  json.begin_array();
-  for (const VolumeObstacle& obstacle : obstacles) {
-    json.begin_object();
-    json.member("code", diagnostic_name(obstacle.code));
-    json.member("count", obstacle.count);
-    write_places(json, obstacle.places);
-    json.end_object();
-  }
-  json.end_array();
-  json.end_object();
+  json.object("volume_ready", [&] {
+    json.member("ready", obstacles.empty());
+    json.objects("reasons", obstacles, [&](const VolumeObstacle& obstacle) {
+      json.member("code", diagnostic_name(obstacle.code));
+      json.member("count", obstacle.count);
+      write_places(json, obstacle.places);
+    });
+  });
 }
 
 void write_unrefined(JsonWriter& json, const std::vector<Unrefined>& unrefined) {
-  json.begin_array();
-  for (const Unrefined& left : unrefined) {
-    json.begin_object();
+  json.objects("unrefined", unrefined, [&](const Unrefined& left) {
     json.member("reason", unrefined_name(left.reason));
     json.member("count", left.count);
     write_places(json, left.places);
-    json.end_object();
-  }
-  json.end_array();
+  });
 }
 
 void write_verdict(JsonWriter& json, const Verdict& verdict) {
-  json.begin_object();
-  json.member("surface", verdict.surface);
-  json.member("conforming", verdict.conforming);
-  json.member("delaunay", verdict.delaunay);
-  json.member("quality", verdict.quality);
-  json.member("deviation", verdict.deviation);
-  json.end_object();
+  json.object("verified", [&] {
+    json.member("surface", verdict.surface);
+    json.member("conforming", verdict.conforming);
+    json.member("delaunay", verdict.delaunay);
+    json.member("quality", verdict.quality);
+    json.member("deviation", verdict.deviation);
+  });
 }
 
 /// Writes the bound on the distance between input and result, or null if there is none.
 void write_distance_bound(JsonWriter& json, const std::optional<DistanceBound>& bound) {
   json.key("distance_bound");
   if (!bound) return json.null();
-  json.begin_object();
-  json.member("output_to_input", bound->output_to_input);
-  json.member("input_to_output", bound->input_to_output);
-  json.end_object();
+  json.object([&] {
+    json.member("output_to_input", bound->output_to_input);
+    json.member("input_to_output", bound->input_to_output);
+  });
 }
 
 /// Writes the predicted numbers of faces by the number of elements per circle, or null if nothing is curved.
 void write_predictions(JsonWriter& json, const std::map<int, std::uint64_t>& faces) {
   json.key("predicted_faces_by_elements_per_circle");
   if (faces.empty()) return json.null();
-  json.begin_object();
-  for (const auto& [elements, count] : faces) json.member(std::to_string(elements), count);
-  json.end_object();
+  json.object([&] {
+    for (const auto& [elements, count] : faces) json.member(std::to_string(elements), count);
+  });
 }
 
 void write_times(JsonWriter& json, const StageTimes& times) {
-  json.begin_object();
-  for (int s = 0; s < kStageCount; ++s) {
-    const Stage stage = static_cast<Stage>(s);
-    if (times.ran(stage)) json.member(stage_name(stage), times.of(stage));
-  }
-  json.member("total", times.total());
-  json.end_object();
+  json.object("timing_ms", [&] {
+    for (int s = 0; s < kStageCount; ++s) {
+      const Stage stage = static_cast<Stage>(s);
+      if (times.ran(stage)) json.member(stage_name(stage), times.of(stage));
+    }
+    json.member("total", times.total());
+  });
 }
 
 /// Writes {"names": [...], "of_face": [...]}.
 void write_labels(JsonWriter& json, std::string_view kind, const LabelSet& labels, Pace& pace) {
   if (!labels.is_used()) return;
-  json.key(kind);
-  json.begin_object();
-  json.key("names");
-  json.begin_array();
-  for (const std::string& name : labels.names) json.string(name);
-  json.end_array();
-  json.key("of_face");
-  json.begin_array();
-  for (const std::uint32_t label : labels.of_face) {
-    pace();
-    json.integer(label);
-  }
-  json.end_array();
-  json.end_object();
+  json.object(kind, [&] {
+    json.values("names", labels.names);
+    json.list("of_face", labels.of_face, [&](std::uint32_t label) {
+      pace();
+      json.integer(label);
+    });
+  });
 }
 
 bool is_integer_text(std::string_view text) {
@@ -419,23 +350,18 @@ bool is_integer_text(std::string_view text) {
 void write_face_labels(JsonWriter& json, const FaceLabels& labels, Pace& pace) {
   const LabelSet& group = labels.group;
   const bool are_numbers = group.is_used() && std::all_of(group.names.begin(), group.names.end(), is_integer_text);
-  if (are_numbers) {
-    json.key("face_groups");
-    json.begin_array();
-    for (const std::uint32_t label : group.of_face) {
+  if (are_numbers)
+    json.list("face_groups", group.of_face, [&](std::uint32_t label) {
       pace();
       json.raw(group.names[label]);
-    }
-    json.end_array();
-  }
+    });
   const bool has_named_groups = group.is_used() && !are_numbers;
   if (!labels.object.is_used() && !has_named_groups && !labels.material.is_used()) return;
-  json.key("labels");
-  json.begin_object();
-  write_labels(json, "object", labels.object, pace);
-  if (has_named_groups) write_labels(json, "group", group, pace);
-  write_labels(json, "material", labels.material, pace);
-  json.end_object();
+  json.object("labels", [&] {
+    write_labels(json, "object", labels.object, pace);
+    if (has_named_groups) write_labels(json, "group", group, pace);
+    write_labels(json, "material", labels.material, pace);
+  });
 }
 
 }  // namespace
@@ -444,17 +370,10 @@ void write_option_value(JsonWriter& json, const OptionValue& value) {
   std::visit(
       [&](const auto& v) {
         using V = std::decay_t<decltype(v)>;
-        if constexpr (std::is_same_v<V, std::monostate>) {
+        if constexpr (std::is_same_v<V, std::monostate>)
           json.null();
-        } else if constexpr (std::is_same_v<V, bool>) {
-          json.boolean(v);
-        } else if constexpr (std::is_same_v<V, double>) {
-          json.number(v);
-        } else if constexpr (std::is_same_v<V, std::uint64_t>) {
-          json.integer(v);
-        } else {
-          json.string(v);
-        }
+        else
+          json.value(v);
       },
       value);
 }
@@ -465,46 +384,36 @@ double StageTimes::total() const {
   return sum;
 }
 
-void write_programs(JsonWriter& json, Format format, std::span<const std::string> filling) {
-  json.begin_array();
-  for (const ReadingProgram& program : format_spec(format).programs) {
-    json.begin_object();
+void write_programs(JsonWriter& json, std::string_view name, Format format, std::span<const std::string> filling) {
+  json.objects(name, format_spec(format).programs, [&](const ReadingProgram& program) {
     json.member("program", program.program);
     json.member("takes", program.takes);
-    json.key("lines");
-    json.begin_array();
+    std::vector<std::string_view> lines;
     for (std::string_view rest = program.next; !rest.empty();) {
       const auto [line, others] = cut(rest, '\n');
-      json.string(line);
+      lines.push_back(line);
       rest = others;
     }
-    json.end_array();
-    if (program.program == "Gmsh" && !filling.empty()) {
-      json.key("geo");
-      json.begin_array();
-      for (const std::string& line : filling) json.string(line);
-      json.end_array();
-    }
-    json.end_object();
-  }
-  json.end_array();
+    json.values("lines", lines);
+    if (program.program == "Gmsh" && !filling.empty()) json.values("geo", filling);
+  });
 }
 
 void write_solids(JsonWriter& json, const std::optional<SolidCounts>& solids) {
   json.key("solids");
   if (!solids) return json.null();
-  json.begin_object();
-  json.member("curves", std::uint64_t{solids->curves});
-  json.member("cut_patches", std::uint64_t{solids->cut_patches});
-  json.member("shared_triangles", std::uint64_t{solids->shared});
-  json.member("coplanar_classes", std::uint64_t{solids->coplanar_classes});
-  json.member("cells", solids->cells ? std::optional<std::uint64_t>(*solids->cells) : std::nullopt);
-  json.member("dropped_pieces", std::uint64_t{solids->dropped});
-  json.member("turned_shells", std::uint64_t{solids->turned});
-  json.member("rounds", std::uint64_t{solids->rounds});
-  json.member("intersecting_pairs", std::uint64_t{solids->left});
-  json.member("moved", solids->moved);
-  json.end_object();
+  json.object([&] {
+    json.member("curves", std::uint64_t{solids->curves});
+    json.member("cut_patches", std::uint64_t{solids->cut_patches});
+    json.member("shared_triangles", std::uint64_t{solids->shared});
+    json.member("coplanar_classes", std::uint64_t{solids->coplanar_classes});
+    json.member("cells", solids->cells ? std::optional<std::uint64_t>(*solids->cells) : std::nullopt);
+    json.member("dropped_pieces", std::uint64_t{solids->dropped});
+    json.member("turned_shells", std::uint64_t{solids->turned});
+    json.member("rounds", std::uint64_t{solids->rounds});
+    json.member("intersecting_pairs", std::uint64_t{solids->left});
+    json.member("moved", solids->moved);
+  });
 }
 
 void write_report(JsonWriter& json, const Report& report, const RequestOptions& options, ReportKind kind,
@@ -516,35 +425,23 @@ void write_report(JsonWriter& json, const Report& report, const RequestOptions& 
 
   json.begin_object();
   json.member("version", version());
-  json.key("options");
   write_options(json, used);
-  json.key("tolerance");
-  json.begin_object();
-  json.member("automatic", report.plane_tolerance_is_automatic);
-  json.member("rounding_step", report.rounding_step);
-  json.member("volume_bound", report.volume_bound);
-  json.end_object();
-  json.key("input");
+  json.object("tolerance", [&] {
+    json.member("automatic", report.plane_tolerance_is_automatic);
+    json.member("rounding_step", report.rounding_step);
+    json.member("volume_bound", report.volume_bound);
+  });
   write_input(json, report);
-  if (is_remesh) {
-    json.key("output");
-    write_output(json, report);
-  }
-  json.key("patches");
+  if (is_remesh) write_output(json, report);
   write_patches(json, report.patches, report.surfaces, kind, control);
-  json.key("surfaces");
   write_surfaces(json, report.surfaces, kind, control);
   write_distance_bound(json, report.distance_bound);
   write_solids(json, report.solids);
-  json.key("diagnostics");
   write_diagnostics(json, report.diagnostics);
   if (is_remesh) {
-    json.key("renamed_labels");
     write_renamed_labels(json, report.renamed_labels);
-    json.key("recipe");
-    write_programs(json, options.format.value_or(Format::kJson), report.filling_lines);
+    write_programs(json, "recipe", options.format.value_or(Format::kJson), report.filling_lines);
   }
-  json.key("volume_ready");
   write_volume_ready(json, report.volume_obstacles);
   if (!is_remesh) {
     json.member("predicted_faces", report.predicted_faces);
@@ -554,13 +451,10 @@ void write_report(JsonWriter& json, const Report& report, const RequestOptions& 
   const double largest = report.largest_edge_for_target;
   json.member("largest_edge_for_target", largest > 0 && std::isfinite(largest) ? std::optional(largest) : std::nullopt);
   if (is_remesh) {
-    json.key("unrefined");
     write_unrefined(json, report.unrefined);
     json.member("refinement_rounds", std::uint64_t{report.refinement_rounds});
-    json.key("verified");
     write_verdict(json, report.verified);
   }
-  json.key("timing_ms");
   write_times(json, times);
   json.end_object();
 }
@@ -568,47 +462,23 @@ void write_report(JsonWriter& json, const Report& report, const RequestOptions& 
 void write_mesh(JsonWriter& json, const Result& result, RunControl& control) {
   Pace pace(control);
   json.begin_object();
-  json.key("vertices");
-  json.begin_array();
-  for (const Vec3& p : result.mesh.positions) {
+  json.list("vertices", result.mesh.positions, [&](const Vec3& p) {
     pace();
     write_point(json, p);
-  }
-  json.end_array();
-  json.key("faces");
-  json.begin_array();
-  for (const Triangle& face : result.mesh.faces) {
+  });
+  json.list("faces", result.mesh.faces, [&](const Triangle& face) {
     pace();
-    json.begin_array();
-    for (const VertexId v : face) json.integer(v.value);
-    json.end_array();
-  }
-  json.end_array();
-  json.key("face_patch");
-  json.begin_array();
-  for (const PatchId patch : result.face_patch) {
-    pace();
-    json.integer(patch.value);
-  }
-  json.end_array();
-  json.key("face_source");
-  json.begin_array();
-  for (const FaceId source : result.face_source) {
-    pace();
-    json.integer(source.value);
-  }
-  json.end_array();
-  json.key("input_face_patch");
-  json.begin_array();
-  for (const PatchId patch : result.input_face_patch) {
-    pace();
-    if (patch.is_valid()) {
-      json.integer(patch.value);
-    } else {
-      json.null();
-    }
-  }
-  json.end_array();
+    json.list(face, [&](VertexId v) { json.integer(v.value); });
+  });
+  const auto write_ids = [&](std::string_view name, const auto& ids) {
+    json.list(name, ids, [&](auto id) {
+      pace();
+      id.is_valid() ? json.integer(id.value) : json.null();
+    });
+  };
+  write_ids("face_patch", result.face_patch);
+  write_ids("face_source", result.face_source);
+  write_ids("input_face_patch", result.input_face_patch);
   write_face_labels(json, result.mesh.labels, pace);
   json.end_object();
 }

@@ -43,7 +43,7 @@ void write_option_value(JsonWriter& json, const OptionValue& value);
 
 /// Writes the programs that read a written format, what they take of it, and the lines with which they go on.
 /// Input: `filling` - the lines with which Gmsh fills the file that was written; none if there is none.
-void write_programs(JsonWriter& json, Format format, std::span<const std::string> filling);
+void write_programs(JsonWriter& json, std::string_view name, Format format, std::span<const std::string> filling);
 
 /// Writes the report object. The report's own options replace `options.core`.
 void write_report(JsonWriter& json, const Report& report, const RequestOptions& options, ReportKind kind,

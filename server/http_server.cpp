@@ -16,6 +16,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "api/quoting.h"
 #include "server/http/address_counts.h"
 #include "server/http/connection_places.h"
 #include "server/http/connection_threads.h"
@@ -95,28 +96,13 @@ class CurrentExchange {
   CurrentExchange& operator=(const CurrentExchange&) = delete;
 };
 
-/// Escapes a path so that it is valid in a request line, whatever bytes it contains.
-std::string percent_encode(std::string_view path) {
-  constexpr std::string_view kDigits = "0123456789ABCDEF";
-  std::string encoded;
-  for (const char c : path) {
-    const bool is_plain = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
-                          std::string_view("/-_.~").find(c) != std::string_view::npos;
-    if (is_plain) {
-      encoded += c;
-      continue;
-    }
-    const auto byte = static_cast<unsigned char>(c);
-    encoded.append({'%', kDigits[byte / 16], kDigits[byte % 16]});
-  }
-  return encoded;
-}
-
 /// Makes the head that httplib sees. It contains only the fields needed to find a route.
 std::string canonical_head(const Exchange& exchange) {
   const Request& request = exchange.request;
   const std::string method = exchange.refusal && request.method != "HEAD" ? "GET" : request.method;
-  const std::string path = exchange.refusal ? "/" : request.path == "*" ? "*" : percent_encode(request.path);
+  const std::string path = exchange.refusal      ? "/"
+                           : request.path == "*" ? "*"
+                                                 : api::percent_encoded(request.path, "/-_.~");
   return method + " " + path + " HTTP/1.1\r\nHost: remeshd\r\nContent-Length: 0\r\n\r\n";
 }
 

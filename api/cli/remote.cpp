@@ -13,6 +13,7 @@
 
 #include "api/cli/http_client.h"
 #include "api/cli/progress_bar.h"
+#include "api/quoting.h"
 
 namespace remesh::cli {
 namespace {
@@ -38,18 +39,6 @@ std::pair<std::string, std::string> split_url(std::string url) {
   std::string rest = url.substr(path);
   while (!rest.empty() && rest.back() == '/') rest.pop_back();
   return {url.substr(0, path), rest};
-}
-
-std::string escaped(std::string_view text) {
-  constexpr std::string_view kDigits = "0123456789ABCDEF";
-  std::string out;
-  for (const char c : text) {
-    const auto byte = static_cast<unsigned char>(c);
-    const bool is_plain = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
-                          std::string_view("-_.~,").find(c) != std::string_view::npos;
-    is_plain ? out.append(1, c) : out.append({'%', kDigits[byte / 16], kDigits[byte % 16]});
-  }
-  return out;
 }
 
 /// Finds the origin in a summary, which has the form `..., origin=1 2 3`.
@@ -164,8 +153,9 @@ class Remote::Client {
     tell("sending", 0);
     std::string path = "/v1/jobs";
     char separator = '?';
+    const auto encoded = [](std::string_view text) { return api::percent_encoded(text, "-_.~,"); };
     for (const auto& [name, value] : job_.options) {
-      path += std::exchange(separator, '&') + escaped(name) + "=" + escaped(value);
+      path += std::exchange(separator, '&') + encoded(name) + "=" + encoded(value);
     }
     HttpRequest post = request("POST", path);
     // The key is the same at each attempt, so a job whose answer was lost is not created twice.

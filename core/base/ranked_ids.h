@@ -38,8 +38,7 @@ class RankedIds {
       return;
     }
     ids_.assign(ids.begin(), ids.end());
-    sort_stoppable(ids_.begin(), ids_.end(), control);
-    ids_.erase(std::unique(ids_.begin(), ids_.end()), ids_.end());
+    sort_unique(ids_, control);
   }
 
   std::span<const I> ids() const { return ids_; }

@@ -10,6 +10,8 @@
 #include <span>
 #include <vector>
 
+#include "core/base/stoppable.h"
+
 namespace remesh {
 
 /// The bits of evidence that a step needs: numbers with a finer step would all be multiples of the claimed one with a
@@ -76,8 +78,7 @@ class LowestNumbers {
   static constexpr std::size_t kMax = 64;
 
   void trim() {
-    std::sort(numbers_.begin(), numbers_.end());
-    numbers_.erase(std::unique(numbers_.begin(), numbers_.end()), numbers_.end());
+    sort_unique(numbers_);
     if (numbers_.size() < kMax) return;
     numbers_.resize(kMax);
     bound_ = numbers_.back();

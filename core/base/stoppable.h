@@ -45,4 +45,18 @@ void sort_stoppable(Iterator begin, Iterator end, const RunControl& control, con
   });
 }
 
+/// Sorts the items of a vector, and leaves one of those that are equal.
+template <class Items>
+void sort_unique(Items& items) {
+  std::sort(items.begin(), items.end());
+  items.erase(std::unique(items.begin(), items.end()), items.end());
+}
+
+/// Does the same for many items, and stops when it is cancelled, as sort_stoppable does.
+template <class Items>
+void sort_unique(Items& items, const RunControl& control) {
+  sort_stoppable(items.begin(), items.end(), control);
+  items.erase(std::unique(items.begin(), items.end()), items.end());
+}
+
 }  // namespace remesh

@@ -9,15 +9,6 @@
 #include "core/base/prefault_pages.h"
 
 namespace remesh {
-namespace {
-
-Vec3 some_normal_to(const Vec3& direction) {
-  const Vec3 d{std::fabs(direction.x), std::fabs(direction.y), std::fabs(direction.z)};
-  const Vec3 axis = d.x <= d.y && d.x <= d.z ? Vec3{1, 0, 0} : d.y <= d.z ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
-  return normalized(cross(direction, axis));
-}
-
-}  // namespace
 
 FaceGeometries face_geometry(const Surface& surface, RunControl& control) {
   FaceGeometries result = FaceGeometries::of_size(surface.face_count());
@@ -55,7 +46,7 @@ FaceGeometries face_geometry(const Surface& surface, RunControl& control) {
       FaceGeometry& g = result[FaceId(f)];
       const double length = norm(twice_area);
       g.normal = length > 0 ? Vec3{twice_area.x / length, twice_area.y / length, twice_area.z / length} : Vec3{};
-      if (g.normal == Vec3{}) g.normal = some_normal_to(longest_side);
+      if (g.normal == Vec3{}) g.normal = unit_across(longest_side);
       g.area = 0.5 * length;
       g.height = extent > 0 ? 2 * g.area / extent : 0;
     }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/ids.h"
+#include "core/base/stoppable.h"
 #include "core/mesh/surface.h"
 
 namespace remesh {
@@ -34,8 +35,7 @@ inline std::vector<FaceId> covered_by(const Surface& surface, std::span<const Fa
     const std::span<const FaceId> covered = surface.covered(f);
     found.insert(found.end(), covered.begin(), covered.end());
   }
-  std::sort(found.begin(), found.end());
-  found.erase(std::unique(found.begin(), found.end()), found.end());
+  sort_unique(found);
   return found;
 }
 

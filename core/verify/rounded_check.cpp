@@ -364,8 +364,7 @@ class StoredCheck {
     keys.reserve(3 * rim.size());
     for (const FaceId f : rim)
       for (const VertexId v : claim_.faces[f.value]) keys.emplace_back(claim_.face_patch[f.value], v);
-    sort_stoppable(keys.begin(), keys.end(), control_);
-    keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+    sort_unique(keys, control_);
     control_.check();
     const double unit = std::exp2(std::ilogb(std::max(largest_coordinate(claim_.stored, control_), 0x1p-900)));
     std::vector<Vec3> flat(keys.size());

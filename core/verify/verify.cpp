@@ -12,15 +12,18 @@
 #include <vector>
 
 #include "core/base/blocks.h"
+#include "core/base/run_control.h"
 #include "core/base/stoppable.h"
 #include "core/geometry/intersections/patch_intersections.h"
+#include "core/geometry/trees/triangle_tree.h"
 #include "core/mesh/triangle_corners.h"
 #include "core/verify/boundary/boundary.h"
+#include "core/verify/claim/claim.h"
 #include "core/verify/claim/verification_faults.h"
 #include "core/verify/goals/goal_check.h"
 #include "core/verify/goals/varying_sizes.h"
-#include "core/verify/model/changed_faces.h"
 #include "core/verify/model/edge_table.h"
+#include "core/verify/model/face_measures.h"
 #include "core/verify/model/fixed_width_integers.h"
 #include "core/verify/model/numbered_claim.h"
 #include "core/verify/patches/patch_shape.h"
@@ -31,6 +34,42 @@ namespace remesh {
 namespace {
 
 using namespace verification;
+
+/// Finds the output faces that are no triangles of the input, and the faces near these. Two triangles of the input meet
+/// in the output where they meet in the input, so a new intersection has one of the changed faces.
+/// Output: ascending numbers: the changed faces, and the faces whose boxes meet the box of a changed face.
+/// Errors: kCancelled, kTimeout - asked to stop through `control`.
+/// Cost:   O(n log n).
+std::vector<std::uint32_t> faces_near_changes(const Claim& claim, const NumberedClaim& numbered,
+                                              const EdgeTable& input_edges, RunControl& control) {
+  const std::size_t n = claim.faces.size();
+  const std::vector<std::uint32_t> changed = select_ids<std::uint32_t>(n, kItemsPerBlock, control, [&](std::size_t f) {
+    return numbered.is_kept[claim.face_patch[f].value] == 0 &&
+           !is_input_triangle(numbered, input_edges, claim.face_patch[f], numbered.output.face(f));
+  });
+  if (changed.empty()) return {};
+  // A tree would exclude few faces.
+  constexpr std::size_t kMany = 2;
+  if (kMany * changed.size() >= n) {
+    std::vector<std::uint32_t> all(n);
+    std::iota(all.begin(), all.end(), 0U);
+    return all;
+  }
+  std::vector<Triangle> triangles;
+  triangles.reserve(changed.size());
+  for (const std::uint32_t f : changed) triangles.push_back(claim.faces[f]);
+  const TriangleTree tree(claim.positions, triangles, control);
+  return select_ids<std::uint32_t>(n, kItemsPerBlock, control, [&](std::size_t f) {
+    Box3 box;
+    for (const VertexId v : claim.faces[f]) box.add(claim.positions[v.value]);
+    bool is_near = false;
+    tree.visit_meeting(box, 0, [&](std::size_t) {
+      is_near = true;
+      return false;
+    });
+    return is_near;
+  });
+}
 
 /// Tests the edges inside patches on the stored plane coordinates.
 class DelaunayCheck {

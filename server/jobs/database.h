@@ -60,6 +60,8 @@ class Database {
   /// Runs one statement.
   /// Input: `result` - kBytes if the columns hold binary data.
   virtual Rows run(const char* sql, const Values& parameters = {}, Result result = Result::kText) = 0;
+  /// Runs one statement, and returns whether its result has any row.
+  bool finds(const char* sql, const Values& parameters) { return !run(sql, parameters).empty(); }
 
   /// Begins a transaction that will write. Every `begin` is followed by `commit` or `roll_back`.
   virtual void begin() = 0;

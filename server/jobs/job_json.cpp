@@ -29,17 +29,15 @@ void write_time(api::JsonWriter& json, std::string_view name, const std::optiona
 void write_links(api::JsonWriter& json, const std::string& id, const JobLinks& links) {
   const std::string path = job_path(id);
   const std::string self = links.prefix + path;
-  json.key("links");
-  json.begin_object();
-  json.member("self", self);
-  for (const char* name : {"result", "report"}) json.member(name, self + "/" + name);
-  const std::string token = links.token_for ? links.token_for(path + "/events") : "";
-  json.member("events", self + "/events" + (token.empty() ? "" : "?token=" + token));
-  json.end_object();
+  json.object("links", [&] {
+    json.member("self", self);
+    for (const char* name : {"result", "report"}) json.member(name, self + "/" + name);
+    const std::string token = links.token_for ? links.token_for(path + "/events") : "";
+    json.member("events", self + "/events" + (token.empty() ? "" : "?token=" + token));
+  });
 }
 
 void write_job(api::JsonWriter& json, const JobRecord& job, const JobLinks& links) {
-  json.begin_object();
   json.member("id", job.id);
   json.member("state", state_name(job.state));
   json.member("stage", job.state == JobState::kRunning ? std::optional(job.stage) : std::nullopt);
@@ -53,25 +51,19 @@ void write_job(api::JsonWriter& json, const JobRecord& job, const JobLinks& link
   const std::string_view problem = trim(api::cut(job.problem, '\n').first);
   nlohmann::json::accept(problem) ? json.raw(problem) : json.null();  // a damaged one must not damage the list
   write_links(json, job.id, links);
-  json.end_object();
 }
 
 }  // namespace
 
 std::string job_json(const JobRecord& job, const JobLinks& links) {
   api::JsonWriter json;
-  write_job(json, job, links);
+  json.object([&] { write_job(json, job, links); });
   return json.take();
 }
 
 std::string jobs_json(const std::vector<JobRecord>& jobs, const JobLinks& links) {
   api::JsonWriter json;
-  json.begin_object();
-  json.key("jobs");
-  json.begin_array();
-  for (const JobRecord& job : jobs) write_job(json, job, links);
-  json.end_array();
-  json.end_object();
+  json.object([&] { json.objects("jobs", jobs, [&](const JobRecord& job) { write_job(json, job, links); }); });
   return json.take();
 }
 

@@ -1,5 +1,6 @@
 #include "server/jobs/job_request.h"
 
+#include <array>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -23,16 +24,14 @@ bool is_plain_form(const api::Request& request) {
 
 std::string describe_parts(const api::Request& request) {
   api::JsonWriter json;
-  json.begin_array();
-  for (const api::FormPart& part : api::parse_multipart(request.body, request.content_type)) {
-    json.begin_object();
-    json.member("name", part.name);
-    json.member("file_name", part.file_name);
-    json.member("content_type", part.content_type);
-    json.member("content", hex(sha256(part.content)));
-    json.end_object();
-  }
-  json.end_array();
+  json.list(api::parse_multipart(request.body, request.content_type), [&](const api::FormPart& part) {
+    json.object([&] {
+      json.member("name", part.name);
+      json.member("file_name", part.file_name);
+      json.member("content_type", part.content_type);
+      json.member("content", hex(sha256(part.content)));
+    });
+  });
   return json.take();
 }
 
@@ -40,20 +39,14 @@ std::string describe_parts(const api::Request& request) {
 
 std::string pack_request(const api::Request& request) {
   api::JsonWriter json;
-  json.begin_object();
-  json.member("content_type", request.content_type);
-  json.member("content_encoding", request.content_encoding);
-  json.member("accept", request.accept);
-  json.key("query");
-  json.begin_array();
-  for (const auto& [name, value] : request.query) {
-    json.begin_array();
-    json.string(name);
-    json.string(value);
-    json.end_array();
-  }
-  json.end_array();
-  json.end_object();
+  json.object([&] {
+    json.member("content_type", request.content_type);
+    json.member("content_encoding", request.content_encoding);
+    json.member("accept", request.accept);
+    json.list("query", request.query, [&](const auto& option) {
+      json.list(std::array{option.first, option.second}, [&](const std::string& text) { json.string(text); });
+    });
+  });
   return json.take();
 }
 

@@ -350,23 +350,19 @@ std::optional<WaitingJob> SqlStore::next_in_turn(std::uint64_t max_memory) {
 
 bool SqlStore::renew(const Claim& claim, const Progress& progress) {
   return with_database("renew", Access::kWrite, [&](Database& database) {
-    return !database
-                .run(
-                    "UPDATE remeshd_job SET stage = $1, fraction = $2, lease_ms = remeshd_now() + $3, "
-                    "lease_length_ms = $3, version = version + 1 WHERE id = $4 AND token = $5 AND state = 'running' "
-                    "RETURNING id",
-                    {std::string_view(progress.stage), progress.fraction, std::int64_t{rules_.lease.count()},
-                     std::string_view(claim.id), claim.token})
-                .empty();
+    return database.finds(
+        "UPDATE remeshd_job SET stage = $1, fraction = $2, lease_ms = remeshd_now() + $3, "
+        "lease_length_ms = $3, version = version + 1 WHERE id = $4 AND token = $5 AND state = 'running' "
+        "RETURNING id",
+        {std::string_view(progress.stage), progress.fraction, std::int64_t{rules_.lease.count()},
+         std::string_view(claim.id), claim.token});
   });
 }
 
 bool SqlStore::holds(const Claim& claim) {
   return with_database("look", Access::kRead, [&](Database& database) {
-    return !database
-                .run("SELECT id FROM remeshd_job WHERE id = $1 AND token = $2 AND state = 'running'",
-                     {std::string_view(claim.id), claim.token})
-                .empty();
+    return database.finds("SELECT id FROM remeshd_job WHERE id = $1 AND token = $2 AND state = 'running'",
+                          {std::string_view(claim.id), claim.token});
   });
 }
 
@@ -386,10 +382,8 @@ bool SqlStore::commit(const Claim& claim, const JobOutcome& outcome) {
          std::string_view(outcome.problem), std::string_view(claim.id), claim.token, signed_bytes(stored)});
     if (ended.empty()) {
       // The job may have been ended by this claim's own commit, whose answer was lost.
-      return !database
-                  .run("SELECT id FROM remeshd_job WHERE id = $1 AND token = $2 AND state = $3",
-                       {std::string_view(claim.id), claim.token, state})
-                  .empty();
+      return database.finds("SELECT id FROM remeshd_job WHERE id = $1 AND token = $2 AND state = $3",
+                            {std::string_view(claim.id), claim.token, state});
     }
     if (is_success) {
       driver_->check_room(database, stored, RoomFor::kResult);
@@ -476,10 +470,9 @@ bool SqlStore::discard(const std::string& id) {
     Transaction transaction(database);
     const Rows rows = database.run(end_result.c_str(), {std::int64_t{rules_.history.count()}, std::string_view(id)});
     // This also applies to other final states: the input of a job is still stored if every worker died of it.
-    if (!database
-             .run("UPDATE remeshd_job SET stored = 0 WHERE id = $1 AND state NOT IN ('queued', 'running') RETURNING id",
-                  {std::string_view(id)})
-             .empty()) {
+    if (database.finds(
+            "UPDATE remeshd_job SET stored = 0 WHERE id = $1 AND state NOT IN ('queued', 'running') RETURNING id",
+            {std::string_view(id)})) {
       files = blobs_.remove(database, id, "1 = 1");
     }
     transaction.commit();

@@ -36,6 +36,12 @@ const Histogram::BucketBoundaries kSeconds{0.001, 0.005, 0.02, 0.1, 0.5, 2, 10, 
 const Histogram::BucketBoundaries kStoreSeconds{0.0005, 0.001, 0.002, 0.005, 0.01, 0.05, 0.2, 1, 5, 30};
 const Histogram::BucketBoundaries kFaces{100, 1e3, 1e4, 1e5, 1e6, 1e7};
 
+/// Makes a family of metrics.
+template <class Metric>
+Family<Metric>& family(prometheus::Registry& registry, const char* name, const char* help) {
+  return prometheus::detail::Builder<Metric>().Name(name).Help(help).Register(registry);
+}
+
 /// The max number of API keys that are counted by name. Keys beyond it, which only a file that is changed thousands of
 /// times has, are counted together as "other".
 constexpr std::size_t kMaxKeys = 1000;
@@ -107,7 +113,7 @@ class Snapshot {
  private:
   template <typename Metric>
   Metric& add(const char* name, const char* help) {
-    return prometheus::detail::Builder<Metric>().Name(name).Help(help).Register(registry_).Add({});
+    return family<Metric>(registry_, name, help).Add({});
   }
 
   prometheus::Registry registry_;
@@ -120,67 +126,36 @@ struct Metrics::Families {
   const double start_seconds =
       std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
 
-  Family<Counter>& requests = prometheus::BuildCounter()
-                                  .Name("remeshd_http_requests_total")
-                                  .Help("Finished requests by status; code 499: the client left before its answer.")
-                                  .Register(registry);
-  Family<Histogram>& durations = prometheus::BuildHistogram()
-                                     .Name("remeshd_http_request_duration_seconds")
-                                     .Help("Time from a request's connection to its answer.")
-                                     .Register(registry);
-  Family<Counter>& rejections = prometheus::BuildCounter()
-                                    .Name("remeshd_http_rejected_total")
-                                    .Help("Requests that a limit refused, by the code of their problem.")
-                                    .Register(registry);
-  Family<Counter>& key_requests = prometheus::BuildCounter()
-                                      .Name("remeshd_key_requests_total")
-                                      .Help("Finished requests by the name of their API key and their status.")
-                                      .Register(registry);
-  Family<Counter>& key_seconds = prometheus::BuildCounter()
-                                     .Name("remeshd_key_work_seconds_total")
-                                     .Help("Computing time of requests, by the name of their API key.")
-                                     .Register(registry);
-  Family<Histogram>& stages = prometheus::BuildHistogram()
-                                  .Name("remeshd_stage_duration_seconds")
-                                  .Help("Time of each stage of the pipeline.")
-                                  .Register(registry);
-  Family<Counter>& patches =
-      prometheus::BuildCounter().Name("remeshd_patches_total").Help("Patches in all results.").Register(registry);
-  Family<Counter>& jobs = prometheus::BuildCounter()
-                              .Name("remeshd_jobs_total")
-                              .Help("Jobs that have ended, the failed ones by the code of their problem.")
-                              .Register(registry);
-  Family<Counter>& job_retries = prometheus::BuildCounter()
-                                     .Name("remeshd_job_retries_total")
-                                     .Help("Jobs that went back to the queue.")
-                                     .Register(registry);
-  Family<Counter>& store_errors = prometheus::BuildCounter()
-                                      .Name("remeshd_store_errors_total")
-                                      .Help("Operations on the job store that failed.")
-                                      .Register(registry);
-  Family<Histogram>& store_latency = prometheus::BuildHistogram()
-                                         .Name("remeshd_store_latency_seconds")
-                                         .Help("Time of operations on the job store.")
-                                         .Register(registry);
-  Histogram& input_faces = prometheus::BuildHistogram()
-                               .Name("remeshd_input_faces")
-                               .Help("Faces of input meshes.")
-                               .Register(registry)
-                               .Add({}, kFaces);
-  Histogram& output_faces = prometheus::BuildHistogram()
-                                .Name("remeshd_output_faces")
-                                .Help("Faces of results.")
-                                .Register(registry)
-                                .Add({}, kFaces);
+  Family<Counter>& requests =
+      family<Counter>(registry, "remeshd_http_requests_total",
+                      "Finished requests by status; code 499: the client left before its answer.");
+  Family<Histogram>& durations = family<Histogram>(registry, "remeshd_http_request_duration_seconds",
+                                                   "Time from a request's connection to its answer.");
+  Family<Counter>& rejections = family<Counter>(registry, "remeshd_http_rejected_total",
+                                                "Requests that a limit refused, by the code of their problem.");
+  Family<Counter>& key_requests = family<Counter>(registry, "remeshd_key_requests_total",
+                                                  "Finished requests by the name of their API key and their status.");
+  Family<Counter>& key_seconds = family<Counter>(registry, "remeshd_key_work_seconds_total",
+                                                 "Computing time of requests, by the name of their API key.");
+  Family<Histogram>& stages =
+      family<Histogram>(registry, "remeshd_stage_duration_seconds", "Time of each stage of the pipeline.");
+  Family<Counter>& patches = family<Counter>(registry, "remeshd_patches_total", "Patches in all results.");
+  Family<Counter>& jobs = family<Counter>(registry, "remeshd_jobs_total",
+                                          "Jobs that have ended, the failed ones by the code of their problem.");
+  Family<Counter>& job_retries =
+      family<Counter>(registry, "remeshd_job_retries_total", "Jobs that went back to the queue.");
+  Family<Counter>& store_errors =
+      family<Counter>(registry, "remeshd_store_errors_total", "Operations on the job store that failed.");
+  Family<Histogram>& store_latency =
+      family<Histogram>(registry, "remeshd_store_latency_seconds", "Time of operations on the job store.");
+  Histogram& input_faces = family<Histogram>(registry, "remeshd_input_faces", "Faces of input meshes.").Add({}, kFaces);
+  Histogram& output_faces = family<Histogram>(registry, "remeshd_output_faces", "Faces of results.").Add({}, kFaces);
   Known<Counter> known_requests, known_patches;
   std::mutex key_mutex;
   std::set<std::string> key_names;
   Known<Histogram> known_durations, known_stages;
-  Gauge& build_info = prometheus::BuildGauge()
-                          .Name("remeshd_build_info")
-                          .Help("Always 1; the version is a label.")
-                          .Register(registry)
-                          .Add({{"version", version()}});
+  Gauge& build_info =
+      family<Gauge>(registry, "remeshd_build_info", "Always 1; the version is a label.").Add({{"version", version()}});
 };
 
 Metrics::Metrics() : families_(std::make_unique<Families>()) { families_->build_info.Set(1); }

@@ -625,8 +625,7 @@ SelfIntersections patch_intersections(const PatchedFaces& surface, const SearchL
     const auto whole = static_cast<double>(faces.size()), parts = static_cast<double>(cull.parts().size());
     found.searched = (found.searched * whole + searched * parts) / (whole + parts);
   }
-  sort_stoppable(found.pairs.begin(), found.pairs.end(), control);
-  found.pairs.erase(std::unique(found.pairs.begin(), found.pairs.end()), found.pairs.end());
+  sort_unique(found.pairs, control);
   if (!found.is_complete) found.pairs.resize(std::min(found.pairs.size(), limits.max_pairs));
   return std::move(found);
 }

@@ -137,8 +137,7 @@ class Search {
       result.searched = static_cast<double>(done) / static_cast<double>(all);
       result.pairs.resize(std::min(result.pairs.size(), search_.limits().max_pairs));
     }
-    sort_stoppable(result.pairs.begin(), result.pairs.end(), control_);
-    result.pairs.erase(std::unique(result.pairs.begin(), result.pairs.end()), result.pairs.end());
+    sort_unique(result.pairs, control_);
     return std::move(result);
   }
 

@@ -10,6 +10,7 @@
 #include "core/base/stoppable.h"
 #include "core/geometry/shells/shell_nesting.h"
 #include "core/geometry/shells/winding_number.h"
+#include "core/geometry/trees/box_tree.h"
 
 namespace remesh {
 namespace {
@@ -39,8 +40,7 @@ class LabelsOfShells {
                return pairs;
              }))
       pairs_.insert(pairs_.end(), of_block.begin(), of_block.end());
-    sort_stoppable(pairs_.begin(), pairs_.end(), control);
-    pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
+    sort_unique(pairs_, control);
   }
 
   /// Returns whether two shells have a label in common. Cost: O(k log n), where one of them has k labels.
@@ -56,8 +56,7 @@ class LabelsOfShells {
  private:
   template <class Pairs>
   static void sort_out(Pairs& pairs) {
-    std::sort(pairs.begin(), pairs.end());
-    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    sort_unique(pairs);
   }
 
   std::span<const std::pair<std::uint32_t, std::uint32_t>> of(std::uint32_t shell) const {
@@ -70,12 +69,6 @@ class LabelsOfShells {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs_;
 };
 
-bool encloses(const Box3& outer, const Box3& inner) {
-  for (int axis = 0; axis < 3; ++axis)
-    if (inner.min[axis] < outer.min[axis] || inner.max[axis] > outer.max[axis]) return false;
-  return true;
-}
-
 /// The shells that are not closed. What they enclose is unknown; only how far they wind around a place can be computed.
 class OpenPieces {
  public:
@@ -87,7 +80,7 @@ class OpenPieces {
   /// lies.
   bool are_between(std::uint32_t shell, std::optional<std::uint32_t> outer) {
     if (ends_.empty()) prepare();
-    if (!number_ || !encloses(number_->box(), shells_.all[shell].box)) return false;
+    if (!number_ || !contains(number_->box(), shells_.all[shell].box)) return false;
     // From the middle of a box, each of its sides covers about a sixth of all directions. This threshold is above
     // rounding and below one side.
     constexpr double kClearly = 0.1;

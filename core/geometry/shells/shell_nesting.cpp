@@ -48,18 +48,6 @@ constexpr std::array<Vec3, 14> kDirections{{{-1, 0, 0},
 
 auto box_key(const Box3& box) { return std::tie(box.min, box.max); }
 
-bool contains(const Box3& outer, const Box3& inner) {
-  for (int axis = 0; axis < 3; ++axis)
-    if (inner.min[axis] < outer.min[axis] || inner.max[axis] > outer.max[axis]) return false;
-  return true;
-}
-
-bool contains(const FloatBox& outer, const Box3& inner) {
-  for (int axis = 0; axis < 3; ++axis)
-    if (inner.min[axis] < outer.min[axis] || inner.max[axis] > outer.max[axis]) return false;
-  return true;
-}
-
 double volume(const Box3& box) {
   return box.is_empty() ? 0 : (box.max.x - box.min.x) * (box.max.y - box.min.y) * (box.max.z - box.min.z);
 }
@@ -75,10 +63,7 @@ bool is_half_in(const Box3& box, const Box3& other) {
   return 2 * volume(both) >= volume(box);
 }
 
-void sort_out(std::vector<std::uint32_t>& numbers) {
-  std::sort(numbers.begin(), numbers.end());
-  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
-}
+void sort_out(std::vector<std::uint32_t>& numbers) { sort_unique(numbers); }
 
 /// The smallest number of a nest in a node of a tree.
 struct FirstNest {
@@ -165,8 +150,7 @@ void ShellNesting::correct(const std::vector<std::uint32_t>& inner, std::vector<
   std::vector<std::uint32_t> beside;
   for (std::size_t i = 0; i < inner.size(); ++i)
     if (is_beside(i)) beside.push_back(links[i].nest);
-  sort_stoppable(beside.begin(), beside.end(), control_);
-  beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
+  sort_unique(beside, control_);
   std::vector<std::vector<std::uint32_t>> crossed(beside.size());
   for_blocks(beside.size(), kShellsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) crossed[i] = crossed_by(beside[i]);

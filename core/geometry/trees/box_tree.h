@@ -45,6 +45,14 @@ struct FloatBox {
   }
 };
 
+/// Returns whether all of the inner box is in the outer one.
+template <class Box>
+bool contains(const Box& outer, const Box3& inner) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (inner.min[axis] < outer.min[axis] || inner.max[axis] > outer.max[axis]) return false;
+  return true;
+}
+
 /// The distance of x from the interval [min, max]; 0 inside it.
 inline double excess(double min, double max, double x) { return std::max(0.0, std::max(min - x, x - max)); }
 

@@ -6,6 +6,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/stoppable.h"
 #include "core/geometry/exact/predicates.h"
 #include "core/geometry/exact/predicates_3d.h"
 
@@ -152,8 +153,7 @@ Corners corners(const std::vector<VertexId>& t, std::span<const Vec3> positions)
 
 std::vector<VertexId> distinct(const Triangle& t) {
   std::vector<VertexId> ids(t.begin(), t.end());
-  std::sort(ids.begin(), ids.end());
-  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  sort_unique(ids);
   return ids;
 }
 

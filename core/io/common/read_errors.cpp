@@ -22,6 +22,11 @@ std::string cited(std::string_view text) {
   return quoted + (text.size() > kLongest ? "...\"" : "\"");
 }
 
+void record_dropped(const std::string& what, std::uint64_t count, std::vector<Diagnostic>& diagnostics) {
+  if (count > 0)
+    diagnostics.push_back({DiagnosticCode::kAttributeDropped, count, {}, what + ": " + std::to_string(count)});
+}
+
 void record_trailing_bytes(std::string_view content, std::size_t end_of_records, std::size_t record_size,
                            std::vector<Diagnostic>& diagnostics) {
   const std::string_view rest = content.substr(end_of_records);

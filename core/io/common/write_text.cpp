@@ -46,6 +46,27 @@ void append_point(std::string& out, const Vec3& position) {
   out.append(text, std::to_chars(at, end, position.z).ptr);
 }
 
+void append_points(std::string& out, const TriangleMesh& mesh, double share, RunControl& control) {
+  append_elements(out, mesh.positions.size(), {0, share}, control, [&](std::string& text, std::size_t v) {
+    append_point(text, mesh.positions[VertexId(v)]);
+    text += '\n';
+  });
+}
+
+void append_triangles(std::string& out, const TriangleMesh& mesh, double share,
+                      std::span<const LabelSet* const> label_sets, RunControl& control) {
+  append_elements(out, mesh.faces.size(), {share, 1}, control, [&](std::string& text, std::size_t f) {
+    text += '3';
+    const auto append = [&](std::uint32_t number) {
+      text += ' ';
+      append_integer(text, number);
+    };
+    for (const VertexId v : mesh.faces[FaceId(f)]) append(v.value);
+    for (const LabelSet* set : label_sets) append(set->of_face[FaceId(f)]);
+    text += '\n';
+  });
+}
+
 void append_coordinates(std::string& out, const Vec3& position) {
   out += ' ';
   append_point(out, position);

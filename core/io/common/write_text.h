@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -71,6 +72,13 @@ void append_comments(std::string& out, const std::vector<std::string>& comments)
 void append_point(std::string& out, const Vec3& position);
 /// Appends the three coordinates, each after a blank, and a line end.
 void append_coordinates(std::string& out, const Vec3& position);
+
+/// Appends a line for each vertex, with its coordinates.
+/// Input: `share` - see share_of_vertices.
+void append_points(std::string& out, const TriangleMesh& mesh, double share, RunControl& control);
+/// Appends a line for each face: 3, its vertices from 0 on, and its label of each of the sets.
+void append_triangles(std::string& out, const TriangleMesh& mesh, double share,
+                      std::span<const LabelSet* const> label_sets, RunControl& control);
 
 /// The share of the progress that the vertices take, if all elements take the same time.
 inline double share_of_vertices(const TriangleMesh& mesh) {

@@ -64,12 +64,8 @@ ReadResult FeSurface::take() {
   }
   ReadResult result;
   result.mesh = builder_.take();
-  for (const auto& [kind, count] : dropped_) {
-    result.diagnostics.push_back({DiagnosticCode::kAttributeDropped,
-                                  count,
-                                  {},
-                                  "elements " + cited(kind) + " were dropped: " + std::to_string(count)});
-  }
+  for (const auto& [kind, count] : dropped_)
+    record_dropped("elements " + cited(kind) + " were dropped", count, result.diagnostics);
   record_padding(content_, result.diagnostics);
   return result;
 }

@@ -140,15 +140,9 @@ class GltfReader {
       result.unit = "meter";
       result.up_axis = "y";
     }
-    if (dropped_ > 0) {
-      result.diagnostics.push_back(
-          {DiagnosticCode::kAttributeDropped,
-           dropped_,
-           {},
-           "normals, colours, points, lines, skins and the like of glTF were dropped; number of "
-           "primitives that had them: " +
-               std::to_string(dropped_)});
-    }
+    record_dropped(
+        "normals, colours, points, lines, skins and the like of glTF were dropped; number of primitives that had them",
+        dropped_, result.diagnostics);
     return result;
   }
 

@@ -36,12 +36,8 @@ class MeditReader {
     ReadResult result;
     result.mesh = builder_.take();
     result.mesh.labels.group = references_.take(names_);
-    for (const auto& [keyword, count] : dropped_) {
-      result.diagnostics.push_back({DiagnosticCode::kAttributeDropped,
-                                    count,
-                                    {},
-                                    "records of " + keyword + " were dropped: " + std::to_string(count)});
-    }
+    for (const auto& [keyword, count] : dropped_)
+      record_dropped("records of " + keyword + " were dropped", count, result.diagnostics);
     record_padding(content_, result.diagnostics);
     return result;
   }

@@ -156,20 +156,15 @@ class MshReader {
     ReadResult result;
     result.mesh = builder_.take();
     result.mesh.labels.group = groups_.take(names_);
-    count_dropped(other_elements_, "elements that are no faces were dropped", result.diagnostics);
-    count_dropped(curved_, "nodes on the edges of faces were dropped; number of faces that had them",
-                  result.diagnostics);
-    count_dropped(more_groups_, "surfaces that belong to several physical groups have the first one; number of them",
-                  result.diagnostics);
+    record_dropped("elements that are no faces were dropped", other_elements_, result.diagnostics);
+    record_dropped("nodes on the edges of faces were dropped; number of faces that had them", curved_,
+                   result.diagnostics);
+    record_dropped("surfaces that belong to several physical groups have the first one; number of them", more_groups_,
+                   result.diagnostics);
     return result;
   }
 
  private:
-  static void count_dropped(std::uint64_t count, const std::string& what, std::vector<Diagnostic>& diagnostics) {
-    if (count == 0) return;
-    diagnostics.push_back({DiagnosticCode::kAttributeDropped, count, {}, what + ": " + std::to_string(count)});
-  }
-
   void read_names() {
     std::string_view count_line = source_.line();
     std::uint64_t count = 0;

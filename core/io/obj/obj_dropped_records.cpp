@@ -1,5 +1,7 @@
 #include "core/io/obj/obj_dropped_records.h"
 
+#include "core/io/common/read_errors.h"
+
 namespace remesh {
 namespace {
 
@@ -32,10 +34,8 @@ void DroppedRecords::count(std::string_view keyword, std::uint64_t records) {
 }
 
 void DroppedRecords::report(std::vector<Diagnostic>& diagnostics) const {
-  for (const auto& [keyword, count] : kinds_) {
-    const std::string message = keyword + " records" + meaning(keyword) + " dropped: " + std::to_string(count);
-    diagnostics.push_back({DiagnosticCode::kAttributeDropped, count, {}, message});
-  }
+  for (const auto& [keyword, count] : kinds_)
+    record_dropped(keyword + " records" + meaning(keyword) + " dropped", count, diagnostics);
 }
 
 std::size_t DroppedRecords::find(std::string_view keyword) {

@@ -69,20 +69,8 @@ std::string write_ply_ascii(const TriangleMesh& mesh, const std::vector<std::str
   std::string out;
   const std::vector<const LabelSet*> used = write_ply_header(out, "ascii", mesh, comments);
   const double share = share_of_vertices(mesh);
-  append_elements(out, mesh.positions.size(), {0, share}, control, [&](std::string& text, std::size_t v) {
-    append_point(text, mesh.positions[VertexId(v)]);
-    text += '\n';
-  });
-  append_elements(out, mesh.faces.size(), {share, 1}, control, [&](std::string& text, std::size_t f) {
-    text += '3';
-    const auto append = [&](std::uint32_t number) {
-      text += ' ';
-      append_integer(text, number);
-    };
-    for (const VertexId v : mesh.faces[FaceId(f)]) append(v.value);
-    for (const LabelSet* set : used) append(set->of_face[FaceId(f)]);
-    text += '\n';
-  });
+  append_points(out, mesh, share, control);
+  append_triangles(out, mesh, share, used, control);
   return out;
 }
 

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <map>
 #include <optional>
@@ -66,14 +65,9 @@ class ThreemfReader {
     result.mesh.labels.material = materials_labels_.take();
     result.unit = unit_;
     result.up_axis = "z";
-    if (dropped_ > 0) {
-      result.diagnostics.push_back({DiagnosticCode::kAttributeDropped,
-                                    dropped_,
-                                    {},
-                                    "colours, textures and other properties of triangles were dropped; number of "
-                                    "triangles that had them: " +
-                                        std::to_string(dropped_)});
-    }
+    record_dropped(
+        "colours, textures and other properties of triangles were dropped; number of triangles that had them", dropped_,
+        result.diagnostics);
     return result;
   }
 
@@ -112,20 +106,20 @@ class ThreemfReader {
       } else if (tag.opens("item") && is_in_build) {
         build_.push_back(component_of(tag));
       } else if (tag.opens("object")) {
-        last_id_ = number(tag, "id").value_or(0);
+        last_id_ = tag.number("id").value_or(0);
         const auto [entry, is_new] = objects_.try_emplace(last_id_);
         if (!is_new) throw model_error(tag.begin, "two objects with the id " + std::to_string(last_id_));
         object = &entry->second;
         const auto name = tag.attribute("name");
         object->name = name ? xml_text(*name) : "object_" + std::to_string(last_id_);
         if (object->name.size() > kMaxNameLength) object->name.resize(kMaxNameLength);
-        if (const auto pid = number(tag, "pid")) object->material = {*pid, number(tag, "pindex").value_or(0)};
+        if (const auto pid = tag.number("pid")) object->material = {*pid, tag.number("pindex").value_or(0)};
         object->materials.push_back(object->material);
         if (tag.kind == XmlTag::Kind::kEmpty) object = nullptr;
       } else if (tag.closes("object")) {
         object = nullptr;
       } else if (tag.opens("basematerials")) {
-        group = number(tag, "id").value_or(0);
+        group = tag.number("id").value_or(0);
       } else if (tag.opens("base")) {
         materials_[group].push_back(xml_text(tag.attribute("name").value_or("")));
       } else if (tag.name == "build") {
@@ -161,7 +155,7 @@ class ThreemfReader {
     TriangleOf3mf triangle{};
     constexpr std::array<std::string_view, 3> kNames{"v1", "v2", "v3"};
     for (std::size_t i = 0; i < 3; ++i) {
-      const auto corner = number(tag, kNames[i]);
+      const auto corner = tag.number(kNames[i]);
       if (!corner) throw model_error(tag.begin, "a triangle with fewer than three corners");
       if (*corner >= object.points.size())
         throw read_error(Place::byte(tag.begin), Code::kIndexOutOfRange,
@@ -169,9 +163,9 @@ class ThreemfReader {
                              std::to_string(object.points.size()) + ", counted from 0");
       triangle.corners[i] = static_cast<std::uint32_t>(*corner);
     }
-    if (const auto index = number(tag, "p1")) {
+    if (const auto index = tag.number("p1")) {
       MaterialOf3mf material{object.material ? object.material->group : 0, *index};
-      if (const auto pid = number(tag, "pid")) material.group = *pid;
+      if (const auto pid = tag.number("pid")) material.group = *pid;
       const auto& last = object.materials.back();
       if (!last || last->group != material.group || last->index != material.index) object.materials.push_back(material);
       triangle.material = static_cast<std::uint32_t>(object.materials.size() - 1);
@@ -181,7 +175,7 @@ class ThreemfReader {
 
   ComponentOf3mf component_of(const XmlTag& tag) const {
     ComponentOf3mf component;
-    component.object = number(tag, "objectid").value_or(0);
+    component.object = tag.number("objectid").value_or(0);
     const auto transform = tag.attribute("transform");
     if (!transform) return component;
     std::string_view rest = *transform;
@@ -194,17 +188,6 @@ class ThreemfReader {
     // Points are rows there, which are multiplied from the left.
     component.map = {{{{m[0], m[1], m[2]}, {m[3], m[4], m[5]}, {m[6], m[7], m[8]}}}, {m[9], m[10], m[11]}};
     return component;
-  }
-
-  static std::optional<std::uint64_t> number(const XmlTag& tag, std::string_view name) {
-    const auto value = tag.attribute(name);
-    if (!value) return std::nullopt;
-    const std::string_view digits = trim(*value);
-    std::uint64_t result = 0;
-    const auto [stop, status] = std::from_chars(digits.data(), digits.data() + digits.size(), result);
-    if (status != std::errc() || stop != digits.data() + digits.size())
-      throw model_error(tag.begin, "the attribute " + std::string(name) + " is no number: " + cited(digits));
-    return result;
   }
 
   /// Adds the triangles of an item and of all its components.

@@ -5,7 +5,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/io/common/bytes.h"
 #include "core/io/common/text_lines.h"
 #include "core/io/vtu/vtk_mesh.h"
 
@@ -244,19 +243,8 @@ class VtkLegacyReader {
   /// Takes as many numbers as there are values.
   template <class Stored, class T>
   void take_all(std::vector<T>& values) {
-    load_all<Stored>(content_.data() + at_, ByteOrder::kBig, values.size(), [&](std::size_t i, Stored value) {
-      if constexpr (std::is_floating_point_v<Stored>)
-        values[i] = static_cast<T>(whole_or<T>(value));
-      else
-        values[i] = static_cast<T>(value);
-    });
+    load_numbers<Stored>(content_.data() + at_, ByteOrder::kBig, values);
     at_ += values.size() * sizeof(Stored);
-  }
-  /// A real number, cut to the range of whole numbers if it is to be one.
-  template <class T>
-  static double whole_or(double value) {
-    if constexpr (std::is_floating_point_v<T>) return value;
-    return value > -0x1p53 && value < 0x1p53 ? value : 0;
   }
 
   std::size_t size_of_type(const std::string& type) const {

@@ -27,11 +27,6 @@ std::size_t corners_of_type(int type) {
   }
 }
 
-void count(std::uint64_t number, const std::string& what, std::vector<Diagnostic>& diagnostics) {
-  if (number == 0) return;
-  diagnostics.push_back({DiagnosticCode::kAttributeDropped, number, {}, what + ": " + std::to_string(number)});
-}
-
 }  // namespace
 
 std::optional<VtkMesh::Kind> VtkMesh::kind_of(std::string_view array) {
@@ -108,9 +103,10 @@ ReadResult VtkMesh::take() {
   FaceLabels& labels = result.mesh.labels;
   LabelSet* const sets[] = {&labels.object, &labels.group, &labels.material};
   for (std::size_t kind = 0; kind < labels_.size(); ++kind) *sets[kind] = labels_[kind].take(names_[kind]);
-  count(other_cells_, "cells that are no faces were dropped", result.diagnostics);
-  count(curved_, "points on the edges of faces were dropped; number of faces that had them", result.diagnostics);
-  count(dropped_arrays_, "arrays of values at points or cells were dropped", result.diagnostics);
+  record_dropped("cells that are no faces were dropped", other_cells_, result.diagnostics);
+  record_dropped("points on the edges of faces were dropped; number of faces that had them", curved_,
+                 result.diagnostics);
+  record_dropped("arrays of values at points or cells were dropped", dropped_arrays_, result.diagnostics);
   return result;
 }
 

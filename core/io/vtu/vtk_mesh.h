@@ -7,12 +7,27 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
+#include "core/io/common/bytes.h"
 #include "core/io/common/mesh_builder.h"
 #include "core/io/common/numbered_labels.h"
 
 namespace remesh {
+
+/// Reads as many numbers as there are values, which are stored as another type.
+template <class Stored, class T>
+void load_numbers(const char* bytes, ByteOrder order, std::vector<T>& values) {
+  load_all<Stored>(bytes, order, values.size(), [&](std::size_t i, Stored value) {
+    if constexpr (std::is_floating_point_v<Stored> && !std::is_floating_point_v<T>) {
+      // A label may be stored as a real number.
+      values[i] = value > -0x1p53 && value < 0x1p53 ? static_cast<T>(value) : 0;
+    } else {
+      values[i] = static_cast<T>(value);
+    }
+  });
+}
 
 /// Collects points and cells, piece after piece. Cells that are no faces are counted and left out.
 class VtkMesh {

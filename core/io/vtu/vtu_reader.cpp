@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "core/io/common/base64.h"
-#include "core/io/common/bytes.h"
 #include "core/io/common/text_tokens.h"
 #include "core/io/vtu/vtk_mesh.h"
 #include "core/io/vtu/vtu.h"
@@ -55,13 +54,7 @@ constexpr std::array<CellSection, 4> kCellSections{{{"Verts", "NumberOfVerts", 2
 
 std::uint64_t number_attribute(const XmlTag& tag, std::string_view name, std::uint64_t otherwise) {
   const auto value = tag.attribute(name);
-  if (!value || trim(*value).empty()) return otherwise;
-  const std::string_view digits = trim(*value);
-  std::uint64_t number = 0;
-  const auto [stop, status] = std::from_chars(digits.data(), digits.data() + digits.size(), number);
-  if (status != std::errc() || stop != digits.data() + digits.size())
-    throw vtk_error(tag.begin, "the attribute " + std::string(name) + " is no number: " + cited(digits));
-  return number;
+  return !value || trim(*value).empty() ? otherwise : *tag.number(name);
 }
 
 /// How the file packs its arrays.
@@ -89,16 +82,16 @@ class ArrayUnpacker {
       std::size_t size;
       Convert convert;
     };
-    static constexpr std::array<Type, 10> kTypes{{{"Float32", 4, convert<float, T>},
-                                                  {"Float64", 8, convert<double, T>},
-                                                  {"Int8", 1, convert<std::int8_t, T>},
-                                                  {"UInt8", 1, convert<std::uint8_t, T>},
-                                                  {"Int16", 2, convert<std::int16_t, T>},
-                                                  {"UInt16", 2, convert<std::uint16_t, T>},
-                                                  {"Int32", 4, convert<std::int32_t, T>},
-                                                  {"UInt32", 4, convert<std::uint32_t, T>},
-                                                  {"Int64", 8, convert<std::int64_t, T>},
-                                                  {"UInt64", 8, convert<std::uint64_t, T>}}};
+    static constexpr std::array<Type, 10> kTypes{{{"Float32", 4, load_numbers<float, T>},
+                                                  {"Float64", 8, load_numbers<double, T>},
+                                                  {"Int8", 1, load_numbers<std::int8_t, T>},
+                                                  {"UInt8", 1, load_numbers<std::uint8_t, T>},
+                                                  {"Int16", 2, load_numbers<std::int16_t, T>},
+                                                  {"UInt16", 2, load_numbers<std::uint16_t, T>},
+                                                  {"Int32", 4, load_numbers<std::int32_t, T>},
+                                                  {"UInt32", 4, load_numbers<std::uint32_t, T>},
+                                                  {"Int64", 8, load_numbers<std::int64_t, T>},
+                                                  {"UInt64", 8, load_numbers<std::uint64_t, T>}}};
     const auto type =
         std::find_if(kTypes.begin(), kTypes.end(), [&](const Type& known) { return known.name == array.type; });
     if (type == kTypes.end()) throw vtk_error(array.begin, "an array of the type " + cited(array.type));
@@ -108,7 +101,7 @@ class ArrayUnpacker {
       control_.memory().ask_for<T>(static_cast<std::size_t>(count));
       values.resize(static_cast<std::size_t>(count));
     };
-    if (!packing_.compressor.empty() && type->convert == &convert<T, T> && packing_.order == kNativeOrder) {
+    if (!packing_.compressor.empty() && type->convert == &load_numbers<T, T> && packing_.order == kNativeOrder) {
       inflate(array, size, [&] {
         make_room();
         return reinterpret_cast<char*>(values.data());
@@ -122,18 +115,6 @@ class ArrayUnpacker {
   }
 
  private:
-  template <class Stored, class T>
-  static void convert(const char* bytes, ByteOrder order, std::vector<T>& values) {
-    load_all<Stored>(bytes, order, values.size(), [&](std::size_t i, Stored value) {
-      if constexpr (std::is_floating_point_v<Stored> && !std::is_floating_point_v<T>) {
-        // A label may be stored as a real number.
-        values[i] = value > -0x1p53 && value < 0x1p53 ? static_cast<T>(value) : 0;
-      } else {
-        values[i] = static_cast<T>(value);
-      }
-    });
-  }
-
   template <class T>
   std::vector<T> numbers_of_text(const PackedArray& array, std::uint64_t count) {
     constexpr std::size_t kMinNumber = 2;

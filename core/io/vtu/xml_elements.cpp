@@ -59,6 +59,18 @@ std::optional<std::string_view> XmlTag::attribute(std::string_view attribute_nam
   }
 }
 
+std::optional<std::uint64_t> XmlTag::number(std::string_view attribute_name) const {
+  const auto value = attribute(attribute_name);
+  if (!value) return std::nullopt;
+  const std::string_view digits = trim(*value);
+  std::uint64_t result = 0;
+  const auto [stop, status] = std::from_chars(digits.data(), digits.data() + digits.size(), result);
+  if (status != std::errc() || stop != digits.data() + digits.size())
+    throw read_error(Place::byte(begin), Code::kInvalidMesh,
+                     "the attribute " + std::string(attribute_name) + " is no number: " + cited(digits));
+  return result;
+}
+
 std::size_t XmlTags::find_end(std::size_t from) const {
   char quote = 0;
   for (std::size_t at = from; at < text_.size(); ++at) {

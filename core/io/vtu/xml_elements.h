@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -20,6 +21,9 @@ struct XmlTag {
   bool closes(std::string_view element) const { return name == element && kind == Kind::kClose; }
   /// The value of an attribute, as it stands in the file.
   std::optional<std::string_view> attribute(std::string_view attribute_name) const;
+  /// Reads an attribute as a number.
+  /// Errors: kInvalidMesh, with the byte - it is none.
+  std::optional<std::uint64_t> number(std::string_view attribute_name) const;
 };
 
 /// Visits the tags in order. Comments, declarations and processing instructions are skipped. No entity is expanded but

@@ -87,8 +87,7 @@ BodyLabels labels_of_patches(const FaceLabels& labels, const Surface& surface, c
       const std::uint32_t number = numbers[surface.face_source[f]];
       if (of_patch.empty() || of_patch.back() != number) of_patch.push_back(number);
     }
-    std::sort(of_patch.begin(), of_patch.end());
-    of_patch.erase(std::unique(of_patch.begin(), of_patch.end()), of_patch.end());
+    sort_unique(of_patch);
     if (of_patch.size() == 1) {
       result.set_of[p] = of_patch[0];
       continue;

@@ -114,8 +114,7 @@ std::uint32_t DetailComplex::cut(std::uint32_t from, std::uint32_t to, double at
       with_edge.push_back(triangle);
   }
   work.take(steps);
-  std::sort(with_edge.begin(), with_edge.end());
-  with_edge.erase(std::unique(with_edge.begin(), with_edge.end()), with_edge.end());
+  sort_unique(with_edge);
 
   const Vec3 place = place_on_edge(from, to, at);
   const Box3 box = box_on_edge(from, to, at);

@@ -65,6 +65,22 @@ std::uint32_t third(const PresentTriangle& t, std::uint32_t a, std::uint32_t b) 
   return kNone;
 }
 
+bool do_see_common_edge(const FacesAtEdge& a, const FacesAtEdge& b) {
+  const auto edges_of = [](const FacesAtEdge& faces) {
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> edges;
+    for (const PresentTriangle& t : faces.at_node) {
+      const int at = t.at(faces.node);
+      if (!t.has(faces.without)) edges.push_back(std::minmax(t.corners[(at + 1) % 3], t.corners[(at + 2) % 3]));
+    }
+    return edges;
+  };
+  auto of_a = edges_of(a);
+  std::sort(of_a.begin(), of_a.end());
+  const auto of_b = edges_of(b);
+  return std::any_of(of_b.begin(), of_b.end(),
+                     [&](const auto& edge) { return std::binary_search(of_a.begin(), of_a.end(), edge); });
+}
+
 bool would_fold(const FacesAtEdge& moved, const FacesAtEdge& kept, std::uint32_t end, const Vec3& target,
                 const DetailComplex& complex, const DetailRules& rules) {
   const Vec3 along = normalized(complex.place(end) - target);

@@ -65,11 +65,14 @@ std::uint32_t third(const PresentTriangle& t, std::uint32_t a, std::uint32_t b);
 /// Two faces at one edge lie on each other if they enclose less than about 8 degrees.
 inline constexpr double kFoldedCosine = 0.99;
 
-/// The triangles at the edge between a node and another named node, except those with a third node.
+/// The triangles at a node, except those that have another node as well.
 struct FacesAtEdge {
   std::uint32_t node, without;
   const std::vector<PresentTriangle>& at_node;
 };
+
+/// Returns whether triangles of both nodes have a common edge opposite to their node.
+bool do_see_common_edge(const FacesAtEdge& a, const FacesAtEdge& b);
 
 /// Returns whether two faces that are no details would lie on each other at the edge from `target` to `end`: one of
 /// those at the edge between `end` and the node of `moved`, and one of those between `end` and the node of `kept`.

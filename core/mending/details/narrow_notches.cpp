@@ -225,15 +225,8 @@ std::optional<double> NarrowNotches::look_at_join(std::uint32_t from, std::uint3
 bool NarrowNotches::keeps_links(std::uint32_t from, std::uint32_t to, const Around& at_from, const Around& at_to) {
   if (!open_neighbours(at_from) || !open_neighbours(at_to)) return false;
   std::vector<std::uint32_t> apexes;
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> opposite;
-  for (const PresentTriangle& t : at_from.faces) {
-    if (t.has(to)) {
-      apexes.push_back(third(t, from, to));
-      continue;
-    }
-    const int at = t.at(from);
-    opposite.push_back(std::minmax(t.corners[(at + 1) % 3], t.corners[(at + 2) % 3]));
-  }
+  for (const PresentTriangle& t : at_from.faces)
+    if (t.has(to)) apexes.push_back(third(t, from, to));
   if (apexes.size() > 1) return false;
   for (const Spoke& s : at_from.spokes) {
     const Spoke* const other = find_spoke(at_to.spokes, s.to);
@@ -244,13 +237,7 @@ bool NarrowNotches::keeps_links(std::uint32_t from, std::uint32_t to, const Arou
     }
     if (other != nullptr && !(s.is_open() && other->is_open() && s.balance + other->balance == 0)) return false;
   }
-  std::sort(opposite.begin(), opposite.end());
-  return std::none_of(at_to.faces.begin(), at_to.faces.end(), [&](const PresentTriangle& t) {
-    if (t.has(from)) return false;
-    const int at = t.at(to);
-    const std::pair<std::uint32_t, std::uint32_t> edge = std::minmax(t.corners[(at + 1) % 3], t.corners[(at + 2) % 3]);
-    return std::binary_search(opposite.begin(), opposite.end(), edge);
-  });
+  return !do_see_common_edge({from, to, at_from.faces}, {to, from, at_to.faces});
 }
 
 }  // namespace remesh

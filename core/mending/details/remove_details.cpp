@@ -134,8 +134,7 @@ class DetailRemover {
       while (end < edges.size() && edges[end] == edges[begin]) ++end;
       if (end - begin == 1) nodes.insert(nodes.end(), {edges[begin].first, edges[begin].second});
     }
-    sort_stoppable(nodes.begin(), nodes.end(), control_);
-    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
+    sort_unique(nodes, control_);
     return nodes;
   }
 
@@ -321,29 +320,14 @@ class DetailRemover {
                           const std::vector<PresentTriangle>& at_to, const std::vector<Spoke>& spokes_from,
                           const std::vector<Spoke>& spokes_to) {
     std::vector<std::uint32_t> apexes;
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> opposite_from, opposite_to;
-    for (const PresentTriangle& t : at_from) {
-      if (t.has(to)) {
-        apexes.push_back(third(t, from, to));
-        continue;
-      }
-      const int at = t.at(from);
-      opposite_from.push_back(std::minmax(t.corners[(at + 1) % 3], t.corners[(at + 2) % 3]));
-    }
-    std::sort(apexes.begin(), apexes.end());
-    apexes.erase(std::unique(apexes.begin(), apexes.end()), apexes.end());
+    for (const PresentTriangle& t : at_from)
+      if (t.has(to)) apexes.push_back(third(t, from, to));
+    sort_unique(apexes);
     const auto common = std::count_if(spokes_from.begin(), spokes_from.end(), [&](const Spoke& s) {
       return s.to != to && find_spoke(spokes_to, s.to) != nullptr;
     });
     if (static_cast<std::size_t>(common) != apexes.size()) return false;
-    std::sort(opposite_from.begin(), opposite_from.end());
-    return std::none_of(at_to.begin(), at_to.end(), [&](const PresentTriangle& t) {
-      if (t.has(from)) return false;
-      const int at = t.at(to);
-      const std::pair<std::uint32_t, std::uint32_t> edge =
-          std::minmax(t.corners[(at + 1) % 3], t.corners[(at + 2) % 3]);
-      return std::binary_search(opposite_from.begin(), opposite_from.end(), edge);
-    });
+    return !do_see_common_edge({from, to, at_from}, {to, from, at_to});
   }
 
   /// The link condition in the graph of borders.

@@ -93,8 +93,7 @@ TinyComponents find_tiny_components(const DetailRules& rules, RunControl& contro
   }
   TinyComponents components;
   if (!is_any_left || faces.empty()) return components;
-  sort_stoppable(labels.begin(), labels.end(), control);
-  labels.erase(std::unique(labels.begin(), labels.end()), labels.end());
+  sort_unique(labels, control);
   components.of_face.assign(rules.faces.size(), kNone);
   for (const std::vector<FaceId>& of_part : faces) {
     check();
@@ -104,8 +103,7 @@ TinyComponents find_tiny_components(const DetailRules& rules, RunControl& contro
       components.of_face[f.value] = static_cast<std::uint32_t>(components.count() - 1);
       vertices.insert(vertices.end(), rules.faces[f.value].begin(), rules.faces[f.value].end());
     }
-    std::sort(vertices.begin(), vertices.end());
-    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    sort_unique(vertices);
   }
   if (components.count() == 0) components.of_face.clear();
   return components;

@@ -152,8 +152,7 @@ class Walls {
         check();
         faces.push_back({sides_->find(f.value), f});
       }
-    sort_stoppable(faces.begin(), faces.end(), control_);
-    faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+    sort_unique(faces, control_);
     std::vector<std::vector<FaceId>> result;
     for (std::size_t i = 0; i < faces.size(); ++i) {
       if (i == 0 || faces[i].first != faces[i - 1].first) result.emplace_back();

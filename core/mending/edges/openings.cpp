@@ -326,10 +326,8 @@ class RimPlane {
     const std::vector<Vec2> places = lay_out_polygon(points, largest.centre, largest.normal, control_);
     std::vector<std::pair<Vec2, std::uint32_t>> sorted;
     for (std::size_t i = 0; i < places.size(); ++i) sorted.emplace_back(places[i], numbers_[i]);
-    sort_stoppable(sorted.begin(), sorted.end(), control_);
-    sorted.erase(std::unique(sorted.begin(), sorted.end()), sorted.end());
-    sort_stoppable(numbers_.begin(), numbers_.end(), control_);
-    numbers_.erase(std::unique(numbers_.begin(), numbers_.end()), numbers_.end());
+    sort_unique(sorted, control_);
+    sort_unique(numbers_, control_);
     std::vector<std::uint32_t> point_of(numbers_.size());
     for (std::uint32_t i = 0; i < sorted.size(); ++i) {
       check();

@@ -145,8 +145,7 @@ class Choice {
     pairs_ = pairs;
     nodes_.clear();
     for (const SeamPair& p : pairs) nodes_.insert(nodes_.end(), {p.i, p.j});
-    std::sort(nodes_.begin(), nodes_.end());
-    nodes_.erase(std::unique(nodes_.begin(), nodes_.end()), nodes_.end());
+    sort_unique(nodes_);
     std::sort(nodes_.begin(), nodes_.end(), [&](std::uint32_t a, std::uint32_t b) {
       check_();
       return open_.is_before(a, b);
@@ -234,8 +233,7 @@ class Choice {
     std::vector<std::size_t> all;
     for (const Rival& rival : rivals_)
       if (!best_->is_clearly_better_than(rival.rank)) all.insert(all.end(), rival.way.begin(), rival.way.end());
-    std::sort(all.begin(), all.end());
-    all.erase(std::unique(all.begin(), all.end()), all.end());
+    sort_unique(all);
     for (const std::size_t k : all) chosen_.push_back(pairs_[k]);
     return true;
   }

@@ -20,8 +20,7 @@ class Clusters {
  public:
   Clusters(const Surface& surface, const JoinedPlaces& joined, std::vector<VertexId> vertices, RunControl& control)
       : surface_(surface), vertices_(std::move(vertices)) {
-    sort_stoppable(vertices_.begin(), vertices_.end(), control);
-    vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
+    sort_unique(vertices_, control);
     clusters_.reserve(vertices_.size());
     StopCheck check(control);
     for (std::uint32_t k = 0; k < vertices_.size(); ++k) {
@@ -212,8 +211,7 @@ class SeamClosing {
     closed_.clear();
     closed_half_edges_.clear();
     look_at_edges(moved_edges());
-    sort_stoppable(spoilt_.begin(), spoilt_.end(), control_);
-    spoilt_.erase(std::unique(spoilt_.begin(), spoilt_.end()), spoilt_.end());
+    sort_unique(spoilt_, control_);
     sort_stoppable(closed_half_edges_.begin(), closed_half_edges_.end(), control_);
   }
 

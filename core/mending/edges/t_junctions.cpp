@@ -200,8 +200,7 @@ class Search {
       if (takes_vertices && !is_without_area(surface_, f)) open_.push_back(h);
     }
     if (open_.empty()) return;
-    sort_stoppable(vertices_.begin(), vertices_.end(), control_);
-    vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
+    sort_unique(vertices_, control_);
   }
 
   Vec3 way(std::uint32_t h) const { return surface_.local[edges_.to(h)] - surface_.local[edges_.from(h)]; }
@@ -359,8 +358,7 @@ std::vector<std::uint32_t> twisting_junctions(const Surface& surface, const Spli
         if (j != kNone && (worst == kNone || junctions[worst].distance < junctions[j].distance)) worst = j;
     twisting.push_back(worst);
   }
-  sort_stoppable(twisting.begin(), twisting.end(), control);
-  twisting.erase(std::unique(twisting.begin(), twisting.end()), twisting.end());
+  sort_unique(twisting, control);
   return twisting;
 }
 

@@ -194,8 +194,7 @@ class Duplicates {
       check();
       if (first_[f.value] != kNone) edges.push_back(edges_.edge_of(first_[f.value]));
     }
-    sort_stoppable(edges.begin(), edges.end(), control_);
-    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    sort_unique(edges, control_);
     for (const EdgeId e : edges) {
       faces_.clear();
       for (const std::uint32_t h : edges_.half_edges(e)) {
@@ -364,8 +363,7 @@ class Duplicates {
         for (std::uint32_t h = surface_.face_begin[f]; h < surface_.face_begin[f + 1]; ++h)
           edges.push_back(edges_.edge_of(h));
     }
-    sort_stoppable(edges.begin(), edges.end(), control_);
-    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    sort_unique(edges, control_);
     return edges;
   }
 

@@ -108,8 +108,7 @@ class SortedCells {
       check();
       cells_.push_back(grid.cell_of(place.position));
     }
-    sort_stoppable(cells_.begin(), cells_.end(), control);
-    cells_.erase(std::unique(cells_.begin(), cells_.end()), cells_.end());
+    sort_unique(cells_, control);
   }
 
   /// The number of lists. The last one is that of all cells without a place.

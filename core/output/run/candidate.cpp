@@ -10,15 +10,13 @@
 #include "core/refinement/adjustment/lifting.h"
 #include "core/refinement/goals/unrefined_reason.h"
 #include "core/refinement/rounds/chords.h"
+#include "core/refinement/rounds/rounds.h"
 #include "core/verify/verify.h"
 
 namespace remesh {
 namespace {
 
-void sort_pairs(std::vector<std::pair<PatchId, PatchId>>& pairs) {
-  std::sort(pairs.begin(), pairs.end());
-  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-}
+void sort_pairs(std::vector<std::pair<PatchId, PatchId>>& pairs) { sort_unique(pairs); }
 
 /// Finds the surface's own vertices that are somewhere else in the result.
 std::vector<MovedVertex> find_moved(const Candidate& candidate, const Surface& surface) {

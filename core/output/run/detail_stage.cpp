@@ -232,8 +232,7 @@ std::optional<Replaced> remove(const DetailContext& context, const Candidate& ca
   std::vector<FaceId> removed;
   for (const std::vector<FaceId>& some : {without.removed, without.at_narrow_notches})
     for (const FaceId f : some) removed.push_back(source[f]);
-  std::sort(removed.begin(), removed.end());
-  removed.erase(std::unique(removed.begin(), removed.end()), removed.end());
+  sort_unique(removed);
   for (const FaceId f : removed) told.faces.add(f.value);
 
   replaced.surface = make_surface(without, std::move(places), candidate, patches, before, source);

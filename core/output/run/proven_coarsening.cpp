@@ -245,8 +245,7 @@ std::pair<std::vector<FaceId>, bool> crossing_faces(const FreeForm& input, const
     for (const FaceId face : {f, g})
       if (face.value < made.faces.size()) crossing.push_back(face);
   }
-  std::sort(crossing.begin(), crossing.end());
-  crossing.erase(std::unique(crossing.begin(), crossing.end()), crossing.end());
+  sort_unique(crossing);
   return {std::move(crossing), found.is_complete};
 }
 

@@ -17,7 +17,9 @@
 #include "core/mending/common/body_labels.h"
 #include "core/mending/polygons/faces_without_area.h"
 #include "core/mesh/adjacency.h"
+#include "core/mesh/face_marks.h"
 #include "core/mesh/triangle_corners.h"
+#include "core/output/report/surface_words.h"
 #include "core/output/result/face_source.h"
 #include "core/solids/arrangement.h"
 #include "core/solids/solid_union.h"
@@ -103,8 +105,7 @@ class ArrangedSurface {
       const std::vector<FaceId> covered = covered_by(before_, patches_.faces_of(p));
       faces.insert(faces.end(), covered.begin(), covered.end());
     }
-    std::sort(faces.begin(), faces.end());
-    faces.erase(std::unique(faces.begin(), faces.end()), faces.end());
+    sort_unique(faces);
     for (const FaceId f : faces) told.add(f.value);
     return static_cast<std::size_t>(std::count(is_of_patch.begin(), is_of_patch.end(), 1));
   }
@@ -149,8 +150,7 @@ class ArrangedSurface {
         const std::vector<FaceId> covered = covered_by(before_, patches_.faces_of(patch));
         of_face.insert(of_face.end(), covered.begin(), covered.end());
       }
-      std::sort(of_face.begin(), of_face.end());
-      of_face.erase(std::unique(of_face.begin(), of_face.end()), of_face.end());
+      sort_unique(of_face);
       covers.faces.insert(covers.faces.end(), of_face.begin(), of_face.end());
       covers.begin.push_back(covers.faces.size());
     }

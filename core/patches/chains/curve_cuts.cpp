@@ -72,8 +72,7 @@ class CurveCutter {
     std::vector<PatchId> beside;
     for (const std::uint32_t h : half_edges_along(in_.adjacency, chain.front().after))
       beside.push_back(in_.patches.of_face[in_.adjacency.face_of(h)]);
-    std::sort(beside.begin(), beside.end());
-    beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
+    sort_unique(beside);
     const auto plane_key = [&](PatchId p) { return std::tie(surfaces_[p].plane.normal, surfaces_[p].plane.origin); };
     std::sort(beside.begin(), beside.end(), [&](PatchId p, PatchId q) { return plane_key(p) < plane_key(q); });
     for (const PatchId p : beside) {

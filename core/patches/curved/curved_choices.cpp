@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/base/stoppable.h"
+
 namespace remesh {
 namespace {
 
@@ -27,8 +29,7 @@ void OffsetChoices::take(const IdVector<SurfaceId, double>& better) {
 
 void OffsetChoices::leave(std::span<const SurfaceId> surfaces, std::span<const SurfaceId> changed) {
   left.insert(left.end(), surfaces.begin(), surfaces.end());
-  std::sort(left.begin(), left.end());
-  left.erase(std::unique(left.begin(), left.end()), left.end());
+  sort_unique(left);
   for (const std::span<const SurfaceId> some : {surfaces, changed})
     for (const SurfaceId s : some)
       if (s.value < known.size()) known[s].reset();

@@ -269,8 +269,7 @@ std::vector<CurvedFault> JoinedFacets::faults(const std::vector<FailedPatch>& fa
           add(of.of_face[adjacency.face_of(other)]);
         }
   }
-  sort_stoppable(found.begin(), found.end(), control);
-  found.erase(std::unique(found.begin(), found.end()), found.end());
+  sort_unique(found, control);
   return faults_at(found, of, surface);
 }
 

@@ -52,9 +52,7 @@ struct Freedom {
       directions[0] = normalized(cross(axis, unit));
       count = 1;
     } else if (count == 3) {
-      const double x = std::fabs(unit.x), y = std::fabs(unit.y), z = std::fabs(unit.z);
-      const Vec3 other = x <= y && x <= z ? Vec3{1, 0, 0} : y <= z ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
-      directions[0] = normalized(cross(unit, other));
+      directions[0] = unit_across(unit);
       directions[1] = cross(unit, directions[0]);
       count = 2;
     }

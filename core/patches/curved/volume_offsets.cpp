@@ -57,8 +57,7 @@ class SiteFinder {
     find_vertices();
     find_patches();
     find_lines();
-    sort_stoppable(patches_.begin(), patches_.end(), control_);
-    patches_.erase(std::unique(patches_.begin(), patches_.end()), patches_.end());
+    sort_unique(patches_, control_);
     sort_stoppable(lines_.begin(), lines_.end(), control_);
     OffsetMoves moves;
     std::size_t p = 0, l = 0;
@@ -71,8 +70,7 @@ class SiteFinder {
       const Vec3 at = place_of(cut_, vertex);
       for (; l < lines_.size() && lines_[l].first == vertex; ++l)
         site.lines.push_back(normalized(place_of(cut_, lines_[l].second) - at));
-      std::sort(site.surfaces.begin(), site.surfaces.end());
-      site.surfaces.erase(std::unique(site.surfaces.begin(), site.surfaces.end()), site.surfaces.end());
+      sort_unique(site.surfaces);
       if (v < cut_.surface.vertex_count() && cut_.forced[vertex] != 0) site.surfaces.clear();
       moves.add(vertex, at, site, curved_.surfaces);
     }
@@ -319,8 +317,7 @@ std::vector<SurfaceId> VolumeOffsets::moved_at(SurfaceId surface) const {
     for (const OffsetMove& move : moves)
       if (goals_[move.surface].is_wanted) found.push_back(move.surface);
   }
-  std::sort(found.begin(), found.end());
-  found.erase(std::unique(found.begin(), found.end()), found.end());
+  sort_unique(found);
   return found;
 }
 

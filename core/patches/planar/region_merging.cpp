@@ -111,8 +111,7 @@ class Merging {
     Pairs pairs;
     for (const Pairs& found : map_blocks<Pairs>(surface_.corners.size(), kMergeBlock, control_, find))
       pairs.insert(pairs.end(), found.begin(), found.end());
-    sort_stoppable(pairs.begin(), pairs.end(), control_);
-    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    sort_unique(pairs, control_);
     return pairs;
   }
 

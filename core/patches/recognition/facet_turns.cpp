@@ -48,12 +48,8 @@ using FacetTurn = std::array<double, kTurnDirections>;
 /// The angles of places around the axis of a surface, and around the tube of a torus.
 class Turning {
  public:
-  explicit Turning(const AnalyticSurface& shape) : shape_(shape) {
-    const Vec3& axis = shape.axis;
-    const double ax = std::fabs(axis.x), ay = std::fabs(axis.y), az = std::fabs(axis.z);
-    x_ = normalized(cross(axis, ax <= ay && ax <= az ? Vec3{1, 0, 0} : ay <= az ? Vec3{0, 1, 0} : Vec3{0, 0, 1}));
-    y_ = cross(axis, x_);
-  }
+  explicit Turning(const AnalyticSurface& shape)
+      : shape_(shape), x_(unit_across(shape.axis)), y_(cross(shape.axis, x_)) {}
 
   double radius_of(const Vec3& place) const {
     const Vec3 q = place - shape_.origin;

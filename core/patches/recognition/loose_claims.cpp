@@ -35,8 +35,7 @@ class LooseClaim {
       });
       places_.push_back({(1 / count) * corners, graph.normal(p)});
     }
-    sort_stoppable(points_.begin(), points_.end(), control);
-    points_.erase(std::unique(points_.begin(), points_.end()), points_.end());
+    sort_unique(points_, control);
     for (const Vec3& p : points_) sum += normalized(p - shape_.origin);
     // A sphere has no axis. The middle of the claim takes its place.
     axis_ = shape_.kind == SurfaceKind::kSphere ? normalized(sum) : shape_.axis;
@@ -164,8 +163,7 @@ class LooseClaim {
           graph_.for_each_corner(claim_.facets[i], [&](const Vec3& q) { half.push_back(q); });
       // A claim of one band has no halves along it.
       if (half.size() < kMinCornersPerParameter * static_cast<std::size_t>(parameter_count(shape_.kind))) continue;
-      sort_stoppable(half.begin(), half.end(), control_);
-      half.erase(std::unique(half.begin(), half.end()), half.end());
+      sort_unique(half, control_);
       const auto fitted = fit_from(shape_, half, {.control = &control_});
       if (!fitted || !(deviation_from(*fitted) <= claim_.tolerance)) return false;
     }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/base/stoppable.h"
 #include "core/patches/recognition/explained_height.h"
 
 namespace remesh {
@@ -334,8 +335,7 @@ std::optional<SurfaceClaim> ClaimGrower::conclude(AnalyticSurface shape, int sid
     for (const PatchId p : members)
       for (std::uint32_t s = graph_.sides_begin(p); s < graph_.sides_end(p); ++s)
         if (graph_.is_corner(s)) vertices_.push_back(graph_.vertex(s));
-    sort_stoppable(vertices_.begin(), vertices_.end(), control_);
-    vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
+    sort_unique(vertices_, control_);
     if (vertices_.size() < min_corners(shape.kind)) return std::nullopt;
     points_.clear();
     for (const VertexId v : vertices_) points_.push_back(graph_.position(v));

@@ -45,8 +45,7 @@ class BandJoiner {
           if (table_.owner[q] != kNone && table_.owner[q] != c && bands[table_.owner[q]])
             beside.push_back(table_.owner[q]);
         });
-      std::sort(beside.begin(), beside.end());
-      beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
+      sort_unique(beside);
       for (const std::uint32_t d : beside)
         if (are_about_one_axis(*bands[c], *bands[d])) groups.join(c, d);
     }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <optional>
 #include <set>
 #include <span>
@@ -9,11 +10,12 @@
 #include <vector>
 
 #include "core/base/blocks.h"
+#include "core/base/run_control.h"
 #include "core/base/stoppable.h"
 #include "core/geometry/surfaces/surface_fit.h"
 #include "core/patches/recognition/explained_height.h"
 #include "core/patches/recognition/facet_graph.h"
-#include "core/patches/recognition/false_fits.h"
+#include "core/patches/recognition/free_regions.h"
 #include "core/patches/recognition/loose_claims.h"
 #include "core/patches/recognition/recognised_list.h"
 #include "core/patches/recognition/region_growing.h"
@@ -24,6 +26,46 @@
 
 namespace remesh {
 namespace {
+
+/// A claim fits by chance if it has at most kMaxFacets facets, if more than kFreeShare of its border is with seas, and
+/// if its area is below kMaxAreaShare of the largest sea's. A sea is a free region.
+constexpr std::size_t kMaxFacets = 40;
+constexpr double kFreeShare = 0.6, kMaxAreaShare = 0.05;
+
+/// A claim does not fit by chance if it has at least this many facets and if all of their corners are within this part
+/// of the tolerance.
+constexpr std::size_t kMinClear = 9;
+constexpr double kClear = 0.1;
+
+/// Drops small claims in the middle of many facets that belong to no claim. They fit by chance, because a small piece
+/// of any smooth surface is nearly a piece of a cylinder or a torus.
+/// Errors: kCancelled, kTimeout - asked to stop through `control`.
+/// Cost:   O(n).
+void drop_false_fits(const FacetGraph& graph, ClaimTable& table, RunControl& control) {
+  StopCheck check(control);
+  std::optional<FreeRegions> seas;  // on most surfaces none is needed
+  for (SurfaceClaim& claim : table.claims) {
+    if (claim.facets.empty() || claim.facets.size() > kMaxFacets) continue;
+    if (claim.facets.size() >= kMinClear && claim.deviation <= kClear * claim.tolerance) continue;
+    if (!seas) seas.emplace(graph, table, control);
+    double border = 0, shore = 0, sea = 0;
+    for (const PatchId p : claim.facets)
+      for (std::uint32_t s = graph.sides_begin(p); s < graph.sides_end(p); ++s) {
+        check();
+        const PatchId q = graph.beyond(s);
+        if (q.is_valid() && table.owner[q] == table.owner[p]) continue;
+        const double length = norm(graph.position(graph.end_vertex(s)) - graph.position(graph.vertex(s)));
+        border += length;
+        if (!q.is_valid()) continue;
+        const double area = seas->area_of(q);
+        if (area > 0) shore += length;
+        sea = std::max(sea, area);
+      }
+    if (shore <= kFreeShare * border || claim.area >= kMaxAreaShare * sea) continue;
+    for (const PatchId p : claim.facets) table.owner[p] = kNone;
+    claim.facets.clear();
+  }
+}
 
 /// A claim replaces smaller ones if its area is larger than the largest of theirs by this factor. The second factor is
 /// for claims that are not close (see kCloseFit).
@@ -320,8 +362,7 @@ class Recogniser {
         check_();
         if (table_.owner[q] != c && graph_.may_be_seed(q)) beside.push_back({table_.owner[q], q});
       });
-    std::sort(beside.begin(), beside.end());
-    beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
+    sort_unique(beside);
     for (std::size_t begin = 0, end = 0; begin < beside.size(); begin = end) {
       others_.clear();
       while (end < beside.size() && beside[end].first == beside[begin].first) others_.push_back(beside[end++].second);
@@ -359,8 +400,7 @@ class Recogniser {
     double largest = 0;
     for (const PatchId p : claim.facets)
       if (table_.owner[p] != kNone) owners.push_back(table_.owner[p]);
-    std::sort(owners.begin(), owners.end());
-    owners.erase(std::unique(owners.begin(), owners.end()), owners.end());
+    sort_unique(owners);
     for (const std::uint32_t o : owners) largest = std::max(largest, table_.claims[o].area);
     if (!(claim.area > kMuchLarger * largest)) return false;
     // Three or four bands of any surface of revolution are nearly a torus.
@@ -475,8 +515,7 @@ class Recogniser {
         graph_.for_each_neighbour(cluster[i], [&](PatchId q) {
           if (is_free(q) && graph_.may_be_seed(q) && graph_.area(q) <= area) ring.push_back(q);
         });
-      std::sort(ring.begin(), ring.end());
-      ring.erase(std::unique(ring.begin(), ring.end()), ring.end());
+      sort_unique(ring);
       std::erase_if(ring, [&](PatchId q) { return std::find(cluster.begin(), cluster.end(), q) != cluster.end(); });
       if (ring.empty() || cluster.size() + ring.size() > kTooMany) return;
       cluster.insert(cluster.end(), ring.begin(), ring.end());

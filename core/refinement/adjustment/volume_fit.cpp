@@ -80,8 +80,7 @@ FitMoves find_moves(const FitInput& input, const PatchMeshes& meshes, const std:
       else
         site.planes.push_back(input.patches.planes[p].normal);
     }
-    std::sort(site.surfaces.begin(), site.surfaces.end());
-    site.surfaces.erase(std::unique(site.surfaces.begin(), site.surfaces.end()), site.surfaces.end());
+    sort_unique(site.surfaces);
     found.moves.add(v, new_positions[i - known], site, input.curved.surfaces);
     found.is_inner.push_back(next - first == 1 ? 1 : 0);
   }
@@ -221,8 +220,7 @@ class Fitter {
           if (i < j && j != kNone && goal(surfaces_[i]).is_area == goal(surfaces_[j]).is_area)
             neighbours_.push_back({i, j});
         }
-    sort_stoppable(neighbours_.begin(), neighbours_.end(), control_);
-    neighbours_.erase(std::unique(neighbours_.begin(), neighbours_.end()), neighbours_.end());
+    sort_unique(neighbours_, control_);
   }
 
   /// Adds to the offsets of each group their scales times one factor, so that the group as a whole meets its goals.

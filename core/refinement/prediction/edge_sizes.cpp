@@ -35,7 +35,7 @@ constexpr double kOverFloor = 1.4;
 /// An edge is cut at all if so many pieces are expected.
 constexpr double kAnyPieces = 1.3;
 /// The floor is this many roundings at least (see segment_table.cpp).
-constexpr double kRoundings = 0x1p10;
+constexpr double kRoundingsOfCut = 0x1p10;
 /// No more triangles around an edge are looked at.
 constexpr std::size_t kTriangles = 24;
 /// A length is changed only if it becomes smaller by more than this factor.
@@ -417,7 +417,7 @@ void EdgeSizes::limit_all(const TriangulatedPatches& triangulated, RunControl& c
       check();
       for (const EdgeSide side : e.is_constrained ? edges_.sides(e) : std::span<const EdgeSide>()) {
         near.feature = std::min(near.feature, LookAround(*this, side, LookAround::Finds::kLimits).run());
-        near.noise = std::max(near.noise, kRoundings * edges_.rounding(side));
+        near.noise = std::max(near.noise, kRoundingsOfCut * edges_.rounding(side));
       }
       limit_by_goals(i, near, triangulated);
     }

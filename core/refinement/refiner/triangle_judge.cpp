@@ -13,17 +13,9 @@ TriangleJudge::Shape TriangleJudge::shape_in_space(std::uint32_t t) const {
              c = patch_.in_space[mesh.from(h + 2)].position;
   const double inverse = 1 / sizes_.chart().scale(at);
   const Vec3 side[3] = {inverse * (b - a), inverse * (c - b), inverse * (a - c)};
-  const double squared[3] = {norm_squared(side[0]), norm_squared(side[1]), norm_squared(side[2])};
-  Shape shape;
-  std::uint32_t k = squared[1] < squared[0] ? 1 : 0;
-  if (squared[2] < squared[k]) k = 2;
-  shape.shortest = h + k;
-  shape.measures = {squared[0] + squared[1] + squared[2], squared[k], std::max({squared[0], squared[1], squared[2]}),
-                    norm(cross(side[0], side[1]))};
-  shape.is_sharp = sizes_.criteria().is_sharp(shape.measures);
-  shape.is_too_large = sizes_.is_too_large_anywhere(at, shape.measures) ||
-                       (sizes_.do_vary() && (is_too_long(h) || is_too_long(h + 1) || is_too_long(h + 2))) ||
-                       is_bent(h) || is_bent(h + 1) || is_bent(h + 2) ||
+  Shape shape = shape_of(h, at, {norm_squared(side[0]), norm_squared(side[1]), norm_squared(side[2])},
+                         norm(cross(side[0], side[1])));
+  shape.is_too_large = shape.is_too_large || is_bent(h) || is_bent(h + 1) || is_bent(h + 2) ||
                        (is_blunt_allowed() && sizes_.chart().curved()->is_deep(a, b, c));
   return shape;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <optional>
 
@@ -35,17 +36,7 @@ class TriangleJudge {
     if (!patch_.in_space.empty()) return shape_in_space(t);
     const std::uint32_t h = 3 * t;
     const Vec2 a = mesh.point(mesh.from(h)), b = mesh.point(mesh.from(h + 1)), c = mesh.point(mesh.from(h + 2));
-    const double squared[3] = {dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)};
-    Shape shape;
-    std::uint32_t k = squared[1] < squared[0] ? 1 : 0;
-    if (squared[2] < squared[k]) k = 2;
-    shape.shortest = h + k;
-    shape.measures = {squared[0] + squared[1] + squared[2], squared[k], std::max({squared[0], squared[1], squared[2]}),
-                      cross(b - a, c - a)};
-    shape.is_sharp = sizes_.criteria().is_sharp(shape.measures);
-    shape.is_too_large = sizes_.is_too_large_anywhere(a, shape.measures) ||
-                         (sizes_.do_vary() && (is_too_long(h) || is_too_long(h + 1) || is_too_long(h + 2)));
-    return shape;
+    return shape_of(h, a, {dot(b - a, b - a), dot(c - b, c - b), dot(a - c, a - c)}, cross(b - a, c - a));
   }
 
   /// Returns the reason why a triangle with this shortest edge may have a small angle, if there is one.
@@ -62,6 +53,19 @@ class TriangleJudge {
   std::optional<UnrefinedReason> why_it_stays_large(std::uint32_t t) const;
 
  private:
+  /// Judges the triangle of a half-edge at a place by the squared lengths of its sides and twice its area.
+  Shape shape_of(std::uint32_t h, Vec2 at, const std::array<double, 3>& squared, double twice_area) const {
+    Shape shape;
+    std::uint32_t k = squared[1] < squared[0] ? 1 : 0;
+    if (squared[2] < squared[k]) k = 2;
+    shape.shortest = h + k;
+    shape.measures = {squared[0] + squared[1] + squared[2], squared[k], std::max({squared[0], squared[1], squared[2]}),
+                      twice_area};
+    shape.is_sharp = sizes_.criteria().is_sharp(shape.measures);
+    shape.is_too_large = sizes_.is_too_large_anywhere(at, shape.measures) ||
+                         (sizes_.do_vary() && (is_too_long(h) || is_too_long(h + 1) || is_too_long(h + 2)));
+    return shape;
+  }
   Shape shape_in_space(std::uint32_t t) const;
   bool is_bent(std::uint32_t h) const {
     const DelaunayMesh& mesh = patch_.mesh;

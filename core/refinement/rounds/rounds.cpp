@@ -5,23 +5,143 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstddef>
+#include <cstdint>
 #include <memory>
+#include <numeric>
 #include <span>
 #include <utility>
+#include <vector>
 
 #include "core/base/blocks.h"
+#include "core/base/ids.h"
 #include "core/base/large_first.h"
 #include "core/base/parallel_free.h"
+#include "core/base/run_control.h"
 #include "core/base/stoppable.h"
+#include "core/patch_types/patch_mesh.h"
 #include "core/refinement/goals/face_budget.h"
 #include "core/refinement/refiner/patch_refiner.h"
 #include "core/refinement/rounds/chords.h"
 #include "core/refinement/rounds/extra_work_pool.h"
-#include "core/refinement/rounds/refined_patches.h"
+#include "core/refinement/rounds/patch_backup.h"
+#include "core/refinement/rounds/refinement.h"
+#include "core/refinement/rounds/refinement_input.h"
 #include "core/refinement/segments/segment_cuts.h"
+#include "core/refinement/segments/segment_table.h"
 
 namespace remesh {
 namespace {
+
+/// The refiners of all patches. A patch without a refiner has not changed.
+using PatchRefiners = IdVector<PatchId, std::unique_ptr<PatchRefiner>>;
+
+/// The numbers of patches and of segments in a task. The first is small because a patch may have thousands of
+/// triangles.
+constexpr std::size_t kPatchesPerTask = 16;
+constexpr std::size_t kSegmentsPerTask = 1024;
+
+/// Returns the number of the first new vertex on each segment, and behind the last one the number of all of them.
+std::vector<std::uint32_t> first_cut_of_segments(const SegmentTable& segments, const SegmentCuts& cuts,
+                                                 RunControl& control) {
+  std::vector<std::uint32_t> first(segments.size() + 1, 0);
+  StopCheck check(control);
+  for (std::size_t s = 0; s < segments.size(); ++s) {
+    check();
+    first[s + 1] = first[s] + static_cast<std::uint32_t>(cuts[SegmentId(s)].size());
+  }
+  return first;
+}
+
+/// Counts the vertices inside a patch that have no id yet.
+std::size_t count_unplaced(const PatchMesh& patch) {
+  return static_cast<std::size_t>(
+      std::count_if(patch.vertices.begin(), patch.vertices.end(), [](VertexId v) { return !v.is_valid(); }));
+}
+
+/// Numbers the vertices inside a patch that have no id yet, from `first` on, and sets their positions.
+/// Output: the number of these vertices.
+std::size_t place_inner_vertices(const Surface& surface, const PatchChart& chart, PatchMesh& patch, std::size_t first,
+                                 std::vector<Vec3>& new_positions) {
+  const std::size_t begin = first;
+  for (std::size_t v = 0; v < patch.vertices.size(); ++v) {
+    if (patch.vertices[v].is_valid()) continue;
+    patch.vertices[v] = VertexId(surface.vertex_count() + first);
+    new_positions[first++] = chart.new_position(patch.uv[v]);
+  }
+  return first - begin;
+}
+
+/// Makes the patches from the present state of their refiners. New vertices on segments come first, segment after
+/// segment, and then those inside patches, patch after patch.
+/// Input:  If `are_refiners_kept` is false, each refiner is deleted when its patch is made.
+/// Output: The patches that have a refiner, and `new_positions`, `first_inner` and `reason` of the result. A patch
+///         without a refiner stays as it was, because it is frozen or has no work.
+PatchBackup collect_refined(const RefinementInput& input, const SegmentTable& segments, const SegmentCuts& cuts,
+                            const TriangulatedPatches& triangulated, PatchRefiners& refiners, bool are_refiners_kept,
+                            Refinement& result, RunControl& control) {
+  const std::size_t n = triangulated.size(), old = input.surface.vertex_count();
+  const std::vector<std::uint32_t> first_cut = first_cut_of_segments(segments, cuts, control);
+  result.first_inner = first_cut.back();
+  std::vector<PatchId> ids =
+      select_ids<PatchId>(n, kItemsPerBlock, control, [&](std::size_t p) { return refiners[PatchId(p)] != nullptr; });
+  FreedInParallel<PatchMesh> all;
+  std::vector<PatchMesh>& meshes = all.items;
+  meshes.resize(ids.size());
+  std::vector<std::vector<UnrefinedReason>> reasons(ids.size());
+  // First, these are the counts for each patch that is refined, and for each patch. Then they become the sums over all
+  // patches before it.
+  std::vector<std::size_t> first_inner(ids.size() + 1, 0), first_triangle(n + 1, 0);
+  for_blocks(n, kItemsPerBlock, control, [&](std::size_t p, std::size_t end) {
+    for (; p < end; ++p) first_triangle[p + 1] = triangulated.meshes[PatchId(p)].mesh.triangle_count();
+  });
+  for_blocks(ids.size(), kPatchesPerTask, control, [&](std::size_t i, std::size_t end) {
+    for (; i < end; ++i) {
+      std::unique_ptr<PatchRefiner>& refiner = refiners[ids[i]];
+      PatchRefiner::Refined patch = refiner->finish();
+      if (!are_refiners_kept) refiner.reset();
+      for (std::size_t v = 0; v < patch.cuts.size(); ++v) {
+        const Cut& cut = patch.cuts[v];
+        if (!cut.segment.is_valid()) continue;
+        const std::vector<double>& of_segment = cuts[cut.segment];
+        const auto k = std::lower_bound(of_segment.begin(), of_segment.end(), cut.t) - of_segment.begin();
+        patch.patch.vertices[v] = VertexId(old + first_cut[cut.segment.value] + static_cast<std::size_t>(k));
+      }
+      first_inner[i + 1] = count_unplaced(patch.patch);
+      first_triangle[ids[i].value + 1] = patch.patch.mesh.triangle_count();
+      reasons[i] = std::move(patch.reason);
+      meshes[i] = std::move(patch.patch);
+    }
+  });
+  first_inner[0] = result.first_inner;
+  std::partial_sum(first_inner.begin(), first_inner.end(), first_inner.begin());
+  std::partial_sum(first_triangle.begin(), first_triangle.end(), first_triangle.begin());
+  result.new_positions.resize(first_inner.back());
+  result.reason.assign(first_triangle[n], UnrefinedReason::kSizeFloor);
+  StopCheck check(control);
+  for (std::size_t p = 0; p < n; ++p) {
+    check();
+    if (input.is_frozen[PatchId(p)] != 0)
+      std::fill(result.reason.begin() + static_cast<std::ptrdiff_t>(first_triangle[p]),
+                result.reason.begin() + static_cast<std::ptrdiff_t>(first_triangle[p + 1]),
+                UnrefinedReason::kBoundaryLocked);
+  }
+  for_blocks(segments.size(), kSegmentsPerTask, control, [&](std::size_t s, std::size_t end) {
+    for (; s < end; ++s) {
+      const std::vector<double>& of_segment = cuts[SegmentId(s)];
+      for (std::size_t k = 0; k < of_segment.size(); ++k)
+        result.new_positions[first_cut[s] + k] = segments.position(SegmentId(s), of_segment[k]);
+    }
+  });
+  for_blocks(ids.size(), kPatchesPerTask, control, [&](std::size_t i, std::size_t end) {
+    for (; i < end; ++i) {
+      place_inner_vertices(input.surface, triangulated.charts[ids[i]], meshes[i], first_inner[i], result.new_positions);
+      std::copy(reasons[i].begin(), reasons[i].end(),
+                result.reason.begin() + static_cast<std::ptrdiff_t>(first_triangle[ids[i].value]));
+    }
+  });
+  return {std::move(ids), std::move(meshes)};
+}
 
 /// The first kPatientRestarts restarts lock only the segments that had to be cut where rounding left no room. Later
 /// ones lock all segments of the patches beside these, and in the end all segments. So there are few restarts.
@@ -332,12 +452,12 @@ class Rounds {
       for (const Cut& cut : made) fresh.push_back({cut, p});
       if (!refiner.is_done()) unfinished.push_back(p);
     }
-    sort_unique(barrier_.impossible);
+    sort_unique(barrier_.impossible, control_);
     if (budget_.is_spent()) unfinished.clear();
     cuts_.exchange(std::move(fresh));
     barrier_.dirty = std::move(unfinished);
     for (const SegmentCuts::Message& m : cuts_.messages()) barrier_.dirty.push_back(m.patch);
-    sort_unique(barrier_.dirty);
+    sort_unique(barrier_.dirty, control_);
   }
 
   bool can_split_any(const std::vector<Chord>& chords) const {
@@ -352,13 +472,7 @@ class Rounds {
       chords_.of_patch[chord.patch].push_back(chord.half_edge);
       barrier_.dirty.push_back(chord.patch);
     }
-    sort_unique(barrier_.dirty);
-  }
-
-  template <class Item>
-  void sort_unique(std::vector<Item>& items) {
-    sort_stoppable(items.begin(), items.end(), control_);
-    items.erase(std::unique(items.begin(), items.end()), items.end());
+    sort_unique(barrier_.dirty, control_);
   }
 
   /// The chords that patches are to split, and the state of this work.

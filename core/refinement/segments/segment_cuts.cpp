@@ -103,10 +103,7 @@ void SegmentCuts::send_to_others(SegmentId s, std::span<const FreshCut> fresh, s
   }
 }
 
-void SegmentCuts::sort_messages() {
-  sort_stoppable(messages_.begin(), messages_.end(), control_);
-  messages_.erase(std::unique(messages_.begin(), messages_.end()), messages_.end());
-}
+void SegmentCuts::sort_messages() { sort_unique(messages_, control_); }
 
 std::span<const SegmentCuts::Message> SegmentCuts::messages_for(PatchId patch) const {
   const auto first = std::lower_bound(messages_.begin(), messages_.end(), patch,

@@ -125,8 +125,7 @@ void GapCheck::find_contacts(RunControl& control) {
         if (is_second_time && first[v.value] != p) contacts_.emplace_back(v, p);
       }
     }
-  sort_stoppable(contacts_.begin(), contacts_.end(), control);
-  contacts_.erase(std::unique(contacts_.begin(), contacts_.end()), contacts_.end());
+  sort_unique(contacts_, control);
   const std::size_t others = contacts_.size();
   for (std::size_t i = 0; i < others; ++i)
     if (const VertexId v = contacts_[i].first; i == 0 || contacts_[i - 1].first != v)

@@ -173,8 +173,7 @@ std::vector<Raised> collect_probes(const NumberedClaim& numbered, const Frame& f
       check();
       if (is_wanted(v)) wanted.push_back(v);
     }
-  sort_stoppable(wanted.begin(), wanted.end(), control);
-  wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
+  sort_unique(wanted, control);
   std::vector<Raised> probes;
   probes.reserve(wanted.size());
   for (const VertexId v : wanted) {
