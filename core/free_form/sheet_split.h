@@ -20,7 +20,7 @@ class SheetSplitter {
   SheetSplitter(FreeSheet& free, const InputSurface& input, const RunControl& control)
       : free_(free), input_(input), trial_(free.sheet, free.witnesses, input, control), control_(control) {}
 
-  /// Where an edge is split that is no chain edge.
+  /// The place at which an edge is split that is no chain edge.
   enum class Place : std::uint8_t {
     kMiddle,
     kInput  ///< at the place of the input nearest to the middle, if that makes no needles

@@ -38,7 +38,7 @@ enum class FaceRole : std::uint8_t {
 };
 
 /// Returns the roles of all faces. A plane that is no larger than some facets and goes over smoothly into free ones is
-/// free as well, and so is one of small facets that is smooth all around.
+/// free as well, and so is one of small facets that is smooth all around, and so are needles side by side.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:   O(n), in parallel.
 FilledIdVector<FaceId, FaceRole> roles_of(const FreeContext& context, const Triangulated& triangles,
