@@ -44,7 +44,9 @@ Vec3 random_point(Random& random) {
   return {x, y, random.unit()};
 }
 
-std::size_t at_least_one(std::size_t size, std::size_t faces_each) { return std::max<std::size_t>(1, size / faces_each); }
+std::size_t at_least_one(std::size_t size, std::size_t faces_each) {
+  return std::max<std::size_t>(1, size / faces_each);
+}
 
 PolygonMesh soup_of_triangles(std::size_t size, double reach) {
   Parts out;
@@ -93,7 +95,8 @@ PolygonMesh comb_of(std::size_t teeth, double width, double height) {
   std::vector<Vec2> outline{{0, -1}, {length, -1}, {length, 0}};
   for (std::size_t t = teeth; t-- > 0;) {
     const auto x = static_cast<double>(2 * t);
-    for (const Vec2 p : {Vec2{x + width, 0}, Vec2{x + width, height}, Vec2{x, height}, Vec2{x, 0}}) outline.push_back(p);
+    for (const Vec2 p : {Vec2{x + width, 0}, Vec2{x + width, height}, Vec2{x, height}, Vec2{x, 0}})
+      outline.push_back(p);
   }
   const auto n = static_cast<std::uint32_t>(outline.size());
   std::vector<Vec3> positions;
