@@ -90,7 +90,7 @@ PolygonMesh squares_in_a_plane(std::size_t size) {
 
 /// A comb of teeth that are `width` wide, `height` long along y, and 2 apart along x. It is one deep, and of triangles.
 PolygonMesh comb_of(std::size_t teeth, double width, double height) {
-  // The outline from the end of the spine on: the two points below, and four points for each tooth from the last one on.
+  // The outline of the spine below, and then four points for each tooth, from the last tooth on.
   const double length = 2 * static_cast<double>(teeth);
   std::vector<Vec2> outline{{0, -1}, {length, -1}, {length, 0}};
   for (std::size_t t = teeth; t-- > 0;) {

@@ -1,5 +1,5 @@
-/// Families of solids and sheets that meet in as many ways as a file can make them meet, so that the stage that cuts and
-/// unites solids has much work. Tests and measurements make each of them in any size.
+/// Families of solids and sheets that meet in as many ways as a file can make them meet, so that the stage that cuts
+/// and unites solids has much work. Tests and measurements make each of them in any size.
 #pragma once
 
 #include <cstddef>
