@@ -1,6 +1,7 @@
 #include "core/solids/active_faces.h"
 
 #include "core/base/blocks.h"
+#include "core/base/stoppable.h"
 #include "core/geometry/trees/triangle_tree.h"
 
 namespace remesh {
@@ -10,7 +11,8 @@ SelectedFaces select_near_active(const Soup& soup, std::span<const std::uint8_t>
   SelectedFaces selected;
   if (active.empty()) return selected;
   std::vector<Triangle> of_active;
-  for (std::size_t f = 0; f < soup.faces.size(); ++f)
+  StopCheck check(control);
+  for (std::size_t f = 0; f < soup.faces.size(); ++f, check())
     if (active[f] != 0) of_active.push_back(soup.faces[f]);
   const TriangleTree tree(soup.positions, of_active, control);
   const auto is_near = [&](std::size_t f) {

@@ -66,8 +66,7 @@ class Arranging {
   Arranging(std::span<const Vec3> positions, std::span<const Triangle> faces, double distance, double limit,
             RunControl& control)
       : input_positions_(positions), input_faces_(faces), control_(control) {
-    double largest = 0;
-    for (const Vec3& p : positions) largest = std::max(largest, largest_coordinate(p));
+    const double largest = largest_coordinate(positions, control);
     exponent_ = largest > 0 ? std::ilogb(largest) + 1 : 0;
     distance_ = std::ldexp(distance, -exponent_);
     limit_ = std::ldexp(limit, -exponent_);
@@ -105,12 +104,8 @@ class Arranging {
     for (int round = 0; !result.left.empty(); ++round) {
       result.is_changed = true;
       if (!cut_crossings(result)) return false;
+      // Faces that are not active are as they were when they intersected no others of these.
       is_known = find_intersecting(result.left);
-      if (is_known && result.left.empty()) {
-        // The last word has a search among all faces.
-        active_.clear();
-        is_known = find_intersecting(result.left);
-      }
       if (!is_known || result.left.empty()) break;
       if (!best || result.left.size() < left_of_best.size()) {
         best = soup_;
@@ -166,7 +161,7 @@ class Arranging {
                             const std::vector<std::uint8_t>& is_fixed) const {
     std::vector<std::pair<double, FaceId>> thin;
     for (const FaceId f : faces) thin.push_back({smallest_height(corners(f.value)), f});
-    std::sort(thin.begin(), thin.end());
+    sort_stoppable(thin.begin(), thin.end(), control_);
     CutPlan plan;
     const Grouping at = group_by(
         3 * soup_.faces.size(), soup_.positions.size(),
@@ -267,16 +262,10 @@ class Arranging {
 
   /// Joins triangles with the same corners.
   void join_copies() {
-    const auto sorted = [](Triangle t) {
-      std::sort(t.begin(), t.end());
-      return t;
-    };
-    // Triangles with the same corners begin with the same one, and so do only these few.
-    bool is_any_copy = false;
-    for (std::size_t f = 0; f < soup_.faces.size() && !is_any_copy; ++f)
-      for (std::size_t g = f + 1; g < soup_.faces.size() && soup_.faces[g][0] == soup_.faces[f][0]; ++g)
-        is_any_copy = is_any_copy || sorted(soup_.faces[f]) == sorted(soup_.faces[g]);
-    if (!is_any_copy) return;
+    std::vector<Triangle> sorted = soup_.faces;
+    for (Triangle& t : sorted) std::sort(t.begin(), t.end());
+    sort_stoppable(sorted.begin(), sorted.end(), control_);
+    if (std::adjacent_find(sorted.begin(), sorted.end()) == sorted.end()) return;
     CutPlan nothing;
     take(cut_faces(soup_, SoupEdges(soup_, control_), nothing, {}, control_));
     active_.clear();

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <tuple>
 #include <utility>
 
 #include "core/base/blocks.h"
@@ -69,6 +70,49 @@ struct Contacts {
     sort(in_faces);
   }
 };
+
+/// The points on a face.
+struct PointsOnFace {
+  std::vector<VertexId> outline;
+  std::vector<VertexId> all;                               ///< those in its inside, too; ascending
+  std::vector<std::pair<VertexId, std::uint32_t>> places;  ///< of the points in the outline, ascending
+
+  /// Calls visit(i) for the places of a point in the outline.
+  template <class Visit>
+  void for_each_place(VertexId v, const Visit& visit) const {
+    const std::pair first(v, std::uint32_t{0});
+    for (auto at = std::lower_bound(places.begin(), places.end(), first); at != places.end() && at->first == v; ++at)
+      visit(at->second);
+  }
+  VertexId after(std::size_t i) const { return outline[i + 1 < outline.size() ? i + 1 : 0]; }
+  /// Returns whether the outline runs from one point to the other, in either direction.
+  bool has_piece(VertexId v, VertexId w) const {
+    bool is_there = false;
+    for_each_place(v, [&](std::size_t i) { is_there = is_there || after(i) == w; });
+    for_each_place(w, [&](std::size_t i) { is_there = is_there || after(i) == v; });
+    return is_there;
+  }
+};
+
+/// Finds the common points of two ascending lists, of which one may be much longer than the other.
+void find_common(const std::vector<VertexId>& a, const std::vector<VertexId>& b, std::vector<VertexId>& common) {
+  const auto& [few, many] = a.size() < b.size() ? std::tie(a, b) : std::tie(b, a);
+  common.clear();
+  for (const VertexId v : few)
+    if (std::binary_search(many.begin(), many.end(), v)) common.push_back(v);
+}
+
+/// Adds the pieces of another face's outline that lie in a face and are none of its own.
+void add_pieces(FaceId f, const PointsOnFace& own, const PointsOnFace& other, const std::vector<VertexId>& common,
+                std::vector<CutPlan::Constraint>& constraints) {
+  for (const VertexId v : common)
+    other.for_each_place(v, [&](std::size_t i) {
+      const VertexId w = other.after(i);
+      if (v == w || !std::binary_search(common.begin(), common.end(), w) || own.has_piece(v, w)) return;
+      const auto [low, high] = std::minmax(v, w);
+      constraints.push_back({f, low, high});
+    });
+}
 
 class ContactSearch {
  public:
@@ -291,31 +335,43 @@ class ContactSearch {
   /// Puts vertices into faces if they are not on their outlines.
   void put_in_faces(CutPlan& plan) const {
     std::vector<VertexId> outline;
+    FaceId of_outline;
+    StopCheck check(control_);
     for (const auto& [f, v] : contacts_.in_faces) {
+      check();
+      if (f != of_outline) {
+        of_outline = f;
+        outline.clear();
+        sides_->append_outline(f, outline);
+        std::sort(outline.begin(), outline.end());
+      }
       const VertexId image = plan.image_of(v);
-      outline.clear();
-      sides_->append_outline(f, outline);
-      if (std::find(outline.begin(), outline.end(), image) == outline.end()) plan.in_faces.push_back({f, image});
+      if (!std::binary_search(outline.begin(), outline.end(), image)) plan.in_faces.push_back({f, image});
     }
-    std::sort(plan.in_faces.begin(), plan.in_faces.end());
+    sort_stoppable(plan.in_faces.begin(), plan.in_faces.end(), control_);
     plan.in_faces.erase(std::unique(plan.in_faces.begin(), plan.in_faces.end()), plan.in_faces.end());
+  }
+
+  PointsOnFace points_on(FaceId f, const CutPlan& plan) const {
+    PointsOnFace points;
+    sides_->append_outline(f, points.outline);
+    for (std::uint32_t i = 0; i < points.outline.size(); ++i) points.places.push_back({points.outline[i], i});
+    std::sort(points.places.begin(), points.places.end());
+    points.all = points.outline;
+    const std::pair<FaceId, VertexId> low(f, VertexId(0));
+    for (auto p = std::lower_bound(plan.in_faces.begin(), plan.in_faces.end(), low);
+         p != plan.in_faces.end() && p->first == f; ++p)
+      points.all.push_back(p->second);
+    std::sort(points.all.begin(), points.all.end());
+    points.all.erase(std::unique(points.all.begin(), points.all.end()), points.all.end());
+    return points;
   }
 
   /// Finds the pieces of sides that lie in other faces, and the faces that lie on each other.
   void find_common_pieces(CutPlan& plan) const {
-    // The points on each face that is near another one, in the order of faces_.
-    std::vector<std::vector<VertexId>> on(faces_.size()), outlines(faces_.size());
+    std::vector<PointsOnFace> on(faces_.size());  // in the order of faces_
     for_blocks(faces_.size(), kPairsPerBlock, control_, [&](std::size_t i, std::size_t end) {
-      for (; i < end; ++i) {
-        sides_->append_outline(faces_[i], outlines[i]);
-        on[i] = outlines[i];
-        const std::pair<FaceId, VertexId> low(faces_[i], VertexId(0));
-        for (auto p = std::lower_bound(plan.in_faces.begin(), plan.in_faces.end(), low);
-             p != plan.in_faces.end() && p->first == faces_[i]; ++p)
-          on[i].push_back(p->second);
-        std::sort(on[i].begin(), on[i].end());
-        on[i].erase(std::unique(on[i].begin(), on[i].end()), on[i].end());
-      }
+      for (; i < end; ++i) on[i] = points_on(faces_[i], plan);
     });
     struct Found {
       std::vector<CutPlan::Constraint> constraints;
@@ -329,11 +385,10 @@ class ContactSearch {
       std::vector<VertexId> common;
       for (; i < end; ++i) {
         const std::size_t f = index_of(near_[i].first), g = index_of(near_[i].second);
-        common.clear();
-        std::set_intersection(on[f].begin(), on[f].end(), on[g].begin(), on[g].end(), std::back_inserter(common));
+        find_common(on[f].all, on[g].all, common);
         if (common.size() < 2) continue;
-        add_pieces(faces_[f], outlines[f], outlines[g], common, found.constraints);
-        add_pieces(faces_[g], outlines[g], outlines[f], common, found.constraints);
+        add_pieces(faces_[f], on[f], on[g], common, found.constraints);
+        add_pieces(faces_[g], on[g], on[f], common, found.constraints);
         if (is_wide(common)) found.in_one_plane.push_back(near_[i]);
       }
       return found;
@@ -344,25 +399,6 @@ class ContactSearch {
     }
     sort_stoppable(plan.constraints.begin(), plan.constraints.end(), control_);
     plan.constraints.erase(std::unique(plan.constraints.begin(), plan.constraints.end()), plan.constraints.end());
-  }
-
-  /// Adds the pieces of another face's outline that lie in a face and are none of its own.
-  static void add_pieces(FaceId f, const std::vector<VertexId>& own, const std::vector<VertexId>& other,
-                         const std::vector<VertexId>& common, std::vector<CutPlan::Constraint>& constraints) {
-    const auto is_common = [&](VertexId v) { return std::binary_search(common.begin(), common.end(), v); };
-    const auto is_own = [&](VertexId v, VertexId w) {
-      for (std::size_t i = 0; i < own.size(); ++i) {
-        const VertexId a = own[i], b = own[(i + 1) % own.size()];
-        if ((a == v && b == w) || (a == w && b == v)) return true;
-      }
-      return false;
-    };
-    for (std::size_t i = 0; i < other.size(); ++i) {
-      const VertexId v = other[i], w = other[(i + 1) % other.size()];
-      if (v == w || !is_common(v) || !is_common(w) || is_own(v, w)) continue;
-      const auto [low, high] = std::minmax(v, w);
-      constraints.push_back({f, low, high});
-    }
   }
 
   /// Returns whether points are not all near one line.

@@ -307,6 +307,7 @@ UnionFaces find_union(const Arrangement& arranged, std::span<const Vec3> positio
     }
   const Cells cells = find_cells({scaled, arranged.faces, weights}, control);
   found.are_consistent = cells.are_consistent;
+  found.cells = cells.count;
   found.stays.assign(n, 1);
   found.is_turned.assign(n, 0);
   const auto is_solid = [&](std::size_t side) { return cells.winding[cells.of_side[side]] >= 1; };

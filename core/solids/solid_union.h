@@ -55,6 +55,7 @@ struct UnionFaces {
   std::size_t dropped = 0;                   ///< the number of faces that do not stay
   std::vector<std::uint32_t> turned_shells;  ///< outermost closed shells of the input that faced inwards
   bool are_consistent = true;                ///< false: it is not clear what is inside, so all faces stay
+  std::size_t cells = 0;                     ///< the number of cells of the arrangement (see Cells::count)
 };
 
 /// Finds the faces of an arrangement that have solid on exactly one side. A cell is solid if the closed shells of the

@@ -9,6 +9,7 @@
 
 #include "core/base/ids.h"
 #include "core/base/run_control.h"
+#include "core/base/stoppable.h"
 #include "core/base/vec.h"
 #include "core/mesh/adjacency.h"
 #include "core/mesh/mesh.h"
@@ -44,7 +45,8 @@ class SoupEdges {
       : begins_(triangle_begins(soup.faces.size(), control)),
         adjacency_(soup.positions.size(), begins_, corners_of(soup.faces), control),
         of_half_edge_(3 * soup.faces.size()) {
-    for (EdgeId e(0); e.value < adjacency_.edge_count(); ++e.value)
+    StopCheck check(control);
+    for (EdgeId e(0); e.value < adjacency_.edge_count(); ++e.value, check())
       for (const std::uint32_t h : adjacency_.half_edges(e)) of_half_edge_[h] = e;
   }
 

@@ -22,6 +22,7 @@ from in_the_plane import measure_polygons, measure_refinement
 from organic import measure_organic
 from programs import Bench
 from scaling import measure_growth
+from solids import measure_solids
 from surface import measure_surface
 from table import Table
 from through_http import measure_http
@@ -34,6 +35,7 @@ PARTS = {
     "coarse": measure_coarse,
     "cad": measure_cad,
     "organic": measure_organic,
+    "solids": measure_solids,
     "versions": measure_versions,
     "http": measure_http,
     "growth": measure_growth,

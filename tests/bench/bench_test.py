@@ -14,6 +14,7 @@ import cad
 import coarse
 import organic
 import plot
+import solids
 import step_surfaces
 import versions
 
@@ -58,6 +59,32 @@ class TableTest(unittest.TestCase):
         add_growth(table, "box", [(1000, 1.0, 1 << 20), (20_000, 30.0, 40 << 20)], 200)
         grown = [row for row in table.rows if row["against"] == "1,000 faces"]
         self.assertEqual([(row["what"], row["ratio"]) for row in grown], [("time", 15.0), ("memory", 20.0)])
+
+
+class SolidsTest(unittest.TestCase):
+    @staticmethod
+    def table(peer):
+        report = {"timing_ms": {"weld": 500}, "input": {"faces": 600}, "output": {"faces": 400}}
+        table = Table()
+        runs = {"remesh": [Run(3.0, 10 << 20, "", report)]}
+        if peer:
+            runs["CGAL"] = [Run(9.0, 0, '{"process_ms": 2000}')]
+        solids.add_rows(table, "spheres", runs, 0.2, 2.0)
+        return table
+
+    def test_stage_and_command_are_held_to_parts_of_what_the_peer_takes_without_reading(self):
+        table = self.table(peer=True)
+        self.assertEqual([(row["what"], row["ratio"]) for row in table.rows if row["bound"]],
+                         [("remesh, mending and uniting", 0.25), ("remesh, file to file", 1.5)])
+        self.assertEqual([row["what"] for row in table.above_bounds()], ["remesh, mending and uniting"])
+
+    def test_memory_is_told_by_the_faces_of_input_and_result(self):
+        self.assertIn(10485.8, [row["value"] for row in self.table(peer=False).rows])
+
+    def test_without_the_peers_nothing_is_held_to_a_bound(self):
+        table = self.table(peer=False)
+        self.assertEqual([row for row in table.rows if row["bound"]], [])
+        self.assertEqual(table.markdown().count("not measured"), 2)
 
 
 class OrganicTest(unittest.TestCase):

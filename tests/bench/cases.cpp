@@ -10,10 +10,12 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -28,6 +30,7 @@
 #include "core/triangulation/patch_triangulation.h"
 #include "tests/bench/inputs.h"
 #include "tests/bench/json_text.h"
+#include "tests/support/hostile_solids.h"
 #include "tests/support/polygons.h"
 #include "tests/support/shapes.h"
 
@@ -128,7 +131,21 @@ const LargeShape kLargeShapes[] = {
     {"terrain", [](double faces) { return terrain(root(faces / 2)); }},
     // The surface crosses about 1.5 n^2 cells, and has about twelve triangles in each.
     {"isosurface", [](double faces) { return isosurface(root(faces / 17)); }},
+    {"two_boxes",
+     [](double faces) {
+       const PolygonMesh one = shapes::box({1, 1, 1}, root(faces / 24));
+       return shapes::joined(one, shapes::moved(one, {0.5, 0.25, 0.125}));
+     }},
 };
+
+/// Makes a large shape, or a member of a family of solids that meet.
+std::optional<PolygonMesh> make_shape(std::string_view name, double faces) {
+  for (const LargeShape& shape : kLargeShapes)
+    if (shape.name == name) return shape.make(faces);
+  for (const hostile::Family& family : hostile::meeting_families())
+    if (family.name == name) return family.make(static_cast<std::size_t>(faces));
+  return std::nullopt;
+}
 
 /// Runs the work that is measured. Under callgrind, everything within this function is counted (see instructions.py).
 [[gnu::noinline]] void run_case(const Work& work) { work(); }
@@ -160,6 +177,8 @@ int usage() {
   std::fprintf(stderr,
                "usage: remesh_cases NAME | --list | --write SHAPE FACES | --rate FACES THREADS SECONDS\nshapes:");
   for (const LargeShape& shape : kLargeShapes) std::fprintf(stderr, " %s", std::string(shape.name).c_str());
+  for (const hostile::Family& family : hostile::meeting_families())
+    std::fprintf(stderr, " %s", std::string(family.name).c_str());
   std::fprintf(stderr, "\n");
   return 2;
 }
@@ -172,10 +191,9 @@ int run(const std::vector<std::string>& arguments) {
   if (arguments.size() == 3 && arguments[0] == "--write") {
     const double faces = std::atof(arguments[2].c_str());
     if (!(faces >= 100 && faces <= 1e8)) return usage();
-    const auto* shape = std::find_if(std::begin(kLargeShapes), std::end(kLargeShapes),
-                                     [&](const LargeShape& s) { return s.name == arguments[1]; });
-    if (shape == std::end(kLargeShapes)) return usage();
-    const std::string text = obj_of(shape->make(faces));
+    const std::optional<PolygonMesh> mesh = make_shape(arguments[1], faces);
+    if (!mesh) return usage();
+    const std::string text = obj_of(*mesh);
     return std::fwrite(text.data(), 1, text.size(), stdout) == text.size() ? 0 : 1;
   }
   if (arguments.size() == 4 && arguments[0] == "--rate") {

@@ -8,12 +8,15 @@
 #include <cstdio>
 #include <ctime>
 #include <fstream>
+#include <span>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <utility>
 
 #include "core/remesh.h"
 #include "tests/support/hostile_families.h"
+#include "tests/support/hostile_solids.h"
 
 namespace remesh::bench {
 namespace {
@@ -86,14 +89,22 @@ double growth_a_decade(double before, double now, double size_before, double siz
   return std::pow(now / before, 1 / std::log10(size / size_before));
 }
 
-}  // namespace
+/// Returns what became of faces that meet, in a few letters.
+std::string_view fate_of(const Report& report, const Options& options) {
+  if (!options.repair.self_intersections && !options.repair.make_union) return {};
+  const auto has = [&](DiagnosticCode code) {
+    return std::any_of(report.diagnostics.begin(), report.diagnostics.end(),
+                       [&](const Diagnostic& d) { return d.code == code && d.count == 0; });
+  };
+  if (has(DiagnosticCode::kCutIntersections)) return "not cut";
+  if (report.solids && report.solids->left > 0) return "some left";
+  return has(DiagnosticCode::kDroppedPieces) ? "not united" : "";
+}
 
-void measure_hostile(const std::vector<int>& sizes, int workers, Rows& rows) {
-  std::printf("\nseconds, and their growth in a decade: of the input, and of input and output\n%-24s", "");
-  for (const int size : sizes) std::printf("%26d", size);
-  std::printf("\n");
+void measure_families(std::span<const hostile::Family> families, const Options& options, const std::vector<int>& sizes,
+                      int workers, Rows& rows) {
   bool is_any_cut_short = false;
-  for (const hostile::Family& family : hostile::families()) {
+  for (const hostile::Family& family : families) {
     std::printf("  %-22s", std::string(family.name).c_str());
     double before = 0, all_before = 0, bytes_a_face = 0;
     std::pair<double, Stage> longest{0, Stage::kQueued};  // for which progress stood, in any size
@@ -106,7 +117,14 @@ void measure_hostile(const std::vector<int>& sizes, int workers, Rows& rows) {
       forget_peak();
       const double begin = processor_milliseconds();
       ProgressWatch watch(control);
-      report = remesh_surface(mesh, Options{}, {.workers = workers}, control).report;
+      std::string_view fate;
+      try {
+        report = remesh_surface(mesh, options, {.workers = workers}, control).report;
+        fate = fate_of(report, options);
+      } catch (const Error& error) {
+        if (error.code != Code::kOutputTooLarge) throw;
+        fate = "too large";
+      }
       const double ms = processor_milliseconds() - begin;
       if (const auto stood = watch.longest(); stood.first > longest.first) longest = stood;
       const double all = size + static_cast<double>(report.output.faces);
@@ -121,6 +139,7 @@ void measure_hostile(const std::vector<int>& sizes, int workers, Rows& rows) {
         std::printf("x%-5.1f", growth_a_decade(before, ms, all_before, all));
       else
         std::printf("%6s", "");
+      if (!fate.empty()) std::printf(" (%s)", std::string(fate).c_str());
       std::fflush(stdout);
       rows.push_back({"hostile", std::string(family.name), "total", static_cast<std::uint64_t>(size), ms,
                       static_cast<std::uint64_t>(report.output.faces)});
@@ -133,6 +152,20 @@ void measure_hostile(const std::vector<int>& sizes, int workers, Rows& rows) {
                 family.answer == hostile::Answer::kQuadratic ? "  a large share of all pairs meet" : "");
   }
   if (is_any_cut_short) std::printf("  * the search for intersections was cut short\n");
+}
+
+}  // namespace
+
+void measure_hostile(const std::vector<int>& sizes, int workers, Rows& rows) {
+  std::printf("\nseconds, and their growth in a decade: of the input, and of input and output\n%-24s", "");
+  for (const int size : sizes) std::printf("%26d", size);
+  std::printf("\n");
+  measure_families(hostile::families(), Options{}, sizes, workers, rows);
+  std::printf("\nthe same with repair=union, of solids and sheets that meet\n");
+  Options uniting;
+  uniting.repair.self_intersections = true;
+  uniting.repair.make_union = true;
+  measure_families(hostile::meeting_families(), uniting, sizes, workers, rows);
 }
 
 }  // namespace remesh::bench

@@ -53,6 +53,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   options.refine = flags % 2 == 1;
   options.keep_boundary_vertices = flags / 2 % 2 == 1;
   options.split_boundaries = flags / 4 % 2 == 0;
+  options.repair.self_intersections = flags / 8 % 2 == 1;
+  options.repair.make_union = flags / 16 % 2 == 1;
   options.max_output_faces = 2000;
   const PolygonMesh mesh = mesh_from(bytes);
   RunControl control;

@@ -48,6 +48,7 @@ struct Plan {
   int stops_of_group;
   double max_run_s, patience_s, hostile_part, size, limit_ms, median_limit_ms, stand_limit_ms;
   std::size_t max_mb;
+  std::string kind;  ///< a word of the names of hostile meshes
   bool is_by_wall;
   std::filesystem::path folder;
 };
@@ -59,7 +60,7 @@ class Group {
   Group(const Plan& plan, const std::vector<CorpusFile>& corpus, std::uint64_t number)
       : plan_(plan), number_(number), random_(plan.seed * 1'000'003 + number) {
     if (random_.chance(plan.hostile_part)) {
-      case_ = make_hostile_case(plan.size, random_);
+      case_ = make_hostile_case(plan.size, plan.kind, random_);
     } else {
       case_ = make_case(corpus, plan.seed, number, Mutations::kAny);
     }
@@ -274,6 +275,7 @@ int run(int argc, char** argv) {
                      {"max-run", "6"},
                      {"patience", "10"},
                      {"hostile", "0.4"},
+                     {"kind", ""},
                      {"size", "1"},
                      {"memory", "8192"},
                      {"found", "found"}});
@@ -284,6 +286,7 @@ int run(int argc, char** argv) {
   plan.max_run_s = flags.number("max-run");
   plan.patience_s = flags.number("patience");
   plan.hostile_part = flags.number("hostile");
+  plan.kind = flags.text("kind");
   plan.size = flags.number("size");
   plan.limit_ms = flags.number("limit");
   plan.median_limit_ms = flags.number("median-limit");

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <stdexcept>
 #include <string_view>
 #include <utility>
 
@@ -13,6 +14,7 @@
 #include "tests/mutate/polygon_soup.h"
 #include "tests/support/hostile.h"
 #include "tests/support/hostile_families.h"
+#include "tests/support/hostile_solids.h"
 
 namespace remesh::mutate {
 namespace {
@@ -220,12 +222,22 @@ Hostile of_a_family(double size, Random& random) {
   return {soup_of(family.make(std::max<std::size_t>(10, static_cast<std::size_t>(200'000 * size)))), {}};
 }
 
+/// Makes a member of a family of solids and sheets that meet, which are to be cut or united.
+template <const char* kRepair>
+Hostile that_meet(double size, Random& random) {
+  const auto families = hostile::meeting_families();
+  const hostile::Family& family = families[static_cast<std::size_t>(random.below(static_cast<int>(families.size())))];
+  return {soup_of(family.make(std::max<std::size_t>(10, static_cast<std::size_t>(200'000 * size)))),
+          {{"repair", kRepair}}};
+}
+constexpr char kCut[] = "+self_intersections", kUnite[] = "+union";
+
 struct Kind {
   std::string_view name;
   Hostile (*make)(double size, Random& random);
 };
 
-constexpr std::array<Kind, 23> kKinds{{{"many components", of_size<hostile::components, 250'000>},
+constexpr std::array<Kind, 25> kKinds{{{"many components", of_size<hostile::components, 250'000>},
                                        {"cone", of_size<hostile::cone, 300'000>},
                                        {"pinched vertex", pinched_vertex},
                                        {"crossing soup", crossing_soup},
@@ -247,12 +259,18 @@ constexpr std::array<Kind, 23> kKinds{{{"many components", of_size<hostile::comp
                                        {"plane grid", plane_grid},
                                        {"member of a family", of_a_family},
                                        {"member of a family", of_a_family},
-                                       {"member of a family", of_a_family}}};
+                                       {"member of a family", of_a_family},
+                                       {"solids to cut", that_meet<kCut>},
+                                       {"solids to unite", that_meet<kUnite>}}};
 
 }  // namespace
 
-Case make_hostile_case(double size, Random& random) {
-  const Kind& kind = kKinds[static_cast<std::size_t>(random.below(static_cast<int>(kKinds.size())))];
+Case make_hostile_case(double size, std::string_view word, Random& random) {
+  std::vector<const Kind*> kinds;
+  for (const Kind& kind : kKinds)
+    if (kind.name.find(word) != std::string_view::npos) kinds.push_back(&kind);
+  if (kinds.empty()) throw std::invalid_argument("no kind of mesh has this word in its name: " + std::string(word));
+  const Kind& kind = *kinds[static_cast<std::size_t>(random.below(static_cast<int>(kinds.size())))];
   const double part = size * std::pow(10.0, random.uniform(-1, 0));
   Hostile made = kind.make(part, random);
   auto format = static_cast<SoupFormat>(random.below(kSoupFormatCount));

@@ -10,7 +10,9 @@
 #include <set>
 #include <vector>
 
+#include "tests/solids/solid_measures.h"
 #include "tests/solids/solid_rows.h"
+#include "tests/support/hostile_solids.h"
 #include "tests/support/remeshed.h"
 #include "tests/support/shapes.h"
 #include "tests/support/time_to_stop.h"
@@ -68,6 +70,23 @@ PolygonMesh turned(int number) {
     if (row.number == number)
       for (const PolygonMesh& part : row.parts) parts.push_back(shapes::rotated(part, {1, 2, 5}, 40));
   return as_one(parts);
+}
+
+TEST(solid_stage, faces_of_hostile_families_are_cut_or_it_is_told_that_they_are_not) {
+  std::size_t cut = 0;
+  for (const hostile::Family& family : hostile::meeting_families()) {
+    if (family.answer == hostile::Answer::kQuadratic) continue;
+    SCOPED_TRACE(family.name);
+    const Result result = remeshed(family.make(40), repairing(false));
+    const auto& told = result.report.diagnostics;
+    const bool is_given_up = std::any_of(told.begin(), told.end(), [](const Diagnostic& d) {
+      return d.code == DiagnosticCode::kCutIntersections && d.count == 0;
+    });
+    if (is_given_up || !result.report.solids || result.report.solids->left > 0) continue;
+    ++cut;
+    EXPECT_EQ(pairs_by_cgal(result.mesh, 1), 0u);
+  }
+  EXPECT_GE(cut, 6u);
 }
 
 TEST(solid_stage, results_are_the_same_for_any_number_of_workers) {

@@ -374,7 +374,9 @@ std::size_t find_pairs(const SearchedTriangles& triangles, const Reported& repor
   if (share > 4 * kFewInVain && !search_later(share)) return done;
   const bool is_interest_lost = view.lose_interest(slots);
   if (is_interest_lost && !search_later(kFewInVain)) return done;
-  if (triangles.by == SearchedTriangles::kByBoxes) {
+  // To hold a few slots against all others takes less time than to build the second tree.
+  constexpr std::size_t kFewSlots = 32;
+  if (triangles.by == SearchedTriangles::kByBoxes || slots.size() <= kFewSlots) {
     search_later(n);
     return done;
   }

@@ -192,6 +192,7 @@ std::vector<std::uint8_t> drop_inner_faces(const SolidContext& context, const Ca
   const Adjacency edges(scaled.size(), begins, corners_of(faces), control);
   const Shells shells = find_shells(scaled, corners_of(faces), edges, labels, control);
   const UnionFaces found = find_union(arranged, candidate.positions.items(), faces, shells, control);
+  told.counts.cells = found.cells;
   if (!found.are_consistent) told.union_in_vain = "it is not clear what is inside";
   const bool is_any_turned = std::find(found.is_turned.begin(), found.is_turned.end(), 1) != found.is_turned.end();
   if (!found.are_consistent || (found.dropped == 0 && !is_any_turned)) return {};
@@ -241,7 +242,6 @@ std::vector<std::uint8_t> count_arranged(const Candidate& candidate, const Patch
   for (FaceId f(0); f.value < is_shared.size(); ++f.value)
     if (is_shared[f.value] != 0) is_class[classes.find(patch(f))] = 1;
   counts.coplanar_classes = static_cast<std::size_t>(std::count(is_class.begin(), is_class.end(), 1));
-  if (arranged.left.empty()) counts.cells = count_cells(arranged, control);
   return is_shared;
 }
 
@@ -266,9 +266,11 @@ std::optional<Replaced> arrange_proven(const SolidContext& context, const Candid
   const ArrangedSurface made(context.surface, context.patches, candidate, arranged, control);
   const std::vector<std::uint8_t> is_shared =
       count_arranged(candidate, context.patches, arranged, told.counts, control);
-  const std::vector<std::uint8_t> is_dropped = context.is_union_wanted
-                                                   ? drop_inner_faces(context, candidate, arranged, told, control)
-                                                   : std::vector<std::uint8_t>();
+  std::vector<std::uint8_t> is_dropped;
+  if (context.is_union_wanted)
+    is_dropped = drop_inner_faces(context, candidate, arranged, told, control);
+  else if (arranged.is_changed && arranged.left.empty())
+    told.counts.cells = count_cells(arranged, control);
   if (!arranged.is_changed) return std::nullopt;
   told.counts.cut_patches = made.add_faces([&](FaceId f) { return arranged.was_cut[f.value] != 0; }, told.faces);
   made.add_faces([&](FaceId f) { return is_shared[f.value] != 0; }, told.shared_faces);
