@@ -242,13 +242,14 @@ std::uint64_t sweep(FreeSheet& free, const InputSurface& surface, const SheetRul
   return std::accumulate(joined.begin(), joined.end(), std::uint64_t{0});
 }
 
-/// Returns the faces that are narrow and have a corner that may move, ascending.
-std::vector<FaceId> narrow_faces(const Sheet& sheet) {
+/// Returns the faces that are narrow, ascending.
+std::vector<FaceId> narrow_faces(const Sheet& sheet, double max_cosine_of_goal, RunControl& control) {
   std::vector<FaceId> narrow;
+  StopCheck check(control);
   for (FaceId f(0); f.value < sheet.faces.size(); ++f.value) {
-    if (!sheet.is_alive(f) || sheet.is_of_plane[f] != 0 || max_cosine(sheet.corners_of(f)) <= kNarrow) continue;
-    const Triangle& t = sheet.faces[f];
-    if (std::any_of(t.begin(), t.end(), [&](VertexId v) { return sheet.kind[v] != Sheet::Kind::kFixed; }))
+    check();
+    if (sheet.is_alive(f) && sheet.is_of_plane[f] == 0 &&
+        max_cosine(sheet.corners_of(f)) > std::max(kNarrow, max_cosine_of_goal))
       narrow.push_back(f);
   }
   return narrow;
@@ -302,7 +303,8 @@ struct CoarseSheet::State {
   std::optional<KeptVolume> kept_volume;
 
   /// Splits narrow faces along their length: where the input is straight in one direction, it has no vertices there.
-  void split_narrow_faces(RunControl& control);
+  void split_narrow_faces(std::vector<FaceId> narrow, RunControl& control);
+  void improve_narrow_faces(double min_angle_deg, int turn, RunControl& control);
   void sweep_all(int turn, RunControl& control);
   void improve(std::span<const VertexId> vertices, RunControl& control);
   Coarsened result(RunControl& control);
@@ -326,14 +328,19 @@ IdVector<VertexId, double> CoarseSheet::State::weights_of_moves() const {
   return weights;
 }
 
-void CoarseSheet::State::split_narrow_faces(RunControl& control) {
-  std::size_t fewest = SIZE_MAX;
+void CoarseSheet::State::split_narrow_faces(std::vector<FaceId> narrow, RunControl& control) {
+  const auto can_change = [&](FaceId f) {
+    const Triangle& t = free.sheet.faces[f];
+    return std::any_of(t.begin(), t.end(), [&](VertexId v) { return free.sheet.kind[v] != Sheet::Kind::kFixed; });
+  };
+  std::size_t fewest = narrow.size();
   for (int round = 0, vain = 0; round < kMaxSplits && vain < kVainSplits; ++round) {
-    const std::vector<FaceId> narrow = narrow_faces(free.sheet);
+    std::erase_if(narrow, [&](FaceId f) { return !can_change(f); });
+    if (narrow.empty() || free.sheet.faces.size() + 2 * narrow.size() > kFacesOfSplits * input.faces.size()) break;
+    improve(SheetSplitter(free, surface, control).split(narrow, SheetSplitter::Place::kMiddle), control);
+    narrow = narrow_faces(free.sheet, rules.max_cosine, control);
     vain = narrow.size() < fewest ? 0 : vain + 1;
     fewest = std::min(fewest, narrow.size());
-    if (narrow.empty() || free.sheet.faces.size() + narrow.size() > kFacesOfSplits * input.faces.size()) break;
-    improve(SheetSplitter(free, surface, control).split(narrow, SheetSplitter::Place::kMiddle), control);
   }
 }
 
@@ -389,6 +396,24 @@ void CoarseSheet::State::sweep_all(int turn, RunControl& control) {
   }
 }
 
+/// Splits narrow faces and sweeps again. The sheet stays as it is unless fewer of them are left and fewer triangles
+/// needed.
+void CoarseSheet::State::improve_narrow_faces(double min_angle_deg, int turn, RunControl& control) {
+  if (narrow_faces(free.sheet, rules.max_cosine, control).empty()) return;
+  rearrange(free, order_along_curve(free.sheet.positions, vertices_of(free.sheet), turn, control), control);
+  std::vector<FaceId> narrow = narrow_faces(free.sheet, rules.max_cosine, control);
+  const std::size_t narrow_before = narrow.size();
+  const auto needed = [&] { return triangles_needed(free.sheet.positions, free.sheet.faces, min_angle_deg, control); };
+  const double needed_before = needed();
+  control.memory().ask_for<SheetWitnesses::Witness>(free.witnesses.all.size());
+  FreeSheet before = free;
+  split_narrow_faces(std::move(narrow), control);
+  sweep_all(turn, control);
+  const bool is_better =
+      narrow_faces(free.sheet, rules.max_cosine, control).size() < narrow_before && needed() < needed_before;
+  if (!is_better) free = std::move(before);
+}
+
 CoarseSheet::CoarseSheet(const FreeForm& input, const CoarseningGoals& goals, RunControl& control)
     : state_(std::make_unique<State>(input, goals, control)) {
   FreeSheet& free = state_->free;
@@ -399,13 +424,7 @@ CoarseSheet::CoarseSheet(const FreeForm& input, const CoarseningGoals& goals, Ru
     sweep(free, state_->surface, rules, false, turn++, control);
   }
   state_->sweep_all(turn, control);
-  const std::size_t narrow = narrow_faces(free.sheet).size();
-  if (goals.min_angle_deg > 0 && narrow > 0) {
-    FreeSheet before = free;
-    state_->split_narrow_faces(control);
-    state_->sweep_all(turn, control);
-    if (narrow_faces(free.sheet).size() >= narrow) free = std::move(before);
-  }
+  if (goals.min_angle_deg > 0) state_->improve_narrow_faces(goals.min_angle_deg, turn, control);
   result_ = state_->result(control);
 }
 

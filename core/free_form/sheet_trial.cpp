@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/geometry/exact/predicates.h"
 
@@ -23,6 +24,22 @@ double max_cosine(const Corners3& t) {
   const double shortest = std::min({a, b, c}), sum = a + b + c - 2 * shortest;
   const double product = shortest == a ? b * c : shortest == b ? a * c : a * b;
   return product > 0 ? sum / (2 * std::sqrt(product)) : 1;
+}
+
+double triangles_needed(const IdVector<VertexId, Vec3>& positions, const IdVector<FaceId, Triangle>& faces,
+                        double min_angle_deg, const RunControl& control) {
+  const double tangent = std::tan(min_angle_deg * std::numbers::pi / 180);
+  StopCheck check(control);
+  double sum = 0;
+  for (const Triangle& t : faces) {
+    check();
+    if (!t[0].is_valid()) continue;
+    const double cosine = max_cosine({positions[t[0]], positions[t[1]], positions[t[2]]});
+    // The smallest angle of a triangle is at most 60 degrees, and may be none at all.
+    const double squared_sine = std::clamp(1 - cosine * cosine, 0x1p-40, 0.75);
+    sum += std::max(1.0, tangent * std::fabs(cosine) / std::sqrt(squared_sine));
+  }
+  return sum;
 }
 
 void SheetTrial::clear() {
@@ -99,9 +116,9 @@ bool SheetTrial::has_good_shapes(const Vec3& apex, double max_cosine) {
     sum += area;
   }
   direction_ = normalized(sum);
-  // A needle tells nothing of its own, but has to look to the side of the others.
+  // A needle tells nothing of its own, but must not look back at the others.
   return std::all_of(changed_.begin(), changed_.end(), [&](const Changed& changed) {
-    return norm_squared(changed.normal_before) > 0 || dot(changed.normal, direction_) > kMaxTurn;
+    return norm_squared(changed.normal_before) > 0 || dot(changed.normal, direction_) > 0;
   });
 }
 

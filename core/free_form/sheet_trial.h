@@ -21,6 +21,12 @@ inline constexpr double kNeedle = 0.9962;
 /// Returns the largest cosine of a triangle's angles, which is that of its smallest angle; 1 if it has no area.
 double max_cosine(const Corners3& triangle);
 
+/// Returns about how many triangles there are once no angle is below the bound: a narrow one becomes a row of them.
+/// Faces whose first corner is invalid do not count.
+/// Errors: kCancelled, kTimeout - asked to stop through `control`.
+double triangles_needed(const IdVector<VertexId, Vec3>& positions, const IdVector<FaceId, Triangle>& faces,
+                        double min_angle_deg, const RunControl& control);
+
 /// A change of a sheet that is tried before it is made: some triangles get other corners, and others disappear. One
 /// corner of all new triangles is their apex, whose place may be chosen.
 class SheetTrial {

@@ -46,8 +46,9 @@ inline PolygonMesh relief(int n) {
 }
 
 /// Hills with 2 n^2 faces that are flat along the lines x = -0.8 and x = 0.8. Beyond the second one, a surface of 2 n
-/// needles goes on to x = 3, straight in that direction; each needle has a plane of its own. Beyond the first one, a
-/// rectangle as narrow as they are, of two triangles in the plane z = 0, goes on to x = -3.
+/// needles goes on to x = 3, straight in that direction; each needle has a plane of its own. Beside the last of them, a
+/// parallelogram of two triangles goes on smoothly to y = 1.2. Beyond the first line, a rectangle as narrow as the
+/// needles, of two triangles in the plane z = 0, goes on to x = -3.
 inline PolygonMesh hills_with_needles(int n) {
   std::vector<Vec3> positions;
   const auto along = [n](int i) { return -0.8 + 1.6 * i / n; };
@@ -69,7 +70,10 @@ inline PolygonMesh hills_with_needles(int n) {
   const auto far = static_cast<std::uint32_t>(positions.size());
   for (int j = 0; j <= n; ++j) positions.push_back({3, along(j), 0.05 * std::cos(6 * along(j))});
   for (std::uint32_t j = 0; j + 1 < row; ++j) add_quad(j * row + row - 1, far + j, far + j + 1, j * row + 2 * row - 1);
-  const std::uint32_t half = row / 2, rectangle = far + row;
+  const std::uint32_t last = row * row - 1, far_last = far + row - 1, wide = far_last + 1;
+  for (const std::uint32_t v : {last, far_last}) positions.push_back(positions[v] + Vec3{0, 0.4, 0.12});
+  add_quad(last, far_last, wide + 1, wide);
+  const std::uint32_t half = row / 2, rectangle = wide + 2;
   positions.push_back({-3, along(n / 2), 0});
   positions.push_back({-3, along(n / 2 + 1), 0});
   add_quad(rectangle, half * row, (half + 1) * row, rectangle + 1);

@@ -375,8 +375,9 @@ std::size_t find_pairs(const SearchedTriangles& triangles, const Reported& repor
   const bool is_interest_lost = view.lose_interest(slots);
   if (is_interest_lost && !search_later(kFewInVain)) return done;
   // To hold a few slots against all others takes less time than to build the second tree.
-  constexpr std::size_t kFewSlots = 32;
-  if (triangles.by == SearchedTriangles::kByBoxes || slots.size() <= kFewSlots) {
+  constexpr std::size_t kFewSlots = 32, kFewTests = std::size_t{1} << 24;
+  const bool are_few = slots.size() <= kFewSlots && slots.size() * n <= kFewTests;
+  if (triangles.by == SearchedTriangles::kByBoxes || are_few) {
     search_later(n);
     return done;
   }

@@ -352,11 +352,11 @@ bool Attempts::coarsen_surface() {
                             made.recognised,
                             made.input_intersections->pairs,
                             options().feature_angle_deg};
-  std::optional<Coarser> coarser =
-      coarser_surface(context,
-                      {curved_goals_.tolerance, curved_goals_.elements_per_circle,
-                       options().min_angle_deg.value_or(kAngleOfFreeSurfaces), curved_goals_.keeps_volume},
-                      made.coarsening, control());
+  std::optional<Coarser> coarser = coarser_surface(
+      context,
+      {curved_goals_.tolerance, curved_goals_.elements_per_circle,
+       options().min_angle_deg.value_or(kAngleOfFreeSurfaces), curved_goals_.keeps_volume, options().refine},
+      made.coarsening, control());
   if (!coarser) return false;
   made.coarsening = std::move(coarser->done);
   replace_surface(std::move(coarser->replaced));

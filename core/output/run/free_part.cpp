@@ -17,6 +17,8 @@ constexpr double kLargePlane = 20;
 constexpr double kLargeFacet = 4;
 /// A plane is a needle if it is narrower than this share of its length.
 constexpr double kNeedle = 0.2;
+/// Needles are facets of one surface if one is at most so many times as wide as the other.
+constexpr double kWiderNeedle = 4;
 
 /// The normals of faces, as long as twice the faces' areas.
 class FaceNormals {
@@ -58,8 +60,7 @@ double median_area(const FreeContext& context, const FaceNormals& normals) {
   return *middle;
 }
 
-/// The roles of planes. Where a free surface is flat enough, its facets are patches of one or two triangles, and planes.
-/// This class is larger than the bound because it holds what is known of all patches.
+/// The roles of planes. Where a free surface is flat, its facets are planes of one or two triangles.
 class PlaneRoles {
  public:
   PlaneRoles(const FreeContext& context, const FaceNormals& normals, RunControl& control)
@@ -73,9 +74,10 @@ class PlaneRoles {
   bool is_free(PatchId p) const { return is_free_[p] != 0; }
 
  private:
+  PatchId patch_of(FaceId f) const { return context_.patches.of_face[f]; }
   bool is_plane(PatchId p) const { return kind_of(context_, p) == SurfaceKind::kPlane; }
 
-  /// Calls `visit` with the half-edge of each edge of a patch's border, and with the patch that goes on smoothly beyond
+  /// Calls `visit` with the half-edge of each edge of a patch's border, and with the face that goes on smoothly beyond
   /// it; that is invalid where none does.
   template <class Visit>
   void for_each_border_edge(PatchId p, const Visit& visit) {
@@ -87,7 +89,7 @@ class PlaneRoles {
         const FaceId g = twin == kNone ? FaceId() : context_.adjacency.face_of(twin);
         const bool is_smooth =
             g.is_valid() && context_.surface.label(f) == context_.surface.label(g) && normals_.are_smooth(f, g);
-        visit(h, is_smooth ? context_.patches.of_face[g] : PatchId());
+        visit(h, is_smooth ? g : FaceId());
       }
     }
   }
@@ -97,12 +99,13 @@ class PlaneRoles {
     double area = 0;
     std::size_t triangles = 0;
     for (const FaceId f : context_.patches.faces_of(p)) {
+      check_();
       area += normals_.area(f);
       triangles += context_.surface.face_begin[f.value + 1] - context_.surface.face_begin[f.value] - 2;
     }
     bool is_any_smooth = false, is_any_other = false;
-    for_each_border_edge(p, [&](std::uint32_t, PatchId q) {
-      (q.is_valid() && kind_of(context_, q) == SurfaceKind::kFree ? is_any_smooth : is_any_other) = true;
+    for_each_border_edge(p, [&](std::uint32_t, FaceId g) {
+      (g.is_valid() && kind_of(context_, patch_of(g)) == SurfaceKind::kFree ? is_any_smooth : is_any_other) = true;
     });
     if (!is_any_smooth) return false;
     return area <= kLargePlane * median ||
@@ -114,51 +117,65 @@ class PlaneRoles {
     return norm(local[context_.adjacency.to(h)] - local[context_.adjacency.from(h)]);
   }
 
-  /// Returns the length of a plane that is a needle: of one or two triangles, and thin. Otherwise returns 0.
-  double needle_length(PatchId p) {
+  /// Returns how far a face of few corners goes to one side of an edge, about.
+  double height(FaceId f, double edge) const {
+    return (context_.surface.face(f).size() == 3 ? 2 : 1) * normals_.area(f) / edge;
+  }
+
+  struct Needle {
+    double length = 0;  ///< 0 for all other patches
+    double width = 0;
+  };
+  /// Returns the size of a plane that is a needle: of one or two triangles, and narrow.
+  Needle needle_of(PatchId p) {
     double area = 0, longest = 0;
     std::size_t triangles = 0;
     for (const FaceId f : context_.patches.faces_of(p)) {
       area += normals_.area(f);
-      triangles += context_.surface.face_begin[f.value + 1] - context_.surface.face_begin[f.value] - 2;
-      if (triangles > 2) return 0;
+      triangles += context_.surface.face(f).size() - 2;
+      if (triangles > 2) return {};
     }
-    for_each_border_edge(p, [&](std::uint32_t h, PatchId) { longest = std::max(longest, length(h)); });
+    for_each_border_edge(p, [&](std::uint32_t h, FaceId) { longest = std::max(longest, length(h)); });
     const double width = (triangles == 1 ? 2 : 1) * area / longest;
-    return width <= kNeedle * longest ? longest : 0;
+    return width <= kNeedle * longest ? Needle{longest, width} : Needle{};
+  }
+
+  /// Returns whether a needle goes on smoothly to one side, to free faces or other needles of about its width.
+  bool goes_on_sideways(PatchId p, const IdVector<PatchId, Needle>& needles) {
+    bool does = false;
+    for_each_border_edge(p, [&](std::uint32_t h, FaceId g) {
+      if (!g.is_valid() || (is_free_[patch_of(g)] == 0 && !(needles[patch_of(g)].length > 0))) return;
+      const double edge = length(h);
+      if (edge >= needles[p].length / 2 && needles[p].width <= kWiderNeedle * height(g, edge)) does = true;
+    });
+    return does;
   }
 
   /// Needles side by side are facets of a surface that is flat along them. Those that go on smoothly to a free surface,
   /// over other such needles or by themselves, belong to it.
   void free_needles() {
-    IdVector<PatchId, double> lengths(context_.patches.count(), 0);
-    for (PatchId p(0); p.value < lengths.size(); ++p.value)
-      if (is_free_[p] == 0 && is_plane(p)) lengths[p] = needle_length(p);
-    const auto goes_on_sideways = [&](PatchId p) {
-      bool does = false;
-      for_each_border_edge(p, [&](std::uint32_t h, PatchId q) {
-        if (q.is_valid() && (is_free_[q] != 0 || lengths[q] > 0) && length(h) >= lengths[p] / 2) does = true;
-      });
-      return does;
-    };
-    std::vector<PatchId> needles, reached;
-    for (PatchId p(0); p.value < lengths.size(); ++p.value)
-      if (lengths[p] > 0 && goes_on_sideways(p)) needles.push_back(p);
-    IdVector<PatchId, std::uint8_t> waits(lengths.size(), 0);
-    for (const PatchId p : needles) waits[p] = 1;
+    IdVector<PatchId, Needle> needles(context_.patches.count());
+    for (PatchId p(0); p.value < needles.size(); ++p.value)
+      if (is_free_[p] == 0 && is_plane(p)) needles[p] = needle_of(p);
+    IdVector<PatchId, std::uint8_t> waits(needles.size(), 0);
+    std::vector<PatchId> waiting, reached;
+    for (PatchId p(0); p.value < needles.size(); ++p.value)
+      if (needles[p].length > 0 && goes_on_sideways(p, needles)) waiting.push_back(p);
+    for (const PatchId p : waiting) waits[p] = 1;
     const auto reach = [&](PatchId p) {
       waits[p] = 0;
       is_free_[p] = 1;
       reached.push_back(p);
     };
-    for (const PatchId p : needles) {
+    for (const PatchId p : waiting) {
       bool is_beside = false;
-      for_each_border_edge(p, [&](std::uint32_t, PatchId q) { is_beside |= q.is_valid() && is_free_[q] != 0; });
+      for_each_border_edge(p,
+                           [&](std::uint32_t, FaceId g) { is_beside |= g.is_valid() && is_free_[patch_of(g)] != 0; });
       if (is_beside && waits[p] != 0) reach(p);
     }
     for (std::size_t i = 0; i < reached.size(); ++i)
-      for_each_border_edge(reached[i], [&](std::uint32_t, PatchId q) {
-        if (q.is_valid() && waits[q] != 0) reach(q);
+      for_each_border_edge(reached[i], [&](std::uint32_t, FaceId g) {
+        if (g.is_valid() && waits[patch_of(g)] != 0) reach(patch_of(g));
       });
   }
 

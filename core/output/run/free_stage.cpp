@@ -66,20 +66,6 @@ bool is_much_sharper(const FreeContext& context, const FreePart& part, const Coa
          static_cast<double>(sharp) > more + static_cast<double>(sharp_patches(context, part, min_angle_deg, control));
 }
 
-/// Returns about how many triangles there are once no angle is below the bound: a narrow one becomes a row of them.
-double triangles_needed(const IdVector<VertexId, Vec3>& positions, const IdVector<FaceId, Triangle>& faces,
-                        double min_angle_deg) {
-  const double tangent = std::tan(min_angle_deg * M_PI / 180);
-  double sum = 0;
-  for (const Triangle& t : faces) {
-    const double cosine = max_cosine({positions[t[0]], positions[t[1]], positions[t[2]]});
-    // A triangle has no angle above 60 degrees as its smallest one, and may have none at all.
-    const double squared_sine = std::clamp(1 - cosine * cosine, 0x1p-40, 0.75);
-    sum += std::max(1.0, tangent * std::fabs(cosine) / std::sqrt(squared_sine));
-  }
-  return sum;
-}
-
 /// Puts the faces that were made in the place of those of the part.
 class SurfaceMaker {
  public:
@@ -301,7 +287,7 @@ Diagnostic no_coarsening(const Coarsening& in_vain) {
     case CoarseningFault::kAngles:
       told.message += "far more triangles of " + coarser + " would have small angles";
       break;
-    case CoarseningFault::kAsManyFaces: told.message += coarser + " are no fewer"; break;
+    case CoarseningFault::kAsManyFaces: told.message += coarser + " need no fewer triangles"; break;
   }
   if (in_vain.fault == CoarseningFault::kAngles) told.message += "; another surface_tolerance may help";
   return told;
@@ -360,9 +346,10 @@ std::optional<Coarser> coarser_surface(const FreeContext& context, FreeGoals goa
   if (!proven) return std::nullopt;
   const Coarsened& made = proven->surface;
   in_vain.fault = CoarseningFault::kAsManyFaces;
-  if (triangles_needed(made.positions, made.faces, goals.min_angle_deg) >=
-      triangles_needed(part.positions, part.faces, goals.min_angle_deg))
-    return std::nullopt;
+  const auto needed = [&](const IdVector<VertexId, Vec3>& positions, const IdVector<FaceId, Triangle>& faces) {
+    return triangles_needed(positions, faces, goals.is_refined ? goals.min_angle_deg : 0, control);
+  };
+  if (needed(made.positions, made.faces) >= needed(part.positions, part.faces)) return std::nullopt;
   in_vain.fault = CoarseningFault::kAngles;
   if (!is_wanted(made)) return std::nullopt;
   in_vain.fault = CoarseningFault::kDistance;

@@ -15,6 +15,7 @@ struct FreeGoals {
   std::optional<double> elements_per_circle;  ///< how many edges an arc has per full turn; empty: any number
   double min_angle_deg = 0;  ///< no angle below this is made, except where the surface's own angles are smaller
   bool is_volume_kept = false;
+  bool is_refined = true;  ///< narrow triangles will be divided until their angles are good
 };
 
 /// A distance in the unit of the part, which is proven in the end, and the share of the distance to which samples are

@@ -35,7 +35,7 @@ enum class CoarseningFault : std::uint8_t {
   kTopology,       ///< the Euler number, the number of parts or the open edges had changed
   kIntersections,  ///< faces met that have no vertex or edge in common there
   kAngles,         ///< far more triangles would have had a small angle
-  kAsManyFaces     ///< a surface within the tolerance has no fewer faces
+  kAsManyFaces     ///< a surface within the tolerance needs no fewer triangles
 };
 
 /// Returns the faces that meet others with which they have no vertex or edge in common there, ascending, and whether

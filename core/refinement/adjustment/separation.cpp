@@ -4,7 +4,6 @@
 
 #include "core/base/stoppable.h"
 #include "core/geometry/exact/predicates.h"
-#include "core/mesh/equal_places.h"
 #include "core/triangulation/delaunay_flips.h"
 
 namespace remesh {
@@ -13,20 +12,33 @@ namespace {
 /// Counts, for every vertex, the earlier vertices at the same place.
 std::vector<std::uint32_t> count_before(const Surface& surface, const PatchMeshes& meshes,
                                         const std::vector<Vec3>& new_positions, TwinsOf of, RunControl& control) {
+  struct Place {
+    Vec3 position;
+    std::uint32_t vertex;
+  };
+  const std::size_t of_surface = surface.vertex_count(), count = of_surface + new_positions.size();
   StopCheck check(control);
-  std::vector<Vec3> positions(surface.positions.begin(), surface.positions.end());
-  positions.insert(positions.end(), new_positions.begin(), new_positions.end());
-  std::vector<std::uint8_t> is_used(positions.size(), of == TwinsOf::kSurface ? 1 : 0);
+  std::vector<std::uint8_t> is_used(count, of == TwinsOf::kSurface ? 1 : 0);
   for (const PatchMesh& patch : meshes)
     for (const VertexId v : patch.vertices) {
       check();
       is_used[v.value] = 1;
     }
-  std::vector<std::uint32_t> first(positions.size()), before(positions.size(), 0);
-  const std::vector<IndexedPlace> places = find_equal_by_sort(positions, is_used, first, control);
+  std::vector<Place> places;
+  places.reserve(static_cast<std::size_t>(std::count(is_used.begin(), is_used.end(), 1)));
+  for (std::size_t v = 0; v < count; ++v) {
+    check();
+    if (is_used[v] == 0) continue;
+    const VertexId id(static_cast<std::uint32_t>(v));
+    places.push_back({v < of_surface ? surface.positions[id] : new_positions[v - of_surface], id.value});
+  }
+  sort_stoppable(places.begin(), places.end(), control, [](const Place& a, const Place& b) {
+    return a.position != b.position ? a.position < b.position : a.vertex < b.vertex;
+  });
+  std::vector<std::uint32_t> before(count, 0);
   for (std::size_t i = 1; i < places.size(); ++i) {
     check();
-    if (places[i].position == places[i - 1].position) before[places[i].index] = before[places[i - 1].index] + 1;
+    if (places[i].position == places[i - 1].position) before[places[i].vertex] = before[places[i - 1].vertex] + 1;
   }
   return before;
 }
