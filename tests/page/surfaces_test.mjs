@@ -175,7 +175,7 @@ onPage("options of curved surfaces are hinted at, checked and sent", async (visi
   const elements = "#option-elements_per_circle";
   assert.match(
     await text(`${elements}-note`),
-    /16 is usual before volume meshing; none: .* than 32 facets per turn get 24 \(3 to 1,000\)\.$/,
+    /16 is usual before volume meshing; none: .* than 32 facets per turn get 24 \(3 to 1,000\)\./, // and what is to be expected, once that is known
   );
   const usual = await page.$eval(elements, (input) => [...input.list.options].map(({ value }) => value));
   assert.equal(usual.join(), "8,12,16,24,36");

@@ -350,7 +350,7 @@ TEST(free_stage, needles_side_by_side_become_good_triangles_and_planes_beside_th
   EXPECT_LT(narrow_area, 0.2 * area_of_needles) << "it was all of it";
   const double bound = std::max(report.distance_bound->output_to_input, report.distance_bound->input_to_output);
   EXPECT_LE(bound, 5e-4 * diagonal_of(mesh) + report.plane_tolerance);
-  EXPECT_LE(test::hausdorff(corners_of(shapes::as_triangles(mesh)), corners_of(result.mesh), 0.2 * bound), bound);
+  EXPECT_LE(test::hausdorff(corners_of(shapes::as_triangles(mesh)), corners_of(result.mesh), 0.5 * bound), bound);
 }
 
 TEST(free_stage, curved_surfaces_beside_a_free_one_are_remeshed_as_before) {
