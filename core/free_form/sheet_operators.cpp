@@ -11,14 +11,15 @@ namespace {
 constexpr double kHopeless = 40;
 /// The weight of an edge's length in its cost. Flat places become even by it.
 constexpr double kLengthWeight = 0.02;
-/// Returns the cosine that the smallest angle may have after a flip or a move, which has to pay: with small angles, it
-/// has to become larger by a tenth.
+/// The share of the tolerance that samples may use.
+constexpr double kSampleShare = 0.98;
+
+/// Returns the cosine that the smallest angle around a flip or a move may have afterwards. The angle has to become
+/// larger by something that pays; a small angle by a tenth.
 double cosine_wanted(double before) {
   constexpr double kGain = 0.005, kGainOfNeedles = 1.2;
   return std::max(before - kGain, 1 - kGainOfNeedles * (1 - before));
 }
-/// The share of the tolerance that samples may use.
-constexpr double kSampleShare = 0.98;
 
 }  // namespace
 

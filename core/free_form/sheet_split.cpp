@@ -191,7 +191,8 @@ bool SheetSplitter::split(std::uint32_t corner, Place wanted) {
   sheet.kind.push_back(chain == kNone     ? Sheet::Kind::kFree
                        : witness == kNone ? Sheet::Kind::kFixed
                                           : Sheet::Kind::kChain);
-  free_.quadrics.push_back({});  // to join the new vertex costs what its edge is long
+  // Without planes, only the length of an edge counts when the new vertex is joined with a neighbour.
+  free_.quadrics.push_back({});
   free_.source.push_back(witness == kNone ? VertexId() : witnesses.on_chains[witness].vertex);
   witnesses.of_vertex.push_back(witness);
   witnesses.of_face.resize(sheet.faces.size(), kNone);

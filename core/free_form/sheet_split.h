@@ -22,8 +22,8 @@ class SheetSplitter {
 
   /// The place at which an edge is split that is no chain edge.
   enum class Place : std::uint8_t {
-    kMiddle,
-    kInput  ///< at the place of the input nearest to the middle, if that makes no needles
+    kMiddle,  ///< the middle of the edge
+    kInput    ///< the place of the input that is nearest to the middle, or the middle if that place makes needles
   };
 
   /// Moves the vertices of faces to the nearest places of the input, if no triangle is turned over by that.

@@ -116,7 +116,7 @@ export async function startBrowser(...options) {
       "--disable-dev-shm-usage",
       "--force-device-scale-factor=1",
       "--hide-scrollbars",
-      // What is drawn is judged by its colours, and each pixel once is a tenth less work for software.
+      // The tests look at colours, so edges need not be smooth. That takes software a tenth less time.
       "--webgl-antialiasing-mode=none",
       ...options,
     ],
