@@ -32,7 +32,7 @@ std::vector<Result> map_blocks(std::size_t n, std::size_t size, RunControl& cont
     results[0] = body(std::size_t{0}, n);
     return results;
   }
-  for_all(std::size_t{0}, results.size(), [&](std::size_t block) {
+  for_all(0, results.size(), [&](std::size_t block) {
     control.check_and_move();
     results[block] = body(block * size, std::min(n, (block + 1) * size));
   });
@@ -47,7 +47,7 @@ void for_blocks(std::size_t n, std::size_t size, RunControl& control, const Body
     if (n > 0) body(std::size_t{0}, n);
     return;
   }
-  for_all(std::size_t{0}, (n + size - 1) / size, [&](std::size_t block) {
+  for_all(0, (n + size - 1) / size, [&](std::size_t block) {
     control.check_and_move();
     body(block * size, std::min(n, (block + 1) * size));
   });

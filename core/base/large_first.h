@@ -50,7 +50,7 @@ LargeFirst large_first(std::size_t n, std::size_t limit, const Work& work) {
 template <class Work, class Body>
 void for_large_first(std::size_t n, std::size_t limit, const Work& work, RunControl& control, const Body& body) {
   const LargeFirst by_work = large_first(n, limit, work);
-  for_all(std::size_t{0}, by_work.large, [&](std::size_t i) {
+  for_all(0, by_work.large, [&](std::size_t i) {
     control.check();
     body(by_work.order[i]);
   });

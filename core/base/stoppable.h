@@ -37,12 +37,12 @@ template <class Iterator, class Less = std::less<>>
 void sort_stoppable(Iterator begin, Iterator end, const RunControl& control, const Less& less = {}) {
   constexpr std::ptrdiff_t kFew = 1 << 13;
   control.check();
-  if (end - begin <= kFew) return std::sort(begin, end, less);
   // A check reads one value that hardly ever changes. Most comparisons cost more.
-  sort_all(begin, end, [&](const auto& a, const auto& b) {
+  const auto stoppable = [&](const auto& a, const auto& b) {
     control.check_comparison();
     return less(a, b);
-  });
+  };
+  sort_all(begin, end, stoppable, kFew);
 }
 
 /// Sorts the items of a vector, and leaves one of those that are equal.

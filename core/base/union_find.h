@@ -25,7 +25,7 @@ class UnionFind {
     if (n <= kBlock)
       set(0, n);
     else
-      for_all(std::size_t{0}, (n + kBlock - 1) / kBlock,
+      for_all(0, (n + kBlock - 1) / kBlock,
               [&](std::size_t block) { set(block * kBlock, std::min(n, (block + 1) * kBlock)); });
   }
 

@@ -12,11 +12,11 @@
 #include "core/base/stoppable.h"
 #include "core/free_form/input_surface.h"
 #include "core/free_form/kept_volume.h"
+#include "core/free_form/minor_features.h"
 #include "core/free_form/ordered_input.h"
 #include "core/free_form/sheet_operators.h"
 #include "core/free_form/sheet_order.h"
 #include "core/free_form/sheet_split.h"
-#include "core/free_form/short_features.h"
 
 namespace remesh {
 namespace {
@@ -223,7 +223,7 @@ std::uint64_t sweep(FreeSheet& free, const InputSurface& surface, const SheetRul
   std::vector<std::uint64_t> joined(parts, 0);
   SheetRules bounded = rules;
   bounded.max_steps = kLooks * (free.witnesses.all.size() / parts) + kLooksAlways;
-  for_all(std::size_t{0}, parts, [&](std::size_t i) {
+  for_all(0, parts, [&](std::size_t i) {
     SheetPart part(free, surface, bounded, VertexId(n * i / parts), VertexId(n * (i + 1) / parts), tried, changed,
                    control);
     part.join_vertices();
@@ -281,7 +281,7 @@ std::vector<FaceId> faces_at(const CoarseningFaults& faults, const OrderedInput&
 struct CoarseSheet::State {
   State(const FreeForm& free_form, const CoarseningGoals& goals, RunControl& control)
       : input(in_order(free_form, control)),
-        dropped(drop_short_features(input, goals.tolerance, control)),
+        dropped(drop_minor_features(input, goals.tolerance, control)),
         surface(input.positions, input.faces, input.twins, input.shares, control) {
     Box3 box;
     for (const Vec3& p : input.positions) box.add(p);

@@ -28,7 +28,7 @@ struct Coarsened {
   IdVector<FaceId, FaceId> nearest;    ///< the input's face nearest to the centroid of each face
   IdVector<FaceId, FaceId> origin;     ///< per face: one of the input from which no border divides it
   IdVector<FaceId, FaceId> answers;    ///< per face of the input: a face that has to be near some of its samples
-  std::uint64_t dropped_features = 0;  ///< edges of features that were too short to stay
+  std::uint64_t dropped_features = 0;  ///< edges of features that say nothing about the shape
 };
 
 /// The places where a coarser surface is not good enough.

@@ -21,7 +21,7 @@ struct FreeForm {
   /// Per half-edge: the kind of its edge, which is the same for both half-edges.
   enum class Edge : std::uint8_t {
     kSmooth,
-    kFeature,  ///< stays, unless it belongs to a short chain with a loose end
+    kFeature,  ///< stays, unless it says nothing about the shape: see drop_minor_features
     kBorder    ///< stays, as borders of labels do
   };
   std::span<const Edge> edges;

@@ -12,10 +12,10 @@ namespace remesh {
 
 FaceGeometries face_geometry(const Surface& surface, RunControl& control) {
   FaceGeometries result = FaceGeometries::of_size(surface.face_count());
-  for_all(tbb::blocked_range<std::size_t>(0, surface.face_count(), 8192), [&](const auto& range) {
+  for_ranges(0, surface.face_count(), 8192, [&](std::size_t begin, std::size_t end) {
     control.check();
-    prefault_pages(std::span(result.items()).subspan(range.begin(), range.size()));
-    for (std::size_t f = range.begin(); f < range.end(); ++f) {
+    prefault_pages(std::span(result.items()).subspan(begin, end - begin));
+    for (std::size_t f = begin; f < end; ++f) {
       const auto loop = surface.face(FaceId(f));
       const Vec3 origin = surface.local[loop[0]];
       Vec3 twice_area;

@@ -317,9 +317,8 @@ TriangulatedPatches mesh_patches(const Surface& surface, const Adjacency& adjace
     for (std::size_t i = begin; i < end; ++i) meshes[by_size.order[i]] = mesher.run(PatchId(by_size.order[i]));
     control.progress(static_cast<double>(done += end - begin) / static_cast<double>(n));
   };
-  for_all(std::size_t{0}, by_size.large, [&](std::size_t i) { run(i, i + 1); });
-  for_all(tbb::blocked_range<std::size_t>(by_size.large, n, 256),
-          [&](const auto& range) { run(range.begin(), range.end()); });
+  for_all(0, by_size.large, [&](std::size_t i) { run(i, i + 1); });
+  for_ranges(by_size.large, n, 256, run);
   result.meshes.items() = std::move(meshes);
   return result;
 }

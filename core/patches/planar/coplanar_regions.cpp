@@ -270,7 +270,7 @@ class Growth {
       return std::move(walk.regions);
     };
     std::vector<std::vector<NewRegion>> found(by_size.large);
-    for_all(std::size_t{0}, by_size.large, [&](std::size_t i) { found[i] = grow_some(i, i + 1); });
+    for_all(0, by_size.large, [&](std::size_t i) { found[i] = grow_some(i, i + 1); });
     for (auto& of_block : map_blocks<std::vector<NewRegion>>(
              count - by_size.large, 256, control_,
              [&](std::size_t i, std::size_t end) { return grow_some(by_size.large + i, by_size.large + end); }))

@@ -1,6 +1,5 @@
 #include "core/refinement/rounds/rounds.h"
 
-#include <tbb/blocked_range.h>
 #include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
@@ -418,9 +417,9 @@ class Rounds {
   /// Calls `body` for all items in parallel: for each large item alone, and for small items in blocks.
   template <class Body>
   static void for_each_in(const LargeFirst& items, const Body& body) {
-    for_all(std::size_t{0}, items.large, [&](std::size_t k) { body(items.order[k]); });
-    for_all(tbb::blocked_range<std::size_t>(items.large, items.order.size(), 16), [&](const auto& range) {
-      for (std::size_t k = range.begin(); k < range.end(); ++k) body(items.order[k]);
+    for_all(0, items.large, [&](std::size_t k) { body(items.order[k]); });
+    for_ranges(items.large, items.order.size(), 16, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t k = begin; k < end; ++k) body(items.order[k]);
     });
   }
 

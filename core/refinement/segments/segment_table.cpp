@@ -308,10 +308,10 @@ SegmentTable::SegmentTable(const Surface& surface, const TriangulatedPatches& tr
   std::vector<Seen> seen;
   reserve_pages(seen, sides_.size(), control);
   seen.resize(sides_.size());
-  for_all(tbb::blocked_range<std::size_t>(0, meshes.size(), 64), [&](const auto& range) {
+  for_ranges(0, meshes.size(), 64, [&](std::size_t begin, std::size_t end) {
     LocalFeatures local_features;
     std::vector<std::uint32_t> half_edges, side_of;
-    for (std::size_t p = range.begin(); p < range.end(); ++p) {
+    for (std::size_t p = begin; p < end; ++p) {
       const auto own = sides_of_patch(PatchId(p));
       const PatchMesh& patch = meshes[PatchId(p)];
       const PatchChart chart = triangulated.charts[PatchId(p)];

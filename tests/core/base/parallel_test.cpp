@@ -50,7 +50,7 @@ TEST(parallel, a_task_goes_no_further_than_its_loop_once_another_task_has_thrown
       comes_true([] { return tbb::is_current_task_group_canceling(); });
     };
     const auto loop = [&] {
-      if (kind == 0) for_all(0, 2, [&](int) { wait(); });
+      if (kind == 0) for_all(0, 2, [&](std::size_t) { wait(); });
       if (kind == 1) do_all(kItemsWorthThreads, wait, wait);
       if (kind == 2) {
         std::vector<int> numbers(10'000);

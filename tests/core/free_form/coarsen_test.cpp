@@ -177,6 +177,43 @@ TEST(coarsen, a_short_feature_with_a_loose_end_does_not_stay) {
   EXPECT_EQ(made.faces.size(), without);
 }
 
+/// A sheet that turns by an angle at each of the last lines, which are `apart`.
+Given bent_sheet(int lines, double angle_deg, double apart) {
+  const int rows = 24, columns = 8;
+  PolygonMesh mesh = shapes::sheet(2 * columns + lines - 1, rows, 2 * columns + lines - 1, rows);
+  std::vector<Vec3> profile{{-0.6, 0, 0}};
+  for (int c = 1; c <= 2 * columns + lines - 1; ++c) {
+    const int turns = std::clamp(c - columns, 0, lines);
+    const double angle = turns * angle_deg * std::numbers::pi / 180;
+    const double width = turns > 0 && turns < lines ? apart : 0.05;
+    profile.push_back(profile.back() + width * Vec3{std::cos(angle), 0, std::sin(angle)});
+  }
+  for (Vec3& p : mesh.positions) {
+    const Vec3& at = profile[static_cast<std::size_t>(std::lround(p.x))];
+    p = {at.x, 0.05 * p.y - 0.6, at.z};
+  }
+  return given(mesh, 30);
+}
+
+TEST(coarsen, facets_of_a_rounded_edge_are_no_features_if_they_are_narrow) {
+  const double tolerance = 0.005;
+  const std::uint64_t rows = 24;
+  const Given narrow = bent_sheet(3, 35, 2 * tolerance), wide = bent_sheet(3, 35, 12 * tolerance);
+  const Coarsened one = run(narrow, tolerance), other = run(wide, tolerance);
+  EXPECT_EQ(one.dropped_features, 3 * rows);
+  EXPECT_EQ(other.dropped_features, 0U);
+  EXPECT_LT(hausdorff_one_way(corners_of(one), corners_of(narrow), 0.02 * tolerance), 1.1 * tolerance);
+  EXPECT_LT(hausdorff_one_way(corners_of(narrow), corners_of(one), 0.02 * tolerance), 1.1 * tolerance);
+  // Edges that turn by more are no rounded edge, nor is one that is alone.
+  EXPECT_EQ(run(bent_sheet(2, 65, 2 * tolerance), tolerance).dropped_features, 0U);
+  EXPECT_EQ(run(bent_sheet(1, 35, 2 * tolerance), tolerance).dropped_features, 0U);
+  // Where a share of the tolerance counts, it counts for the width as well.
+  const std::vector<float> shares(narrow.faces.size(), 0.25F);
+  RunControl control;
+  const FreeForm form{narrow.positions, narrow.faces, narrow.twins, narrow.edges, shares};
+  EXPECT_EQ(CoarseSheet(form, {tolerance, 25}, control).result().dropped_features, 0U);
+}
+
 TEST(coarsen, vertices_with_other_than_one_fan_of_faces_stay) {
   const Given pages = given(shapes::three_pages(6));
   const Coarsened made = run(pages, 0.05);

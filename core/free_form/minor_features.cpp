@@ -1,8 +1,10 @@
-#include "core/free_form/short_features.h"
+#include "core/free_form/minor_features.h"
 
-#include <utility>
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
+#include "core/base/blocks.h"
 #include "core/base/stoppable.h"
 #include "core/free_form/sheet.h"
 
@@ -11,6 +13,85 @@ namespace {
 
 constexpr double kShortTolerances = 8;
 constexpr std::size_t kFewEdges = 4;
+/// A feature whose faces have normals with at least this cosine between them may belong to a rounded edge: 60 degrees.
+constexpr double kRoundedCosine = 0.5;
+/// So far from the middle of a feature, in tolerances, and over so many faces, another edge that stays is looked for.
+constexpr double kNearTolerances = 4;
+constexpr std::size_t kNearFaces = 64;
+/// Another edge runs beside the feature, and does not go on from it, if this is the largest cosine of the angle between
+/// the feature and the way to the nearest point of the other edge.
+constexpr double kBesideCosine = 0.5;
+constexpr std::size_t kFeaturesPerBlock = 256;
+
+/// The facets of rounded edges.
+class RoundedEdges {
+ public:
+  RoundedEdges(const OrderedInput& input, double tolerance) : input_(input), near_(kNearTolerances * tolerance) {}
+
+  /// Returns whether a feature is one of several that make a rounded edge together.
+  bool is_part(std::uint32_t h) const {
+    const std::uint32_t twin = input_.twins[h];
+    const FaceId f(h / 3), g(twin / 3);
+    const Vec3 n = normal(f), m = normal(g);
+    if (dot(n, m) < kRoundedCosine * norm(n) * norm(m)) return false;
+    const double near =
+        input_.shares.empty() ? near_ : near_ * std::min(input_.shares[f.value], input_.shares[g.value]);
+    const Vec3 &a = position(h), &b = position(after(h)), middle = 0.5 * (a + b);
+    std::vector<FaceId> faces{f, g};
+    for (std::size_t i = 0; i < faces.size(); ++i)
+      for (std::uint32_t e = 3 * faces[i].value; e < 3 * faces[i].value + 3; ++e) {
+        if (e == h || e == twin) continue;
+        const Vec3 to = nearest_point(middle, e) - middle;
+        if (norm(to) > near) continue;
+        const bool is_smooth = input_.twins[e] != kNone && input_.edges[e] == FreeForm::Edge::kSmooth;
+        if (!is_smooth && std::abs(dot(to, b - a)) < kBesideCosine * norm(to) * norm(b - a)) return true;
+        if (input_.twins[e] == kNone || input_.edges[e] == FreeForm::Edge::kBorder) continue;
+        const FaceId next(input_.twins[e] / 3);
+        if (faces.size() < kNearFaces && std::find(faces.begin(), faces.end(), next) == faces.end())
+          faces.push_back(next);
+      }
+    return false;
+  }
+
+ private:
+  static std::uint32_t after(std::uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
+  const Vec3& position(std::uint32_t h) const { return input_.positions[input_.faces[FaceId(h / 3)][h % 3]]; }
+  Vec3 normal(FaceId f) const {
+    const Vec3& a = position(3 * f.value);
+    return cross(position(3 * f.value + 1) - a, position(3 * f.value + 2) - a);
+  }
+  Vec3 nearest_point(const Vec3& p, std::uint32_t h) const {
+    const Vec3 &a = position(h), along = position(after(h)) - a;
+    return a + std::clamp(dot(p - a, along) / dot(along, along), 0.0, 1.0) * along;
+  }
+
+  const OrderedInput& input_;
+  double near_;
+};
+
+/// Drops the features that make rounded edges together.
+std::uint64_t drop_rounded(OrderedInput& input, double tolerance, RunControl& control) {
+  std::vector<std::uint32_t> features;
+  StopCheck check(control);
+  for (std::uint32_t h = 0; h < input.edges.size(); ++h) {
+    check();
+    if (input.edges[h] == FreeForm::Edge::kFeature && input.twins[h] != kNone && h < input.twins[h])
+      features.push_back(h);
+  }
+  const RoundedEdges rounded(input, tolerance);
+  std::vector<std::uint8_t> is_dropped(features.size());
+  for_blocks(features.size(), kFeaturesPerBlock, control, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) is_dropped[i] = rounded.is_part(features[i]) ? 1 : 0;
+  });
+  std::uint64_t dropped = 0;
+  for (std::size_t i = 0; i < features.size(); ++i) {
+    if (is_dropped[i] == 0) continue;
+    const std::uint32_t h = features[i];
+    input.edges[h] = input.edges[input.twins[h]] = FreeForm::Edge::kSmooth;
+    ++dropped;
+  }
+  return dropped;
+}
 
 /// The edges that stay, as a graph.
 class BarrierGraph {
@@ -119,11 +200,12 @@ class BarrierGraph {
 
 }  // namespace
 
-std::uint64_t drop_short_features(OrderedInput& input, double tolerance, RunControl& control) {
+std::uint64_t drop_minor_features(OrderedInput& input, double tolerance, RunControl& control) {
+  const std::uint64_t rounded = drop_rounded(input, tolerance, control);
   BarrierGraph barriers(input, control);
   const double short_length = kShortTolerances * tolerance;
   const std::uint64_t loose = barriers.drop_loose(short_length);
-  return loose + barriers.drop_closed(short_length);
+  return rounded + loose + barriers.drop_closed(short_length);
 }
 
 }  // namespace remesh
