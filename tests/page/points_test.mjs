@@ -1,5 +1,6 @@
 // What people asked the page for, point by point: on a wide screen and on a phone, light and dark, by mouse and by keys.
-// Two combinations have each of these once. With REMESHD_PAGE_ALL, as `./dev page-points` sets it, there are all eight.
+// Two combinations have each of these once, and points take turns with them. With REMESHD_PAGE_ALL, as `./dev page-points`
+// sets it, each point is tested in all eight.
 import assert from "node:assert/strict";
 import { readFileSync, rmSync } from "node:fs";
 import { join } from "node:path";
@@ -72,9 +73,12 @@ function hands({ page }, by) {
   };
 }
 
-/** A test for each combination, with a page of its own. */
+let points = 0;
+
+/** A test with a page of its own: for the combination whose turn it is, or for all of them. */
 function onAll(name, run) {
-  for (const { by, ...options } of kCombinations) {
+  const combinations = process.env.REMESHD_PAGE_ALL ? kCombinations : [kCombinations[points++ % kCombinations.length]];
+  for (const { by, ...options } of combinations) {
     onPage(
       `${name} (${options.width}, ${options.scheme}, ${by})`,
       (visitor) => run({ ...visitor, ...options, ...hands(visitor, by), by }),
@@ -258,7 +262,7 @@ onAll("advice is a button, and the distance is a figure and a colour", async (on
   const { page, open, text, press, choose, view, waitForText } = on;
   const file = everything();
   await open(file, kFaces);
-  await press(".more summary");
+  await (on.by === "mouse" ? on.unfold(".more") : press(".more summary"));
   await page.focus("#option-elements_per_circle");
   await page.keyboard.type("none");
   await press("#run");

@@ -263,6 +263,14 @@ export async function openPage(
       await page.keyboard.press("Backspace");
       if (value !== "") await page.type(selector, value);
     },
+    /** Opens a part of the page that is folded. A click misses its heading if the page grows above it just then. */
+    async unfold(selector) {
+      await eventually(async () => {
+        const isOpen = () => page.$eval(selector, (details) => details.open);
+        if (!(await isOpen())) await page.click(`${selector} > summary`);
+        assert.ok(await isOpen(), `${selector} is folded`);
+      });
+    },
     async run() {
       await page.click("#run");
       await self.waitForText("#status", /^Remeshed in/);

@@ -158,9 +158,10 @@ onPage("an analysis tells the surfaces, and draws none", async ({ page, open, ta
   assert.equal(difference(before, await view("before")), 0);
 });
 
-onPage("with a feature angle of 0 each facet is a surface of its own", async ({ page, open, type, run, tab, text }) => {
+onPage("with a feature angle of 0 each facet is a surface of its own", async (visitor) => {
+  const { page, open, type, run, tab, text } = visitor;
   await open(shaft(), /^120 faces$/);
-  await page.click(".more summary");
+  await visitor.unfold(".more");
   assert.match(await text("#option-feature_angle_deg-note"), /features.*curved surface.*\(0 to 180\)/);
   await type("#option-feature_angle_deg", "0");
   await run();
@@ -171,7 +172,7 @@ onPage("with a feature angle of 0 each facet is a surface of its own", async ({ 
 onPage("options of curved surfaces are hinted at, checked and sent", async (visitor) => {
   const { page, open, type, run, tab, text, waitForText } = visitor;
   await open(shaft(), /^120 faces$/);
-  await page.click(".more summary");
+  await visitor.unfold(".more");
   const elements = "#option-elements_per_circle";
   assert.match(
     await text(`${elements}-note`),
