@@ -138,6 +138,18 @@ double number_in(std::string_view summary, std::string_view name) {
   return 0;
 }
 
+/// Names the faces that are left out of the proven distance.
+std::string not_counted(const Report& report) {
+  const auto has = [&](DiagnosticCode code) {
+    return std::any_of(report.diagnostics.begin(), report.diagnostics.end(),
+                       [&](const Diagnostic& d) { return d.code == code; });
+  };
+  std::string text;
+  if (has(DiagnosticCode::kDroppedPieces)) text += ", without what the union dropped";
+  if (has(DiagnosticCode::kClosedHole)) text += ", without what closes holes";
+  return text;
+}
+
 /// Describes a result in one to three lines.
 /// Input:  `given` has the options that the user has given. A remedy is not named if all its options are among them.
 /// Output: the first line has the numbers of faces, the least angle and the proven distance. The second line says what
@@ -148,7 +160,7 @@ std::vector<std::string> outcome_lines(const Report& report, const api::Fields& 
   std::vector<std::string> lines{
       first_line(report.input.faces, report.output.faces, report.output.quality.min_angle_deg) +
       "; input and result are at most " + number_text(std::max(bound.output_to_input, bound.input_to_output), 3) +
-      " apart (proven)"};
+      " apart (proven" + not_counted(report) + ")"};
   for (std::string line : {missed(report), advice(report, given)})
     if (!line.empty()) lines.push_back(std::move(line));
   return lines;

@@ -108,6 +108,7 @@ class PlaneCut {
     double largest = 0;
     std::vector<Outline> outlines;
     for (const std::uint32_t f : faces) {
+      control_.check();
       const Vec3 of_face = twice_area_of(soup_, FaceId(f));
       if (dot(of_face, of_face) > largest) normal = of_face;
       largest = std::max(largest, dot(of_face, of_face));
@@ -134,6 +135,7 @@ class PlaneCut {
     std::vector<std::pair<VertexId, VertexId>> lines;
     vertices_.clear();
     for (std::size_t i = 0; i < faces.size(); ++i) {
+      control_.check();
       if (outlines[i].empty()) continue;
       for (const auto& [a, b] : outlines[i]) lines.push_back(std::minmax(a, b));
       if (!with_constraints) continue;
@@ -143,14 +145,12 @@ class PlaneCut {
         if (a != b) lines.push_back(std::minmax(a, b));
       }
     }
-    std::sort(lines.begin(), lines.end());
-    lines.erase(std::unique(lines.begin(), lines.end()), lines.end());
+    sort_unique(lines, control_);
     for (const auto& [a, b] : lines) vertices_.insert(vertices_.end(), {a, b});
-    std::sort(vertices_.begin(), vertices_.end());
-    vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
+    sort_unique(vertices_, control_);
     std::vector<std::pair<Vec2, VertexId>> places;
     for (const VertexId v : vertices_) places.push_back({project(soup_.positions[v.value]), v});
-    std::sort(places.begin(), places.end());
+    sort_stoppable(places.begin(), places.end(), control_);
     uv_.clear();
     std::vector<std::uint32_t> number(vertices_.size());
     for (std::uint32_t i = 0; i < places.size(); ++i) {
@@ -177,7 +177,7 @@ class PlaneCut {
     using HalfEdge = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>;
     std::vector<HalfEdge> half_edges;
     for (std::uint32_t h = 0; h < mesh_.half_edge_count(); ++h) half_edges.push_back({mesh_.from(h), mesh_.to(h), h});
-    std::sort(half_edges.begin(), half_edges.end());
+    sort_stoppable(half_edges.begin(), half_edges.end(), control_);
     const auto find = [&](VertexId from, VertexId to) {
       const std::uint32_t a = number_[index_of(from)], b = number_[index_of(to)];
       const auto at = std::lower_bound(half_edges.begin(), half_edges.end(), HalfEdge{a, b, 0});

@@ -205,7 +205,8 @@ class Judge {
       const std::size_t f = below(input_.face_count());
       // A face without area may be dropped, and a face that is not plane may be cut in several ways.
       if (input_.height(f) <= 2 * reach_ || input_.thickness(f) > reach_ || input_.has_spike(f, reach_)) continue;
-      if (may_be_listed(f, DiagnosticCode::kDuplicateFace)) continue;
+      if (may_be_listed(f, DiagnosticCode::kDuplicateFace) || may_be_listed(f, DiagnosticCode::kDroppedPieces))
+        continue;
       const Vec3 p = i % 2 == 0 ? input_.positions()[input_.face(f)[0]] : input_.sample(f, random_);
       furthest = std::max(furthest, output_.distance(p));
     }

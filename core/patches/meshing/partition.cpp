@@ -73,9 +73,10 @@ PatchSet take_joined_patches(Partition& partition, Prepared& prepared, CurvedPat
 }
 
 std::vector<std::uint8_t> find_simple_patches(const Partition& partition, const PatchMeshes& meshes) {
-  std::vector<std::uint8_t> is_simple;
-  is_simple.reserve(meshes.size());
-  for (const PatchMesh& mesh : meshes) is_simple.push_back(mesh.reason == PatchReason::kNone);
+  std::vector<std::uint8_t> is_simple(partition.patches.count(), 0);
+  if (meshes.size() != 0)
+    for (PatchId p(0); p.value < is_simple.size(); ++p.value)
+      is_simple[p.value] = meshes[p].reason == PatchReason::kNone;
   for (const PatchId p : partition.with_thin_faces) is_simple[p.value] = 0;
   return is_simple;
 }

@@ -54,7 +54,7 @@ PatchSet take_joined_patches(Partition& partition, Prepared& prepared, CurvedPat
 
 /// Returns which patches cover nothing twice in their plane: their loops do not cross, and none of their faces is so
 /// thin that it may be turned over.
-/// Input:   one mesh per patch.
+/// Input:   one mesh per patch, or none if there are none yet. Then no patch counts as one that covers nothing twice.
 std::vector<std::uint8_t> find_simple_patches(const Partition& partition, const PatchMeshes& meshes);
 
 /// Returns the patches that could not be triangulated, and the reasons.

@@ -292,7 +292,11 @@ TEST(free_stage, planes_beside_a_free_surface_keep_their_planes) {
   Options options = within(1e-3);
   for (const bool refine : {false, true}) {
     options.refine = refine;
+    options.defeature_size.reset();
     const Result result = remeshed(mesh, options);
+    // Nothing is triangulated then before the stage.
+    options.defeature_size = 0;
+    EXPECT_EQ(remeshed(mesh, options).mesh.faces, result.mesh.faces);
     const Report& report = result.report;
     EXPECT_TRUE(report.verified.all_true());
     EXPECT_TRUE(is_told_coarser(result));
