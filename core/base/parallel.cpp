@@ -6,6 +6,7 @@
 #include <tbb/task_group.h>
 
 #include <bit>
+#include <new>
 
 #include "core/base/error.h"
 
@@ -42,6 +43,19 @@ void run_ranges(std::size_t begin, std::size_t end, std::size_t few,
     tbb::parallel_for(tbb::blocked_range<std::size_t>(begin, end, few),
                       [&](const auto& range) { call(body, range.begin(), range.end()); });
   });
+}
+
+void run_all_ranges(std::size_t end, std::size_t few, void (*call)(const void* body, std::size_t from, std::size_t to),
+                    const void* body) noexcept {
+  try {
+    tbb::this_task_arena::isolate([&] {
+      tbb::task_group_context own(tbb::task_group_context::isolated);
+      tbb::parallel_for(
+          tbb::blocked_range<std::size_t>(0, end, few),
+          [&](const auto& range) { call(body, range.begin(), range.end()); }, own);
+    });
+  } catch (const std::bad_alloc&) {
+  }
 }
 
 void run_sort(const SortSteps& steps, std::size_t n) {

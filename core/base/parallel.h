@@ -8,6 +8,7 @@
 #include <functional>
 #include <iterator>
 #include <utility>
+#include <vector>
 
 namespace remesh {
 namespace parallel {
@@ -16,6 +17,11 @@ namespace parallel {
 /// items is not divided.
 void run_ranges(std::size_t begin, std::size_t end, std::size_t few,
                 void (*call)(const void* body, std::size_t from, std::size_t to), const void* body);
+
+/// Does the same for [0, end), whether or not the caller's group of tasks has been cancelled. If there is no memory for
+/// tasks, some ranges are left out.
+void run_all_ranges(std::size_t end, std::size_t few, void (*call)(const void* body, std::size_t from, std::size_t to),
+                    const void* body) noexcept;
 
 /// The steps of sorting the items begin .. end - 1 of a row.
 struct SortSteps {
@@ -111,5 +117,35 @@ void do_all(std::size_t items, const Parts&... parts) {
       [](const void* part) { (*static_cast<const Parts*>(part))(); }...};
   for_all(0, all.size(), [&](std::size_t i) { calls[i](all[i]); });
 }
+
+/// Empties a vector whose items own memory, in parallel. Freeing the memory of a million patches takes a tenth of a
+/// second, which a cancelled run would still have to wait for.
+/// Holds:  nothing is thrown. The work is parallel even if the caller's group of tasks has been cancelled, but not if
+///         there is no memory for tasks.
+template <class T>
+void free_in_parallel(std::vector<T>& items) noexcept {
+  constexpr std::size_t kFew = 1 << 12;
+  T* const first = items.data();
+  if (items.size() > kFew)
+    parallel::run_all_ranges(
+        items.size(), kFew,
+        [](const void* all, std::size_t from, std::size_t to) {
+          for (std::size_t i = from; i < to; ++i) const T gone = std::move((*static_cast<T* const*>(all))[i]);
+        },
+        &first);
+  // The items that are left are freed with the vector.
+  std::vector<T>().swap(items);
+}
+
+/// A vector that is emptied by free_in_parallel when it goes out of scope.
+template <class T>
+struct FreedInParallel {
+  FreedInParallel() = default;
+  ~FreedInParallel() { free_in_parallel(items); }
+  FreedInParallel(const FreedInParallel&) = delete;
+  FreedInParallel& operator=(const FreedInParallel&) = delete;
+
+  std::vector<T> items;
+};
 
 }  // namespace remesh

@@ -133,8 +133,9 @@ class Judge {
   }
 
   void check_edges() {
-    const bool is_rewound =
-        has(report_, DiagnosticCode::kInconsistentWinding) || has(report_, DiagnosticCode::kDuplicateFace);
+    // Faces that lie on each other may become one, whatever their sides.
+    const bool is_rewound = has(report_, DiagnosticCode::kInconsistentWinding) ||
+                            has(report_, DiagnosticCode::kDuplicateFace) || has(report_, DiagnosticCode::kSharedFaces);
     if (is_clean_ && input_.is_closed_manifold()) {
       if (!output_.is_closed_manifold()) object("opened", "the input is closed and manifold, and the output is not");
       // The number falls where the two sides of a flap or a closed part of its own went as details.

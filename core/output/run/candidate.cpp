@@ -4,7 +4,7 @@
 #include <optional>
 #include <utility>
 
-#include "core/base/parallel_free.h"
+#include "core/base/parallel.h"
 #include "core/base/stoppable.h"
 #include "core/mending/polygons/triangulated.h"
 #include "core/refinement/adjustment/lifting.h"

@@ -98,17 +98,23 @@ class SurfaceMaker {
     return part_.face[part_.region[nearest] == part_.region[origin] ? nearest : origin];
   }
 
-  /// Finds the faces of the surface before that are still there. A face of a plane has changed if it has lost a corner.
+  /// Finds the faces of the surface before that are still there: those of planes whose triangles are as they were. That
+  /// all corners are there is not enough: where faces are split, lost corners may come back, and a face may have
+  /// several others in its place, one of which has the same corners.
   void find_what_stays() {
-    IdVector<VertexId, std::uint8_t> is_there(part_.positions.size(), 0);
-    for (const VertexId v : made_.source)
-      if (v.is_valid()) is_there[v] = 1;
-    stays_.assign(before_.face_count(), 1);
-    for (FaceId f(0); f.value < part_.faces.size(); ++f.value) {
-      const auto is_gone = [&](VertexId v) { return is_there[v] == 0; };
-      if (part_.is_free(f) || std::any_of(part_.faces[f].begin(), part_.faces[f].end(), is_gone))
-        stays_[part_.face[f]] = 0;
+    enum class State : std::uint8_t { kGone, kThere, kChanged };
+    IdVector<FaceId, State> state(part_.faces.size(), State::kGone);
+    for (FaceId f(0); f.value < made_.faces.size(); ++f.value) {
+      const Triangle &corners = made_.faces[f], &before = part_.faces[made_.origin[f]];
+      const Triangle now{made_.source[corners[0]], made_.source[corners[1]], made_.source[corners[2]]};
+      const bool is_same = now == before || now == Triangle{before[1], before[2], before[0]} ||
+                           now == Triangle{before[2], before[0], before[1]};
+      State& of_origin = state[made_.origin[f]];
+      of_origin = is_same && of_origin == State::kGone ? State::kThere : State::kChanged;
     }
+    stays_.assign(before_.face_count(), 1);
+    for (FaceId f(0); f.value < part_.faces.size(); ++f.value)
+      if (part_.is_free(f) || state[f] != State::kThere) stays_[part_.face[f]] = 0;
   }
 
   void order_faces() {
@@ -262,6 +268,14 @@ class SurfaceMaker {
 
 namespace {
 
+Topology topology_of(const Surface& surface, RunControl& control) {
+  const Triangulated triangles(surface, control);
+  TriangleMesh mesh;
+  mesh.positions.items() = {surface.local.items().begin(), surface.local.items().end()};
+  for (std::size_t t = 0; t < triangles.size(); ++t) mesh.faces.push_back(triangles.triangle(t));
+  return Topology(mesh, control);
+}
+
 /// Returns the option that has asked for a coarser surface, with its value.
 std::string option_in_force(const Coarsening& done, const Options& options) {
   const std::string within = number_text(done.tolerance);
@@ -365,6 +379,9 @@ std::optional<Coarser> coarser_surface(const FreeContext& context, FreeGoals goa
                                        coarser.replaced.surface.positions.items().end()),
                      control))
     return std::nullopt;
+  // What was proven is the part.
+  in_vain.fault = CoarseningFault::kTopology;
+  if (topology_of(coarser.replaced.surface, control) != topology_of(before, control)) return std::nullopt;
   coarser.done.tolerance = tolerance;
   coarser.done.distance = distance;
   coarser.replaced.volume = volume_change(part, made, before);

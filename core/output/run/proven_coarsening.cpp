@@ -43,21 +43,6 @@ constexpr int kMaxBoxes = 4096;
 /// The number of rings of faces around a face at fault that get the smaller share as well.
 constexpr int kRingsAround = 2;
 
-/// The facts about a surface that must not change.
-struct Topology {
-  Topology(const IdVector<VertexId, Vec3>& positions, const IdVector<FaceId, Triangle>& faces, RunControl& control) {
-    const MeshStatistics measured = measure_surface(TriangleMesh{positions, faces, {}}, control);
-    euler = measured.euler;
-    components = measured.components;
-    is_closed = measured.closed;
-  }
-  bool operator==(const Topology&) const = default;
-
-  std::int64_t euler = 0;
-  std::uint64_t components = 0;
-  bool is_closed = false;
-};
-
 /// The normals of the faces in a box. Around a face, most boxes have normals that are much the same.
 struct Directions {
   FloatBox box;
@@ -204,6 +189,13 @@ std::size_t count(const CoarseningFaults& faults) {
 
 }  // namespace
 
+Topology::Topology(const TriangleMesh& mesh, RunControl& control) {
+  const MeshStatistics measured = measure_surface(mesh, control);
+  euler = measured.euler;
+  components = measured.components;
+  is_closed = measured.closed;
+}
+
 std::pair<std::vector<FaceId>, bool> crossing_faces(const FreeForm& input, const Coarsened& made,
                                                     std::span<const Vec3> places, const FacesAround& around,
                                                     RunControl& control) {
@@ -253,7 +245,7 @@ std::optional<ProvenCoarsening> coarsen_with_proof(const FreeForm& input, const 
                                                    const CoarseningGoals& goals, const IsWanted& is_wanted,
                                                    const LastFaults& last_faults, CoarseningFault& fault,
                                                    RunControl& control) {
-  const Topology before(input.positions, input.faces, control);
+  const Topology before({input.positions, input.faces, {}}, control);
   FaceShares shares(input);
   // Where the tolerance is another one at each place, it is large on thin sheets that are flat.
   bool are_gaps_known = !input.shares.empty();
@@ -275,7 +267,7 @@ std::optional<ProvenCoarsening> coarsen_with_proof(const FreeForm& input, const 
           crossing_faces(input, surface, surface.positions.items(), around, control);
       if (count(faults) == 0 && are_all_known) {
         fault = CoarseningFault::kTopology;
-        if (Topology(surface.positions, surface.faces, control) != before) return std::nullopt;
+        if (Topology({surface.positions, surface.faces, {}}, control) != before) return std::nullopt;
         fault = CoarseningFault::kNone;
         faults = last_faults(surface);
         if (count(faults) == 0) return ProvenCoarsening{sheet.take_result(), made};

@@ -9,9 +9,12 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/ids.h"
 #include "core/base/run_control.h"
+#include "core/base/vec.h"
 #include "core/free_form/coarsen.h"
 #include "core/free_form/free_form.h"
+#include "core/mesh/mesh.h"
 
 namespace remesh {
 
@@ -36,6 +39,17 @@ enum class CoarseningFault : std::uint8_t {
   kIntersections,  ///< faces met that have no vertex or edge in common there
   kAngles,         ///< far more triangles would have had a small angle
   kAsManyFaces     ///< a surface within the tolerance needs no fewer triangles
+};
+
+/// The facts about a surface that must not change.
+struct Topology {
+  /// Errors: kCancelled, kTimeout - asked to stop through `control`.
+  Topology(const TriangleMesh& mesh, RunControl& control);
+  bool operator==(const Topology&) const = default;
+
+  std::int64_t euler;
+  std::uint64_t components;
+  bool is_closed;
 };
 
 /// Returns the faces that meet others with which they have no vertex or edge in common there, ascending, and whether

@@ -9,7 +9,6 @@
 
 #include "core/base/large_first.h"
 #include "core/base/parallel.h"
-#include "core/base/parallel_free.h"
 #include "core/base/prefault_pages.h"
 #include "core/base/ranked_ids.h"
 #include "core/base/stoppable.h"

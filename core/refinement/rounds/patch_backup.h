@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/base/ids.h"
-#include "core/base/parallel_free.h"
+#include "core/base/parallel.h"
 #include "core/patch_types/patch_mesh.h"
 
 namespace remesh {

@@ -15,7 +15,7 @@
 #include "core/base/blocks.h"
 #include "core/base/ids.h"
 #include "core/base/large_first.h"
-#include "core/base/parallel_free.h"
+#include "core/base/parallel.h"
 #include "core/base/run_control.h"
 #include "core/base/stoppable.h"
 #include "core/patch_types/patch_mesh.h"

@@ -4,16 +4,20 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
+#include <iterator>
 #include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "core/io/mesh_files.h"
 #include "tests/support/free_shapes.h"
 #include "tests/support/hausdorff.h"
 #include "tests/support/random.h"
 #include "tests/support/remeshed.h"
 #include "tests/support/shapes.h"
+#include "tests/support/shared_meshes.h"
 
 namespace remesh {
 namespace {
@@ -321,6 +325,22 @@ TEST(free_stage, planes_beside_a_free_surface_keep_their_planes) {
         test::hausdorff(upper_faces(shapes::triangles(mesh), box), upper_faces(result.mesh, box), 0.2 * tolerance),
         tolerance * (1 + 1e-9));
   }
+}
+
+TEST(free_stage, planes_beside_a_free_surface_lose_no_faces_where_that_is_split_again) {
+  if (!test::has_shared_mesh("broken/conrod.stl")) return;
+  std::ifstream file(test::shared_meshes_folder() / "broken/conrod.stl", std::ios::binary);
+  const std::string content{std::istreambuf_iterator<char>(file), {}};
+  RunControl control;
+  const PolygonMesh mesh = read_mesh(Format::kStl, content, ReadLimits{}, control).mesh;
+  Options options = within(1e-2);
+  options.refine = false;
+  const Result coarser = remeshed(mesh, options);
+  EXPECT_TRUE(is_told_coarser(coarser));
+  options.surface_tolerance_fraction = 0;
+  const Result facets = remeshed(mesh, options);
+  EXPECT_EQ(coarser.report.output.euler, facets.report.output.euler);
+  EXPECT_EQ(coarser.report.output.boundary_edges, facets.report.output.boundary_edges);
 }
 
 /// CAD programs make needles where a surface is straight in one direction.
