@@ -138,15 +138,13 @@ double number_in(std::string_view summary, std::string_view name) {
   return 0;
 }
 
-/// Names the faces that are left out of the proven distance.
+/// Names what the union dropped and what closes holes, which the proven distance leaves out.
 std::string not_counted(const Report& report) {
-  const auto has = [&](DiagnosticCode code) {
-    return std::any_of(report.diagnostics.begin(), report.diagnostics.end(),
-                       [&](const Diagnostic& d) { return d.code == code; });
-  };
+  const bool are_holes_closed = std::any_of(report.diagnostics.begin(), report.diagnostics.end(),
+                                            [](const Diagnostic& d) { return d.code == DiagnosticCode::kClosedHole; });
   std::string text;
-  if (has(DiagnosticCode::kDroppedPieces)) text += ", without what the union dropped";
-  if (has(DiagnosticCode::kClosedHole)) text += ", without what closes holes";
+  if (report.solids && report.solids->dropped > 0) text += ", without what the union dropped";
+  if (are_holes_closed) text += ", without what closes holes";
   return text;
 }
 

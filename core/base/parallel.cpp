@@ -13,8 +13,8 @@
 namespace remesh::parallel {
 namespace {
 
-/// Rows of at most so many items are sorted by one thread.
-constexpr std::size_t kFewToSort = 1024;
+/// Parts of at most so many items are sorted by one thread.
+constexpr std::size_t kFewToSort = kItemsWorthThreads;
 
 template <class Loop>
 void run_loop(const Loop& loop) {

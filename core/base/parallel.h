@@ -1,5 +1,5 @@
-/// Parallel loops and sorts, in a form that may be nested. What they run is called through pointers, so that no source
-/// compiles TBB's templates for itself: that took a third of the time to compile the core.
+/// Parallel loops and sorts, in a form that may be nested. What they run is called through pointers, so that sources do
+/// not compile TBB's loops for themselves: that took a third of the time to compile the core.
 #pragma once
 
 #include <algorithm>
@@ -27,8 +27,8 @@ void run_all_ranges(std::size_t end, std::size_t few, void (*call)(const void* b
 struct SortSteps {
   const void* row;
   void (*sort)(const void* row, std::size_t begin, std::size_t end);
-  /// Puts items below one of them before it, and those above it behind.
-  /// Output: where the others begin and end, which are equal to it.
+  /// Puts items below one of them before it, and all others behind.
+  /// Output: where items begin and end that are equal to it and need no more sorting. There may be others behind them.
   std::pair<std::size_t, std::size_t> (*divide)(const void* row, std::size_t begin, std::size_t end);
 };
 void run_sort(const SortSteps& steps, std::size_t n);

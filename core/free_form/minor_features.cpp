@@ -15,12 +15,12 @@ constexpr double kShortTolerances = 8;
 constexpr std::size_t kFewEdges = 4;
 /// A feature whose faces have normals with at least this cosine between them may belong to a rounded edge: 60 degrees.
 constexpr double kRoundedCosine = 0.5;
-/// So far from the middle of a feature, in tolerances, and over so many faces, another edge that stays is looked for.
+/// Other edges are looked for within so many tolerances of the middle of a feature, and over so many faces.
 constexpr double kNearTolerances = 4;
 constexpr std::size_t kNearFaces = 64;
-/// Another edge runs beside the feature, and does not go on from it, if this is the largest cosine of the angle between
-/// the feature and the way to the nearest point of the other edge.
-constexpr double kBesideCosine = 0.5;
+/// Another edge runs beside the feature if the angle between the two has at least the first cosine, and that between
+/// the feature and the way to the nearest point of the other edge less than the second one.
+constexpr double kAlongCosine = 0.7, kBesideCosine = 0.25;
 constexpr std::size_t kFeaturesPerBlock = 256;
 
 /// The facets of rounded edges.
@@ -28,7 +28,8 @@ class RoundedEdges {
  public:
   RoundedEdges(const OrderedInput& input, double tolerance) : input_(input), near_(kNearTolerances * tolerance) {}
 
-  /// Returns whether a feature is one of several that make a rounded edge together.
+  /// Returns whether another feature, border or open edge runs beside a feature, so that the two are facets of a
+  /// rounded edge, or as good as that within the tolerance.
   bool is_part(std::uint32_t h) const {
     const std::uint32_t twin = input_.twins[h];
     const FaceId f(h / 3), g(twin / 3);
@@ -44,7 +45,8 @@ class RoundedEdges {
         const Vec3 to = nearest_point(middle, e) - middle;
         if (norm(to) > near) continue;
         const bool is_smooth = input_.twins[e] != kNone && input_.edges[e] == FreeForm::Edge::kSmooth;
-        if (!is_smooth && std::abs(dot(to, b - a)) < kBesideCosine * norm(to) * norm(b - a)) return true;
+        if (!is_smooth && is_along(e, b - a) && std::fabs(dot(to, b - a)) < kBesideCosine * norm(to) * norm(b - a))
+          return true;
         if (input_.twins[e] == kNone || input_.edges[e] == FreeForm::Edge::kBorder) continue;
         const FaceId next(input_.twins[e] / 3);
         if (faces.size() < kNearFaces && std::find(faces.begin(), faces.end(), next) == faces.end())
@@ -59,6 +61,10 @@ class RoundedEdges {
   Vec3 normal(FaceId f) const {
     const Vec3& a = position(3 * f.value);
     return cross(position(3 * f.value + 1) - a, position(3 * f.value + 2) - a);
+  }
+  bool is_along(std::uint32_t h, const Vec3& way) const {
+    const Vec3 along = position(after(h)) - position(h);
+    return std::fabs(dot(along, way)) >= kAlongCosine * norm(along) * norm(way);
   }
   Vec3 nearest_point(const Vec3& p, std::uint32_t h) const {
     const Vec3 &a = position(h), along = position(after(h)) - a;

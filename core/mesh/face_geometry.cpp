@@ -1,7 +1,5 @@
 #include "core/mesh/face_geometry.h"
 
-#include <tbb/blocked_range.h>
-
 #include <cmath>
 #include <span>
 

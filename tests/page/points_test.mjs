@@ -1,6 +1,6 @@
 // What people asked the page for, point by point: on a wide screen and on a phone, light and dark, by mouse and by keys.
-// Two combinations have each of these once, and points take turns with them. With REMESHD_PAGE_ALL, as `./dev page-points`
-// sets it, each point is tested in all eight.
+// Each point is tested in one of two combinations, in turn, which together have each of these once. With
+// REMESHD_PAGE_ALL, as `./dev page-points` sets it, each point is tested in all eight.
 import assert from "node:assert/strict";
 import { readFileSync, rmSync } from "node:fs";
 import { join } from "node:path";

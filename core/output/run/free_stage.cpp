@@ -104,7 +104,9 @@ class SurfaceMaker {
   void find_what_stays() {
     enum class State : std::uint8_t { kGone, kThere, kChanged };
     IdVector<FaceId, State> state(part_.faces.size(), State::kGone);
+    StopCheck check(control_);
     for (FaceId f(0); f.value < made_.faces.size(); ++f.value) {
+      check();
       const Triangle &corners = made_.faces[f], &before = part_.faces[made_.origin[f]];
       const Triangle now{made_.source[corners[0]], made_.source[corners[1]], made_.source[corners[2]]};
       const bool is_same = now == before || now == Triangle{before[1], before[2], before[0]} ||
@@ -113,8 +115,10 @@ class SurfaceMaker {
       of_origin = is_same && of_origin == State::kGone ? State::kThere : State::kChanged;
     }
     stays_.assign(before_.face_count(), 1);
-    for (FaceId f(0); f.value < part_.faces.size(); ++f.value)
+    for (FaceId f(0); f.value < part_.faces.size(); ++f.value) {
+      check();
       if (part_.is_free(f) || state[f] != State::kThere) stays_[part_.face[f]] = 0;
+    }
   }
 
   void order_faces() {
@@ -209,10 +213,18 @@ class SurfaceMaker {
   /// Tells which input faces the new faces cover: those for which each answers, or else the one next to it.
   void cover() {
     Surface& after = coarser_.replaced.surface;
-    const std::size_t n = made_.faces.size();
+    const std::size_t n = order_.size();
+    // The places of faces among the new ones. What was made of a face that stays is not among them, but that face is.
+    FilledIdVector<FaceId, std::uint32_t> of_made, of_kept;
+    of_made.assign(made_.faces.size(), kNone);
+    of_kept.assign(before_.face_count(), kNone);
+    for (std::uint32_t i = 0; i < n; ++i) (order_[i].is_made ? of_made : of_kept)[order_[i].face] = i;
+    const auto place_of = [&](FaceId f) -> std::size_t {
+      return of_made[f] != kNone ? of_made[f] : of_kept[part_.face[made_.origin[f]]];
+    };
     // A face without an answer is covered by the first one of its region.
     std::vector<FaceId> first_of_region;
-    for (FaceId f(0); f.value < n; ++f.value) {
+    for (FaceId f(0); f.value < made_.faces.size(); ++f.value) {
       const std::uint32_t region = part_.region[made_.origin[f]];
       if (region >= first_of_region.size()) first_of_region.resize(region + 1);
       if (!first_of_region[region].is_valid()) first_of_region[region] = f;
@@ -223,9 +235,9 @@ class SurfaceMaker {
           const FaceId f(g);
           if (stays_[part_.face[f]] != 0) return n;
           const FaceId by = made_.answers[f];
-          if (by.is_valid() && part_.region[made_.origin[by]] == part_.region[f]) return by.value;
+          if (by.is_valid() && part_.region[made_.origin[by]] == part_.region[f]) return place_of(by);
           const FaceId first = first_of_region[part_.region[f]];
-          return first.is_valid() ? std::size_t{first.value} : n;
+          return first.is_valid() ? place_of(first) : n;
         },
         control_);
     CoveredFaces covers;
@@ -235,17 +247,15 @@ class SurfaceMaker {
       covers.faces.insert(covers.faces.end(), covered.begin(), covered.end());
     };
     StopCheck check(control_);
-    for (const NewFace& face : order_) {
+    for (std::size_t i = 0; i < n; ++i) {
+      const NewFace& face = order_[i];
       const std::size_t begin = covers.faces.size();
-      if (face.is_made) {
-        for (const std::uint32_t g : answered[face.face.value]) {
-          check();
-          add(part_.face[FaceId(g)]);
-        }
-        if (covers.faces.size() == begin) add(source_face(face.face));
-      } else {
-        add(face.face);
+      if (!face.is_made) add(face.face);
+      for (const std::uint32_t g : answered[i]) {
+        check();
+        add(part_.face[FaceId(g)]);
       }
+      if (covers.faces.size() == begin) add(source_face(face.face));
       covers.begin.push_back(covers.faces.size());
     }
     after.covers = std::move(covers);
@@ -270,6 +280,8 @@ namespace {
 
 Topology topology_of(const Surface& surface, RunControl& control) {
   const Triangulated triangles(surface, control);
+  control.memory().ask_for<Vec3>(surface.vertex_count());
+  control.memory().ask_for<Triangle>(triangles.size());
   TriangleMesh mesh;
   mesh.positions.items() = {surface.local.items().begin(), surface.local.items().end()};
   for (std::size_t t = 0; t < triangles.size(); ++t) mesh.faces.push_back(triangles.triangle(t));
@@ -379,9 +391,10 @@ std::optional<Coarser> coarser_surface(const FreeContext& context, FreeGoals goa
                                        coarser.replaced.surface.positions.items().end()),
                      control))
     return std::nullopt;
-  // What was proven is the part.
+  // Only the topology of the part has been compared so far.
   in_vain.fault = CoarseningFault::kTopology;
-  if (topology_of(coarser.replaced.surface, control) != topology_of(before, control)) return std::nullopt;
+  if (!part.is_whole() && topology_of(coarser.replaced.surface, control) != topology_of(before, control))
+    return std::nullopt;
   coarser.done.tolerance = tolerance;
   coarser.done.distance = distance;
   coarser.replaced.volume = volume_change(part, made, before);

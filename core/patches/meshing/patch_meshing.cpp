@@ -1,7 +1,5 @@
 #include "core/patches/meshing/patch_meshing.h"
 
-#include <tbb/blocked_range.h>
-
 #include <algorithm>
 #include <array>
 #include <atomic>

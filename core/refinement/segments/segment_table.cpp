@@ -1,7 +1,5 @@
 #include "core/refinement/segments/segment_table.h"
 
-#include <tbb/blocked_range.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>

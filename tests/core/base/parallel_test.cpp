@@ -4,12 +4,16 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <functional>
 #include <stdexcept>
 #include <thread>
 #include <utility>
 #include <vector>
+
+#include "tests/support/random.h"
 
 namespace remesh {
 namespace {
@@ -33,6 +37,61 @@ TEST(parallel, parts_that_work_on_few_items_run_one_after_the_other_on_the_threa
       [&] { ran.emplace_back(2, std::this_thread::get_id()); });
   const std::thread::id own = std::this_thread::get_id();
   EXPECT_EQ(ran, (std::vector<std::pair<int, std::thread::id>>{{1, own}, {2, own}}));
+}
+
+TEST(parallel, rows_of_any_kind_are_sorted) {
+  constexpr int kItems = 20'000;
+  Random random(6);
+  const std::vector<std::function<int(int)>> kinds{[&](int) { return random.below(1'000'000); },
+                                                   [&](int) { return random.below(3); },
+                                                   [](int) { return 7; },
+                                                   [](int i) { return i; },
+                                                   [](int i) { return -i; },
+                                                   [](int i) { return std::min(i, kItems - i); },
+                                                   [](int i) { return i % 2; },
+                                                   [](int i) { return i + 1 == kItems ? -1 : i; }};
+  for (std::size_t kind = 0; kind < kinds.size(); ++kind)
+    for (const int items : {kItemsWorthThreads, 1025, kItems}) {
+      std::vector<int> row;
+      for (int i = 0; i < items; ++i) row.push_back(kinds[kind](i));
+      std::vector<int> sorted = row;
+      std::sort(sorted.begin(), sorted.end(), std::greater<>());
+      sort_all(row.begin(), row.end(), std::greater<>());
+      EXPECT_EQ(row, sorted) << kind << ", " << items;
+    }
+}
+
+TEST(parallel, a_row_that_divides_badly_is_sorted_by_one_thread) {
+  static int divided = 0;
+  std::vector<int> row;
+  for (int i = 0; i < 20'000; ++i) row.push_back((7919 * i) % 20'011);
+  const parallel::SortSteps steps{row.data(),
+                                  [](const void* of_row, std::size_t begin, std::size_t end) {
+                                    int* const first = const_cast<int*>(static_cast<const int*>(of_row));
+                                    std::sort(first + begin, first + end);
+                                  },
+                                  [](const void* of_row, std::size_t begin, std::size_t end) {
+                                    int* const first = const_cast<int*>(static_cast<const int*>(of_row));
+                                    std::iter_swap(first + begin, std::min_element(first + begin, first + end));
+                                    ++divided;
+                                    return std::pair(begin, begin + 1);
+                                  }};
+  parallel::run_sort(steps, row.size());
+  EXPECT_TRUE(std::is_sorted(row.begin(), row.end()));
+  EXPECT_LT(divided, 100);
+}
+
+TEST(parallel, a_comparison_may_throw) {
+  Random random(6);
+  std::vector<int> row;
+  for (int i = 0; i < 20'000; ++i) row.push_back(random.below(1'000'000));
+  std::atomic<int> left = 100'000;
+  EXPECT_THROW(sort_all(row.begin(), row.end(),
+                        [&](int a, int b) {
+                          if (--left == 0) throw std::runtime_error("too many comparisons");
+                          return a < b;
+                        }),
+               std::runtime_error);
 }
 
 TEST(parallel, a_task_goes_no_further_than_its_loop_once_another_task_has_thrown) {
