@@ -20,7 +20,7 @@ constexpr double kNearTolerances = 4;
 constexpr std::size_t kNearFaces = 64;
 /// Another edge runs beside the feature if the angle between the two has at least the first cosine, and that between
 /// the feature and the way to the nearest point of the other edge less than the second one.
-constexpr double kAlongCosine = 0.7, kBesideCosine = 0.25;
+constexpr double kAlongCosine = 0.7, kBesideCosine = 0.4;
 constexpr std::size_t kFeaturesPerBlock = 256;
 
 /// The facets of rounded edges.
