@@ -21,7 +21,7 @@ constexpr std::size_t kNearFaces = 64;
 /// Another edge runs beside the feature if the angle between the two has at least the first cosine, and that between
 /// the feature and the way to the nearest point of the other edge less than the second one.
 constexpr double kAlongCosine = 0.7, kBesideCosine = 0.4;
-constexpr std::size_t kFeaturesPerBlock = 256;
+constexpr std::size_t kEdgesPerBlock = 1024;
 
 /// The facets of rounded edges.
 class RoundedEdges {
@@ -77,26 +77,15 @@ class RoundedEdges {
 
 /// Drops the features that make rounded edges together.
 std::uint64_t drop_rounded(OrderedInput& input, double tolerance, RunControl& control) {
-  std::vector<std::uint32_t> features;
-  StopCheck check(control);
-  for (std::uint32_t h = 0; h < input.edges.size(); ++h) {
-    check();
-    if (input.edges[h] == FreeForm::Edge::kFeature && input.twins[h] != kNone && h < input.twins[h])
-      features.push_back(h);
-  }
   const RoundedEdges rounded(input, tolerance);
-  std::vector<std::uint8_t> is_dropped(features.size());
-  for_blocks(features.size(), kFeaturesPerBlock, control, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) is_dropped[i] = rounded.is_part(features[i]) ? 1 : 0;
-  });
-  std::uint64_t dropped = 0;
-  for (std::size_t i = 0; i < features.size(); ++i) {
-    if (is_dropped[i] == 0) continue;
-    const std::uint32_t h = features[i];
-    input.edges[h] = input.edges[input.twins[h]] = FreeForm::Edge::kSmooth;
-    ++dropped;
-  }
-  return dropped;
+  const auto is_dropped = [&](std::size_t i) {
+    const auto h = static_cast<std::uint32_t>(i);
+    return input.edges[h] == FreeForm::Edge::kFeature && input.twins[h] != kNone && h < input.twins[h] &&
+           rounded.is_part(h);
+  };
+  const auto dropped = select_ids<std::uint32_t>(input.edges.size(), kEdgesPerBlock, control, is_dropped);
+  for (const std::uint32_t h : dropped) input.edges[h] = input.edges[input.twins[h]] = FreeForm::Edge::kSmooth;
+  return dropped.size();
 }
 
 /// The edges that stay, as a graph.

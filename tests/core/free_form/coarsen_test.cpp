@@ -207,6 +207,8 @@ TEST(coarsen, facets_of_a_rounded_edge_are_no_features_if_they_are_narrow) {
   // Edges that turn by more are no rounded edge, nor is one that is alone.
   EXPECT_EQ(run(bent_sheet(2, 65, 2 * tolerance), tolerance).dropped_features, 0U);
   EXPECT_EQ(run(bent_sheet(1, 35, 2 * tolerance), tolerance).dropped_features, 0U);
+  // The rim at its ends is near, but runs across.
+  EXPECT_EQ(run(bent_sheet(1, 35, 2 * tolerance), 4 * tolerance).dropped_features, 0U);
   // Where a share of the tolerance counts, it counts for the width as well.
   const std::vector<float> shares(narrow.faces.size(), 0.25F);
   RunControl control;
