@@ -120,7 +120,9 @@ ChainGap measure_gap(const NumberedClaim& numbered, std::span<const Vec3> input,
       [&](const Vec3& x0, const Vec3& y0, const Vec3& x1, const Vec3& y1) {
         const Vec3 between = x1 - y1;
         gap.distance = std::max(gap.distance, norm(between));
-        gap.sliver += triangle_area(x0, x1, y0) + triangle_area(x1, y1, y0);
+        // A place between two vertices is rounded, so it may be off its line.
+        const double rounding = NumberedClaim::rounding(largest_coordinate(x1));
+        gap.sliver += triangle_area(x0, x1, y0) + triangle_area(x1, y1, y0) + rounding * (norm(x1 - x0) + norm(y1 - y0));
         for (PatchGap& of : gap.patches)
           if (numbered.curved_surface(of.patch) == nullptr)
             of.off_plane = std::max(of.off_plane, std::fabs(dot(between, numbered.normal(of.patch))));

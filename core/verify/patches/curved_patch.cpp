@@ -92,11 +92,11 @@ class CurvedPatchCheck {
         [&](std::uint32_t f, CurvedReading& reading) { check_area(f, reading); });
     faults_.insert(faults_.end(), output_.faults.begin(), output_.faults.end());
     reach_ = std::max(input_.reach, output_.reach);
-    if (!is_tolerance_explained()) report(Fault::kUnexplained);
     check_facing();
     compare_area_vectors();
     compare_cover();
     const double bound = check_distance();
+    if (!is_explained(std::min(bound, surface_.tolerance))) report(Fault::kUnexplained);
     sums.deviation = std::max(sums.deviation, bound);
     add_volume(sums);
     return bound;
@@ -191,10 +191,10 @@ class CurvedPatchCheck {
     low_height_ = std::max(of_input.height, of_output.height);
   }
 
-  /// Returns whether the claimed tolerance is explained by the input or allowed by the options.
-  bool is_tolerance_explained() const {
+  /// Returns whether a distance between input and output is explained by the input or allowed by the options.
+  bool is_explained(double distance) const {
     const CurvedClaim& claim = surface_.claim;
-    double rest = surface_.tolerance;
+    double rest = distance;
     if (claim.elements_per_circle)
       rest -= largest_radius() * (1 - std::cos(std::numbers::pi / *claim.elements_per_circle));
     if (claim.surface_tolerance)
