@@ -10,6 +10,7 @@
 #include <fstream>
 #include <iterator>
 #include <numbers>
+#include <optional>
 #include <set>
 #include <string>
 #include <utility>
@@ -66,6 +67,25 @@ PolygonMesh rounded_to_digits(const PolygonMesh& mesh, int digits) {
   double largest = 0;
   for (const Vec3& p : mesh.positions) largest = std::max({largest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
   return shapes::rounded(mesh, std::pow(10.0, std::floor(std::log10(largest)) + 1 - digits));
+}
+
+/// Makes two discs on one axis, with a gap between them. Their sides lie on one cylinder, with other numbers of facets.
+PolygonMesh two_discs(int coarse, int fine) {
+  PolygonMesh above = shapes::cylinder(fine, 10, 5);
+  for (Vec3& p : above.positions) p.z += 10;
+  return shapes::joined(shapes::cylinder(coarse, 10, 5), above);
+}
+
+TEST(automatic_elements, parts_of_one_cylinder_may_have_other_numbers_of_facets) {
+  // The distance that coarse facets of a surface explain is not what fine ones do, and no result is that far from these.
+  for (const std::optional<double> elements : {std::optional<double>(), std::optional<double>(12)}) {
+    Options options;
+    options.elements_per_circle = elements;
+    const Result result = remeshed(two_discs(24, 96), options);
+    EXPECT_EQ(curved_surfaces(result.report).size(), 1u);
+    for (const PatchSummary& patch : result.report.patches) EXPECT_EQ(patch.status, PatchStatus::kRemeshed);
+    EXPECT_LE(result.mesh.faces.size(), 300u);  // 1,358 if the fine disc keeps its facets
+  }
 }
 
 TEST(automatic_elements, facets_per_turn_are_those_of_the_direction_in_which_they_are_fewest) {

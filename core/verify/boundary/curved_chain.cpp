@@ -122,7 +122,8 @@ ChainGap measure_gap(const NumberedClaim& numbered, std::span<const Vec3> input,
         gap.distance = std::max(gap.distance, norm(between));
         // A place between two vertices is rounded, so it may be off its line.
         const double rounding = NumberedClaim::rounding(largest_coordinate(x1));
-        gap.sliver += triangle_area(x0, x1, y0) + triangle_area(x1, y1, y0) + rounding * (norm(x1 - x0) + norm(y1 - y0));
+        gap.sliver +=
+            triangle_area(x0, x1, y0) + triangle_area(x1, y1, y0) + rounding * (norm(x1 - x0) + norm(y1 - y0));
         for (PatchGap& of : gap.patches)
           if (numbered.curved_surface(of.patch) == nullptr)
             of.off_plane = std::max(of.off_plane, std::fabs(dot(between, numbered.normal(of.patch))));

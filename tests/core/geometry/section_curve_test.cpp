@@ -127,6 +127,18 @@ TEST(section_curve, where_a_plane_touches_a_torus_the_points_tell_the_radius) {
   for (const Vec3& p : points) EXPECT_LE(norm(curve->point(curve->angle(p)) - p), 1e-8);
 }
 
+TEST(section_curve, a_small_patch_whose_plane_misses_the_axis_of_a_torus_has_the_circle_of_its_points) {
+  // A patch a tenth of the tube high, 25 from the axis. Its normal turns by 1e-5, so its plane misses the axis by 2.5e-4.
+  const Vec3 centre{26, 2, 3};
+  std::vector<Vec3> points;
+  for (int i = 0; i <= 8; ++i) points.push_back(centre + Vec3{3 * std::cos(0.05 * i), 0, 3 * std::sin(0.05 * i)});
+  const Plane plane{points[4], normalized(Vec3{1e-5, 1, 0})};
+  for (const Vec3& p : points) ASSERT_LE(std::fabs(dot(p - plane.origin, plane.normal)), 3e-6);
+  const auto curve = SectionCurve::through(points, torus(25, 3), plane, 1e-5);
+  ASSERT_TRUE(curve);
+  for (const Vec3& p : points) EXPECT_LE(norm(curve->point(curve->angle(p)) - p), 1e-12 * norm(p));
+}
+
 TEST(section_curve, there_is_none_where_points_are_off_the_surface_or_a_ruling_runs_along_the_plane) {
   const Plane across{{0, 0, 4}, {0, 0, 1}};
   auto points = circle({1, 2, 4}, 5, true);

@@ -7,6 +7,8 @@
 #include <random>
 #include <vector>
 
+#include "core/verify/boundary/curved_chain.h"
+
 namespace remesh::verification {
 namespace {
 
@@ -123,6 +125,35 @@ TEST(chain_coupling, along_a_normal_points_are_opposite_whatever_their_distance)
       },
       check);
   EXPECT_EQ(stops, 16);
+}
+
+/// Returns the exact area of a triangle that is much smaller than its coordinates, up to the rounding of long doubles.
+long double exact_area(const Vec3& a, const Vec3& b, const Vec3& c) {
+  using Real = long double;
+  const Real x = Real(b.x) - a.x, y = Real(b.y) - a.y, z = Real(b.z) - a.z;
+  const Real u = Real(c.x) - a.x, v = Real(c.y) - a.y, w = Real(c.z) - a.z;
+  const Real i = y * w - z * v, j = z * u - x * w, k = x * v - y * u;
+  return std::sqrt(i * i + j * j + k * k) / 2;
+}
+
+TEST(chain_gap, a_place_on_a_straight_edge_is_rounded_and_its_sliver_holds_that) {
+  verification::NumberedClaim numbered;
+  numbered.is_kept = {0};
+  RunControl control;
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> far(0.5, 0.9), near(-1e-3, 1e-3), part(0.1, 0.9);
+  const std::vector<verification::Use> uses{{VertexId(1), PatchId(0), 0, true}};
+  std::size_t rounded = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3 a{far(random), far(random), far(random)}, b = a + Vec3{near(random), near(random), near(random)};
+    const Vec3 p = a + part(random) * (b - a);
+    const long double exact = exact_area(a, p, b);
+    const double sliver = measure_gap(numbered, Polyline{a, b}, Polyline{a, p, b}, uses, control).sliver;
+    EXPECT_GE(sliver, exact);
+    EXPECT_LE(sliver, 1e-14 * norm(b - a));
+    rounded += exact > 0 ? 1 : 0;
+  }
+  EXPECT_GT(rounded, 500u);
 }
 
 }  // namespace

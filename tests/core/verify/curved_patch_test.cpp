@@ -142,11 +142,14 @@ TEST(verify, the_facets_of_an_honest_tessellation_explain_their_distance_and_not
       claim.surface_tolerance.reset();
       claim.tolerance = 1.01 * depth;
       EXPECT_TRUE(is_tolerance_explained(e));
-      claim.tolerance = 3 * depth;
-      EXPECT_FALSE(is_tolerance_explained(e));
-      // A number of elements explains its own chord height as well.
-      claim.elements_per_circle = 6;
-      EXPECT_TRUE(is_tolerance_explained(e));
+      // Coarser pieces are too far, unless a number of elements explains its own chord height as well.
+      Example coarser = remeshed(of, of.place, a, b, a / 2, b / 2, 0);
+      coarser.plane_tolerance = 1e-9;
+      coarser.curved[0].surface_tolerance.reset();
+      coarser.curved[0].tolerance = 10 * depth;
+      EXPECT_FALSE(is_tolerance_explained(coarser));
+      coarser.curved[0].elements_per_circle = 4;
+      EXPECT_TRUE(is_tolerance_explained(coarser));
     }
 }
 
