@@ -26,9 +26,9 @@ namespace remesh {
 ///   is within the tolerance of the span that replaces it.
 /// - Where a patch is curved, `plane_tolerance` is replaced by the claimed tolerance plus `plane_tolerance`. Both sides
 ///   of the patch lie that close to the claimed surface, look the same way as it does, and cover it equally often
-///   (curved_patch.h). The claimed tolerance is explained by the turns between the input's facets and by the options
-///   (explained_distance.h). A boundary chain with a curved patch beside it may have new vertices anywhere within that
-///   tolerance. A plane beside it still keeps its plane exactly.
+///   (curved_patch.h). How far they are apart is explained by the turns between the input's facets and by the options
+///   (explained_distance.h). A boundary chain with a curved patch beside it may have new vertices anywhere within the
+///   claimed tolerance. A plane beside it still keeps its plane exactly.
 /// - Euler number, closedness, area and volume change by no more than the deviations explain. `volume_bound` is that
 ///   bound for the volume. For each patch it is the larger of its input and output area, plus the area between the
 ///   loops, times the largest difference of their heights; rounding is added.

@@ -48,8 +48,8 @@ struct CurvedClaim {
   /// them may be this far from the surface. What exceeds half of the radius of a cylinder, sphere or tube has no
   /// effect.
   double tolerance = 0;
-  /// The surface tolerance that the options allow, in model units. If there is none, the tolerance must be what the
-  /// input's own facets explain, with what the number of edges per full turn adds.
+  /// The surface tolerance that the options allow, in model units. If there is none, input and output may be no farther
+  /// apart than the input's own facets explain, with what the number of edges per full turn adds.
   std::optional<double> surface_tolerance = {};
   std::optional<double> elements_per_circle = {};
   /// Facets that turn by more than this, in degrees, do not belong to one surface.

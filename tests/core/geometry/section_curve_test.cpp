@@ -128,7 +128,7 @@ TEST(section_curve, where_a_plane_touches_a_torus_the_points_tell_the_radius) {
 }
 
 TEST(section_curve, a_small_patch_whose_plane_misses_the_axis_of_a_torus_has_the_circle_of_its_points) {
-  // A patch a tenth of the tube high, 25 from the axis. Its normal turns by 1e-5, so its plane misses the axis by 2.5e-4.
+  // The plane of a small patch, 25 from the axis, is turned by 1e-5, so that it misses the axis by 2.5e-4.
   const Vec3 centre{26, 2, 3};
   std::vector<Vec3> points;
   for (int i = 0; i <= 8; ++i) points.push_back(centre + Vec3{3 * std::cos(0.05 * i), 0, 3 * std::sin(0.05 * i)});
