@@ -77,7 +77,7 @@ PolygonMesh two_discs(int coarse, int fine) {
 }
 
 TEST(automatic_elements, parts_of_one_cylinder_may_have_other_numbers_of_facets) {
-  // Coarse facets explain a larger distance from their surface than fine ones do. No result is that far from the latter.
+  // Coarse facets explain a larger distance than fine ones do. No result is that far from the latter.
   for (const std::optional<double> elements : {std::optional<double>(), std::optional<double>(12)}) {
     Options options;
     options.elements_per_circle = elements;
