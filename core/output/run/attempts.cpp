@@ -422,6 +422,7 @@ void Attempts::report_failed(const std::vector<FailedPatch>& failed, Outcome& ou
         {covered_by(surface(), faces), patch.reason, is_single, is_single && rungs_.is_face_kept(faces.front())});
     outcome.was_frozen.push_back(refined_.frozen.empty() ? 0 : refined_.frozen[patch.patch]);
   }
+  outcome.are_any_crossing = !made.intersections().patches.empty();
   outcome.are_any_moved = made.joined.outside.has_value();
   outcome.was_any_joined = was_any_joined(options(), made.report.diagnostics);
   outcome.faults = made.joined.faults(failed, patches(), surface(), made.adjacency(), control());

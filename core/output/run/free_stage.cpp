@@ -48,6 +48,9 @@ double volume_change(const FreePart& part, const Coarsened& made, const Surface&
   return (std::fabs(after.sum - before.sum) + rounding) * surface.unit * surface.unit * surface.unit;
 }
 
+/// If far fewer triangles are needed, more of them may be below the bound on angles, but not below this angle.
+constexpr double kFarFewer = 3, kNarrowDegrees = 10;
+
 /// Returns whether far more free triangles have a small angle than plane patches had before. Needles side by side, as
 /// of twisted strips, may be planes of two triangles each: these have good corners, and their triangles have not.
 bool is_much_sharper(const FreeContext& context, const FreePart& part, const Coarsened& made, double min_angle_deg,
@@ -349,8 +352,14 @@ std::optional<Coarser> coarser_surface(const FreeContext& context, FreeGoals goa
   form.shares = allowed.shares;
   const FacesAround around{before.local.items(), part.kept, part.vertex.items()};
   in_vain.tolerance = tolerance;
+  const auto needed = [&](const IdVector<VertexId, Vec3>& positions, const IdVector<FaceId, Triangle>& faces) {
+    return triangles_needed(positions, faces, goals.is_refined ? goals.min_angle_deg : 0, control);
+  };
+  const double needed_before = needed(part.positions, part.faces);
   const auto is_wanted = [&](const Coarsened& made) {
-    return !is_much_sharper(context, part, made, goals.min_angle_deg, control);
+    if (!is_much_sharper(context, part, made, goals.min_angle_deg, control)) return true;
+    return kFarFewer * needed(made.positions, made.faces) <= needed_before &&
+           !is_much_sharper(context, part, made, std::min(kNarrowDegrees, goals.min_angle_deg), control);
   };
   // The proof is repeated for the coordinates in model units, which were rounded. A bound near the tolerance may take
   // more work there than is allowed.
@@ -372,10 +381,7 @@ std::optional<Coarser> coarser_surface(const FreeContext& context, FreeGoals goa
   if (!proven) return std::nullopt;
   const Coarsened& made = proven->surface;
   in_vain.fault = CoarseningFault::kAsManyFaces;
-  const auto needed = [&](const IdVector<VertexId, Vec3>& positions, const IdVector<FaceId, Triangle>& faces) {
-    return triangles_needed(positions, faces, goals.is_refined ? goals.min_angle_deg : 0, control);
-  };
-  if (needed(made.positions, made.faces) >= needed(part.positions, part.faces)) return std::nullopt;
+  if (needed(made.positions, made.faces) >= needed_before) return std::nullopt;
   in_vain.fault = CoarseningFault::kAngles;
   if (!is_wanted(made)) return std::nullopt;
   in_vain.fault = CoarseningFault::kDistance;

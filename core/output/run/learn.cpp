@@ -38,11 +38,12 @@ std::optional<Decisions> one_step_up(Decisions next, const Outcome& outcome, con
   if (next.refinement.part != RefinedPart::kAll) next.refinement.part = RefinedPart::kNothingYet;
   forget_patches(next.refinement, effort);
   if (!outcome.faults.empty()) {
-    // Attempts take long where a min_edge_length is looked for. For a default, not much of that work is spent in vain.
+    // Attempts take long where patches of the input cross, and where a min_edge_length is looked for. For a default,
+    // not much of that work is spent in vain.
     const MinEdgeSearch& min_edge = now.refinement.min_edge;
     const bool has_found_floor =
         min_edge.min_edge_length() > min_edge.asked() && outcome.facts.may_change_min_edge(now.refinement);
-    const bool is_patient = !outcome.are_elements_automatic || !has_found_floor;
+    const bool is_patient = !outcome.are_elements_automatic || (!outcome.are_any_crossing && !has_found_floor);
     next.curved =
         after_faults(std::move(next.curved), outcome.faults, is_patient, outcome.are_any_moved, outcome.input_faces);
     return next;

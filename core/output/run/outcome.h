@@ -41,6 +41,7 @@ struct Outcome {
   bool is_coarsened = false;            ///< the surface was made coarser
   bool is_coarsening_in_vain = false;   ///< no coarser surface could be proven
   bool are_elements_automatic = false;  ///< nobody has asked for curved patches; they are the default
+  bool are_any_crossing = false;        ///< patches cross or touch each other in the input
   bool are_any_moved = false;           ///< curved surfaces are moved outwards
   bool was_any_joined = false;          ///< mending has joined or divided faces, which may be at fault
   RefinementFacts facts;

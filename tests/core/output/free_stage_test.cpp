@@ -377,6 +377,24 @@ TEST(free_stage, needles_side_by_side_become_good_triangles_and_planes_beside_th
   EXPECT_LE(test::hausdorff(corners_of(shapes::as_triangles(mesh)), corners_of(result.mesh), 0.5 * bound), bound);
 }
 
+/// Long strips would become thousands of triangles. Few coarse ones with angles of 10 degrees and more are better.
+TEST(free_stage, strips_of_an_extruded_spline_become_few_triangles) {
+  std::vector<Vec2> outline{{0, -1}, {4, -1}};
+  for (int i = 120; i >= 0; --i) {
+    const double t = i / 120.0;
+    outline.push_back({4 * t, 1 + 0.6 * t * t * std::sin(3.1 * t + 0.4) + 0.35 * std::sin(6.8 * t)});
+  }
+  const PolygonMesh mesh = shapes::prism(outline, 1);
+  Options options = within(2e-3);
+  const Result result = remeshed(mesh, options);
+  EXPECT_TRUE(result.report.verified.all_true());
+  EXPECT_TRUE(is_told_coarser(result));
+  EXPECT_LE(result.mesh.faces.size(), 400u);  // 3,056 with the strips
+  for (const Corners3& t : corners_of(result.mesh)) EXPECT_GE(min_angle_deg(t), 10);
+  const double tolerance = 2e-3 * diagonal_of(mesh);
+  EXPECT_LE(test::hausdorff(corners_of(shapes::triangles(mesh)), corners_of(result.mesh), 0.2 * tolerance), tolerance);
+}
+
 TEST(free_stage, curved_surfaces_beside_a_free_one_are_remeshed_as_before) {
   const PolygonMesh mesh = wavy_boss(48);
   const Result result = remeshed(mesh, within(4e-3));

@@ -80,9 +80,7 @@ std::vector<Row> rows() {
   coarser.compared.coarser = {FaceId(1), FaceId(2), FaceId(3)};
   coarser.compared.allowed = {{SurfaceId(0), 7}};
   Outcome by_default = with_fault(with_failure(outcome_of(End::kCheckFailed), 2), 3);
-  by_default.are_elements_automatic = true;
-  Decisions with_floor = first();
-  with_floor.refinement.min_edge.record_too_many();
+  by_default.are_elements_automatic = by_default.are_any_crossing = true;
   Outcome offsets = outcome_of(End::kOffsetsChanged);
   offsets.offsets = IdVector<SurfaceId, double>(1, 0.25);
   Outcome impossible = with_fault(outcome_of(End::kOffsetsImpossible), 3);
@@ -110,7 +108,7 @@ std::vector<Row> rows() {
        "remesh 1 input face of curved surfaces more finely"},
       {"fault_again", tightened, with_fault(with_failure(outcome_of(End::kCheckFailed), 2), 3),
        "keep 1 input face as flat facets"},
-      {"fault_by_default", with_floor, by_default, "keep 1 input face as flat facets"},
+      {"fault_by_default", first(), by_default, "keep 1 input face as flat facets"},
       {"offsets", first(), offsets, "correct the offsets of curved surfaces (round 1)"},
       {"offsets_impossible", first(), impossible, "remesh 1 input face of curved surfaces more finely"},
       {"freeze", first(), with_failure(outcome_of(End::kCheckFailed), 2), "leave 2 input faces unrefined"},
