@@ -48,7 +48,7 @@ double volume_change(const FreePart& part, const Coarsened& made, const Surface&
   return (std::fabs(after.sum - before.sum) + rounding) * surface.unit * surface.unit * surface.unit;
 }
 
-/// If far fewer triangles are needed, more of them may be below the bound on angles, but not below this angle.
+/// If refinement needs far fewer triangles, more faces may be below the bound on angles, but hardly any below this angle.
 constexpr double kFarFewer = 3, kNarrowDegrees = 10;
 
 /// Returns whether far more free triangles have a small angle than plane patches had before. Needles side by side, as
@@ -358,7 +358,7 @@ std::optional<Coarser> coarser_surface(const FreeContext& context, FreeGoals goa
   const double needed_before = needed(part.positions, part.faces);
   const auto is_wanted = [&](const Coarsened& made) {
     if (!is_much_sharper(context, part, made, goals.min_angle_deg, control)) return true;
-    return kFarFewer * needed(made.positions, made.faces) <= needed_before &&
+    return goals.is_refined && kFarFewer * needed(made.positions, made.faces) <= needed_before &&
            !is_much_sharper(context, part, made, std::min(kNarrowDegrees, goals.min_angle_deg), control);
   };
   // The proof is repeated for the coordinates in model units, which were rounded. A bound near the tolerance may take

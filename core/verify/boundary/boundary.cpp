@@ -128,6 +128,19 @@ std::vector<Chain> list_for(const BoundaryGraph& graph, RunControl& control) {
   return chains;
 }
 
+/// Returns how far a chain may be from the one that replaces it. An end may be moved within the tolerance of a curved
+/// patch that is not beside the chain. The chain may follow that move, but that patch lends it no more than the move,
+/// which its own bound includes.
+double allowed_gap(const NumberedClaim& numbered, std::span<const Use> uses, VertexId low, VertexId high) {
+  double of_sides = numbered.tolerance;
+  for (const Use& use : uses)
+    if (const CurvedSurface* surface = numbered.curved_surface(use.patch()); surface != nullptr)
+      of_sides = std::max(of_sides, surface->tolerance + numbered.tolerance);
+  const auto way = [&](VertexId v) { return norm(numbered.output_point(v) - numbered.points[v.value]); };
+  return std::min(std::max({numbered.allowed_move(low), numbered.allowed_move(high), of_sides}),
+                  of_sides + std::max(way(low), way(high)));
+}
+
 class BoundaryCheck {
  public:
   BoundaryCheck(const NumberedClaim& numbered, const Seams& seams, FoundFaults& faults, RunControl& control)
@@ -314,10 +327,7 @@ std::optional<ChainGap> BoundaryCheck::gap_between(const Chain& input, const Cha
 
 void BoundaryCheck::add_gap(const Edge& edge, const Chain& chain, const ChainGap& gap) {
   const VertexId at = chain.low;
-  double allowed = std::max(numbered_.allowed_move(chain.low), numbered_.allowed_move(chain.high));
-  for (const Use& use : edge.uses)
-    if (const CurvedSurface* surface = numbered_.curved_surface(use.patch()); surface != nullptr)
-      allowed = std::max(allowed, surface->tolerance + numbered_.tolerance);
+  const double allowed = allowed_gap(numbered_, edge.uses, chain.low, chain.high);
   // The coordinates are at most 1, and new vertices were rounded when they were made.
   const double reach = largest_coordinate(numbered_.points[at.value]) + gap.distance;
   const double rounding = NumberedClaim::rounding(reach);

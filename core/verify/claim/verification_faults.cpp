@@ -73,7 +73,7 @@ std::string words(const FoundFault& found) {
     case Fault::kSurface: return "the surface of the curved patch is not valid";
     case Fault::kCover: return "the curved patch covers its surface another number of times than its input does";
     case Fault::kUnexplained:
-      return "the facets of the curved patch and the options do not explain how far it may be from its surface";
+      return "the facets of the curved patch and the options do not explain how far it is from its input";
     case Fault::kPolygon: return "the triangles made of input polygon " + id + " do not cover it exactly once";
     case Fault::kCap:
       return "the face that closes a hole at input face " + id +

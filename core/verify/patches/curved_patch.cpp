@@ -96,6 +96,8 @@ class CurvedPatchCheck {
     compare_area_vectors();
     compare_cover();
     const double bound = check_distance();
+    // Along its boundary, a patch may move as far as its neighbours are allowed to. They answer for what is beyond its
+    // own tolerance.
     if (!is_explained(std::min(bound, surface_.tolerance))) report(Fault::kUnexplained);
     sums.deviation = std::max(sums.deviation, bound);
     add_volume(sums);
