@@ -126,8 +126,8 @@ std::optional<SectionCurve> SectionCurve::of_sphere(std::span<const Vec3> points
 std::optional<SectionCurve> SectionCurve::of_torus(std::span<const Vec3> points, const AnalyticSurface& torus,
                                                    const Plane& plane, double fit_tolerance) {
   if (std::fabs(dot(torus.axis, plane.normal)) > 0.5) return about_axis(points, torus, plane, fit_tolerance);
-  // A plane through the axis cuts the tube in circles. The plane of a small patch fits its points, but may pass the axis
-  // at a distance, so the points tell how the half-plane of the circle is turned.
+  // A plane through the axis cuts the tube in circles. The plane of a small patch fits its points, but may miss the
+  // axis, so the points tell how the half-plane of the circle is turned.
   Vec3 in_plane = cross(torus.axis, plane.normal);
   if (dot(points.front() - torus.origin, in_plane) < 0) in_plane = -in_plane;
   Vec3 sum;

@@ -48,7 +48,8 @@ double volume_change(const FreePart& part, const Coarsened& made, const Surface&
   return (std::fabs(after.sum - before.sum) + rounding) * surface.unit * surface.unit * surface.unit;
 }
 
-/// If refinement needs far fewer triangles, more faces may be below the bound on angles, but hardly any below this angle.
+/// Where refinement needs so many times fewer triangles, faces may be below the bound on angles, but hardly any below
+/// the second number.
 constexpr double kFarFewer = 3, kNarrowDegrees = 10;
 
 /// Returns whether far more free triangles have a small angle than plane patches had before. Needles side by side, as
