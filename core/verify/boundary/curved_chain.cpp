@@ -114,14 +114,17 @@ ChainGap measure_gap(const NumberedClaim& numbered, std::span<const Vec3> input,
   for (const Use& use : uses)
     if (gap.patches.empty() || gap.patches.back().patch != use.patch()) gap.patches.push_back({use.patch()});
   StopCheck check(control);
+  // A place between two vertices is rounded, so it may be off its line.
+  double reach = 0;
+  for (const std::span<const Vec3> chain : {input, output})
+    for (const Vec3& p : chain) reach = std::max(reach, largest_coordinate(p));
+  const double rounding = NumberedClaim::rounding(reach);
   // One coupling serves all measures that need no surface.
   couple(
       input, output, [](const Vec3&) { return Vec3{}; },
       [&](const Vec3& x0, const Vec3& y0, const Vec3& x1, const Vec3& y1) {
         const Vec3 between = x1 - y1;
         gap.distance = std::max(gap.distance, norm(between));
-        // A place between two vertices is rounded, so it may be off its line.
-        const double rounding = NumberedClaim::rounding(largest_coordinate(x1));
         gap.sliver +=
             triangle_area(x0, x1, y0) + triangle_area(x1, y1, y0) + rounding * (norm(x1 - x0) + norm(y1 - y0));
         for (PatchGap& of : gap.patches)

@@ -1,4 +1,4 @@
-/// Computes independently which distance of the input's faces from a curved surface the faces themselves explain.
+/// Computes independently which distance of a result from a curved patch the faces of its input explain.
 #pragma once
 
 #include "core/base/run_control.h"
@@ -7,7 +7,7 @@
 
 namespace remesh::verification {
 
-/// Returns whether the input of a curved patch explains this distance from its surface. A facet, which is a set of
+/// Returns whether the input of a curved patch explains this distance from its result. A facet, which is a set of
 /// faces in one plane, explains its own chord height. Along each of two directions of the surface, this is the chord
 /// height of an arc over which the surface turns as far as over the facet, but no farther than the facet turns against
 /// the facets before and behind it, or than twice as far if there is only one of these. A direction in which no

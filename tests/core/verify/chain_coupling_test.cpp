@@ -145,7 +145,8 @@ TEST(chain_gap, a_place_on_a_straight_edge_is_rounded_and_its_sliver_holds_that)
   const std::vector<verification::Use> uses{{VertexId(1), PatchId(0), 0, true}};
   std::size_t rounded = 0;
   for (int i = 0; i < 1000; ++i) {
-    const Vec3 a{far(random), far(random), far(random)}, b = a + Vec3{near(random), near(random), near(random)};
+    const Vec3 a{far(random), far(random), far(random)}, beside{near(random), near(random), near(random)};
+    const Vec3 b = i % 2 == 0 ? a + beside : beside - a;  // a short edge, or a long one past the origin
     const Vec3 p = a + part(random) * (b - a);
     const long double exact = exact_area(a, p, b);
     const double sliver = measure_gap(numbered, Polyline{a, b}, Polyline{a, p, b}, uses, control).sliver;
