@@ -18,6 +18,7 @@ import time
 
 from cad import measure_cad
 from coarse import measure_coarse
+from free import measure_free
 from in_the_plane import measure_polygons, measure_refinement
 from organic import measure_organic
 from programs import Bench
@@ -33,6 +34,7 @@ PARTS = {
     "refinement": measure_refinement,
     "surface": measure_surface,
     "coarse": measure_coarse,
+    "free": measure_free,
     "cad": measure_cad,
     "organic": measure_organic,
     "solids": measure_solids,
@@ -49,7 +51,7 @@ def main():
     parser.add_argument("--faces", type=int, default=1_000_000, help="of the large inputs")
     parser.add_argument("--largest", type=int, default=1_000_000, help="where growth ends")
     parser.add_argument("--mesh", action="append", type=pathlib.Path, default=[], metavar="PATH",
-                        help="for the part coarse, instead of its own")
+                        help="for the parts coarse and free, instead of their own")
     parser.add_argument("--step", action="append", default=[], type=pathlib.Path, metavar="PATH",
                         help="a STEP file for the part cad")
     parser.add_argument("--before", type=pathlib.Path, metavar="PROGRAM",

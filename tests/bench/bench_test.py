@@ -8,10 +8,12 @@ import struct
 import tempfile
 import types
 import unittest
+import unittest.mock
 import xml.etree.ElementTree
 
 import cad
 import coarse
+import free
 import organic
 import plot
 import solids
@@ -147,6 +149,60 @@ class CoarseTest(unittest.TestCase):
         table = Table()
         coarse.add_medians(table, {"adaptive": [], "planar": [0.9, 0.1, 0.4]})
         self.assertEqual([(row["value"], row["bound"]) for row in table.rows], [(0.4, 0.5)])
+
+
+class FreeTest(unittest.TestCase):
+    OURS = free.Made(100, 26.0, 0, seconds=1.0, distance=0.01, listed=0)
+
+    def table(self, is_smooth, tolerance=1e-3, ours=OURS, **theirs):
+        table = Table()
+        made = {name: free.Made(faces, 20.0, 5) for name, faces in theirs.items()}
+        free.add_rows(table, "scan.ply", is_smooth, tolerance, 400, 0.02, ours, {**dict.fromkeys(free.PEERS), **made})
+        free.add_medians(table)
+        return table
+
+    def above(self, *arguments, **options):
+        return [(row["case"], row["against"]) for row in self.table(*arguments, **options).above_bounds()]
+
+    def test_smooth_surfaces_are_held_to_peers_that_bound_angles(self):
+        self.assertEqual(self.above(True, **{"CGAL adaptive": 400, "Gmsh": 300, free.SIMPLIFIER: 10}), [])
+        case = "scan.ply, within 0.001 of the diagonal"
+        self.assertEqual(self.above(True, **{"CGAL adaptive": 160, "Gmsh": 300}),
+                         [(case, "the best peer with angles"),
+                          ("median of 1 smooth surfaces within 0.001", "the best peer with angles")])
+        sharp = free.Made(100, 24.0, 1, seconds=1.0, distance=0.01, listed=1)
+        self.assertEqual(self.above(True, ours=sharp), [(case, None)])
+
+    def test_scans_are_held_to_a_simplifier_in_the_median(self):
+        self.assertEqual(self.above(False, **{"CGAL adaptive": 10, free.SIMPLIFIER: 100}), [])
+        self.assertEqual(self.above(False, **{free.SIMPLIFIER: 99}),
+                         [("median of 1 scans within 0.001", free.SIMPLIFIER)])
+
+    def test_scans_hardly_get_more_faces_within_small_tolerances(self):
+        many = free.Made(521, 26.0, 0, seconds=1.0, distance=0.01, listed=0)
+        self.assertEqual(self.above(False, tolerance=1e-4, ours=many),
+                         [("scan.ply, within 0.0001 of the diagonal", "the input")])
+
+    def test_a_peer_without_a_result_is_told(self):
+        self.assertIn("Gmsh | not measured: it could not be had", self.table(False).markdown())
+
+    def test_the_largest_parameter_that_is_near_enough_is_found(self):
+        with tempfile.TemporaryDirectory() as folder:
+            bench = Bench(None, pathlib.Path(folder), 1, 1, 1)
+            tried = []
+
+            # A mesh of as many faces as the number says, which is near enough below 0.3.
+            def make(after, parameter):
+                tried.append(parameter)
+                faces = math.ceil(10 / parameter)
+                after.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\n" + "f 1 2 3\n" * faces)
+
+            with unittest.mock.patch.object(free, "is_within", lambda *_: tried[-1] < 0.3):
+                best = free.searched(bench, None, 1, make)
+            with unittest.mock.patch.object(free, "is_within", lambda *_: False):
+                self.assertIsNone(free.searched(bench, None, 1, make))
+        self.assertLess(10 / 0.3, best.faces)
+        self.assertLess(best.faces, 1.1 * 10 / 0.3 + 1)
 
 
 class PlotTest(unittest.TestCase):

@@ -131,6 +131,8 @@ const LargeShape kLargeShapes[] = {
     {"terrain", [](double faces) { return terrain(root(faces / 2)); }},
     // The surface crosses about 1.5 n^2 cells, and has about twelve triangles in each.
     {"isosurface", [](double faces) { return isosurface(root(faces / 17)); }},
+    {"knot", [](double faces) { return knot_tube(root(faces / 50)); }},
+    {"enneper", [](double faces) { return enneper_patch(root(faces / 2)); }},
     {"two_boxes",
      [](double faces) {
        const PolygonMesh one = shapes::box({1, 1, 1}, root(faces / 24));

@@ -109,6 +109,16 @@ void add_triangle(PolygonMesh& mesh, VertexId a, VertexId b, VertexId c) {
   mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corners.size()));
 }
 
+/// Adds two triangles for each square of a grid, whose corners `vertex` gives by their column and row.
+template <class Vertex>
+void add_grid(PolygonMesh& mesh, int columns, int rows, const Vertex& vertex) {
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < columns; ++i) {
+      add_triangle(mesh, vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1));
+      add_triangle(mesh, vertex(i, j), vertex(i + 1, j + 1), vertex(i, j + 1));
+    }
+}
+
 /// Gives equal keys the same vertex.
 template <class Key>
 class SharedVertices {
@@ -178,12 +188,43 @@ PolygonMesh terrain(int n) {
         height += size * std::sin(2 * std::numbers::pi * (x * i + y * j + phase));
       mesh.positions.push_back(as_floats({1.0 * i, 1.0 * j, height}));
     }
-  const auto vertex = [&](int i, int j) { return VertexId(j * (n + 1) + i); };
-  for (int j = 0; j < n; ++j)
-    for (int i = 0; i < n; ++i) {
-      add_triangle(mesh, vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1));
-      add_triangle(mesh, vertex(i, j), vertex(i + 1, j + 1), vertex(i, j + 1));
+  add_grid(mesh, n, n, [&](int i, int j) { return VertexId(j * (n + 1) + i); });
+  return mesh;
+}
+
+PolygonMesh knot_tube(int around) {
+  constexpr double kTurns = 2, kCrossings = 3, kRadius = 0.4;
+  const int along = 25 * around;
+  const auto centre = [](double t) {
+    const double out = 3 + std::cos(kCrossings * t);
+    return Vec3{out * std::cos(kTurns * t), out * std::sin(kTurns * t), std::sin(kCrossings * t)};
+  };
+  PolygonMesh mesh;
+  for (int j = 0; j < along; ++j) {
+    const double t = 2 * std::numbers::pi * j / along, step = 1e-4;
+    const Vec3 before = centre(t - step), at = centre(t), after = centre(t + step);
+    const Vec3 tangent = normalized(after - before);
+    const Vec3 across = normalized(cross(tangent, after - at - (at - before)));
+    const Vec3 other = cross(tangent, across);
+    for (int i = 0; i < around; ++i) {
+      const double angle = 2 * std::numbers::pi * i / around;
+      mesh.positions.push_back(as_floats(at + kRadius * (std::cos(angle) * across + std::sin(angle) * other)));
     }
+  }
+  add_grid(mesh, around, along, [&](int i, int j) { return VertexId((j % along) * around + i % around); });
+  return mesh;
+}
+
+PolygonMesh enneper_patch(int n) {
+  constexpr double kHalfWidth = 1.1;
+  PolygonMesh mesh;
+  for (int j = 0; j <= n; ++j)
+    for (int i = 0; i <= n; ++i) {
+      const double u = kHalfWidth * (2.0 * i / n - 1), v = kHalfWidth * (2.0 * j / n - 1);
+      mesh.positions.push_back(
+          as_floats({u - u * u * u / 3 + u * v * v, v - v * v * v / 3 + v * u * u, u * u - v * v}));
+    }
+  add_grid(mesh, n, n, [&](int i, int j) { return VertexId(j * (n + 1) + i); });
   return mesh;
 }
 

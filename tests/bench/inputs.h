@@ -27,5 +27,10 @@ PolygonMesh terrain(int n);
 /// each cell is divided into six tetrahedra, and the surface is plane in each. Many of the triangles are small or
 /// narrow.
 PolygonMesh isosurface(int n);
+/// Makes a tube around a knot that lies on a torus: `around` facets around the tube, and 25 times as many along it, of
+/// two triangles each. Its coordinates are floats.
+PolygonMesh knot_tube(int around);
+/// Makes an open part of Enneper's minimal surface of n x n facets of two triangles each. Its coordinates are floats.
+PolygonMesh enneper_patch(int n);
 
 }  // namespace remesh::bench

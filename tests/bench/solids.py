@@ -2,7 +2,7 @@
 
 CGAL cuts a soup of triangles, as `repair=self_intersections` does, and neither unites nor proves anything. So our stage
 and our whole command are held to parts of its time. manifold unites closed parts. Its time is told and not a bound. It
-runs in node, if `node` and the package `manifold-3d` are there (`npm install manifold-3d` in the folder of the bench).
+runs in node, if node and npm are there.
 """
 
 import json

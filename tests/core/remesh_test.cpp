@@ -520,17 +520,7 @@ TEST(remesh_surface, diagnostics_of_the_reader_are_passed_on) {
 }
 
 TEST(remesh_surface, a_strip_that_runs_over_itself_goes_down_the_ladder_and_is_verified) {
-  // Coplanar, 450 degrees round: the loop of the one plane crosses itself.
-  std::vector<Vec3> positions;
-  std::vector<std::vector<std::uint32_t>> faces;
-  for (int i = 0; i <= 40; ++i) {
-    const double angle = 450.0 / 40 * i * 3.14159265358979 / 180;
-    for (const double radius : {1.0, 2.0 + 0.001 * i})
-      positions.push_back({radius * std::cos(angle) + 0.0005 * i, radius * std::sin(angle), 0});
-    const auto k = static_cast<std::uint32_t>(2 * i);
-    if (i < 40) faces.push_back({k, k + 1, k + 3, k + 2});
-  }
-  const Result result = remeshed(shapes::from_lists(positions, faces));
+  const Result result = remeshed(shapes::strip_over_itself());
   EXPECT_TRUE(result.report.verified.all_true());
   EXPECT_TRUE(std::any_of(result.report.patches.begin(), result.report.patches.end(), [](const PatchSummary& p) {
     return p.status == PatchStatus::kReduced && p.reason == PatchReason::kSelfIntersectingLoop;

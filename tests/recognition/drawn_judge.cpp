@@ -190,9 +190,12 @@ class SolidJudge {
       corners[truth].insert(corners[truth].end(), input_[f].begin(), input_[f].end());
       double here = 0;
       for (const Vec3& p : points_over(input_[f])) here = std::max(here, out.distance(p));
-      if (const SurfaceId s = claim_of(f); s.is_valid()) farthest[s] = std::max(farthest[s], here);
-      of_truth[truth] = std::max(of_truth[truth], here);
       whole = std::max(whole, here);
+      const SurfaceId s = claim_of(f);
+      if (!s.is_valid()) continue;
+      farthest[s] = std::max(farthest[s], here);
+      // Faces of no kind may be made coarser by a tolerance of their own, which is told.
+      if (records_[s].shape.kind != SurfaceKind::kFree) of_truth[truth] = std::max(of_truth[truth], here);
     }
     for (std::size_t f = 0; f < output_.size(); ++f) {
       const SurfaceId s = surface_of(result_.face_patch[FaceId(f)]);

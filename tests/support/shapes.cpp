@@ -380,6 +380,19 @@ PolygonMesh turned_over(PolygonMesh mesh) {
   return mesh;
 }
 
+PolygonMesh strip_over_itself() {
+  std::vector<Vec3> positions;
+  std::vector<std::vector<std::uint32_t>> faces;
+  for (int i = 0; i <= 40; ++i) {
+    const double angle = 450.0 / 40 * i * 3.14159265358979 / 180;
+    for (const double radius : {1.0, 2.0 + 0.001 * i})
+      positions.push_back({radius * std::cos(angle) + 0.0005 * i, radius * std::sin(angle), 0});
+    const auto k = static_cast<std::uint32_t>(2 * i);
+    if (i < 40) faces.push_back({k, k + 1, k + 3, k + 2});
+  }
+  return from_lists(positions, faces);
+}
+
 PolygonMesh joined(const PolygonMesh& a, const PolygonMesh& b) {
   PolygonMesh out = a;
   out.labels = {};

@@ -100,6 +100,8 @@ PolygonMesh renumbered(const PolygonMesh& mesh, unsigned seed);
 PolygonMesh turned_over(PolygonMesh mesh);
 /// Puts both meshes into one. Equal coordinates stay separate vertices.
 PolygonMesh joined(const PolygonMesh& a, const PolygonMesh& b);
+/// A strip in the plane z = 0 that goes 450 degrees round, so that the border of its one patch crosses itself.
+PolygonMesh strip_over_itself();
 /// Merges vertices with equal coordinates. Vertices are numbered by first use.
 PolygonMesh welded(const PolygonMesh& mesh);
 /// Divides each face into a fan from its first corner. The faces must be convex.

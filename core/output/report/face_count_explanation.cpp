@@ -43,12 +43,6 @@ double with_three_digits(double value) {
   return read;
 }
 
-/// Formats a predicted number, with two digits.
-std::string about(double faces) {
-  const double step = faces < 100 ? 1 : std::pow(10, std::floor(std::log10(faces)) - 1);
-  return "about " + grouped_digits(static_cast<std::uint64_t>(std::min(std::round(faces / step) * step, 0x1p62)));
-}
-
 std::string whole_text(double faces) { return grouped_digits(static_cast<std::uint64_t>(std::min(faces, 0x1p62))); }
 
 /// A value of an option, and the number of faces that are predicted with it.

@@ -1,5 +1,8 @@
 #include "core/output/report/surface_words.h"
 
+#include <algorithm>
+#include <cmath>
+
 namespace remesh {
 namespace {
 
@@ -26,6 +29,11 @@ std::string grouped_digits(std::uint64_t number) {
   std::string digits = std::to_string(number);
   for (std::size_t left = digits.size(); left > 3; left -= 3) digits.insert(left - 3, 1, ',');
   return digits;
+}
+
+std::string about(double number) {
+  const double step = number < 100 ? 1 : std::pow(10, std::floor(std::log10(number)) - 1);
+  return "about " + grouped_digits(static_cast<std::uint64_t>(std::min(std::round(number / step) * step, 0x1p62)));
 }
 
 std::string count_text(std::uint64_t count, SurfaceKind kind) {

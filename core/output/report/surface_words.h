@@ -11,6 +11,9 @@ namespace remesh {
 /// Formats a whole number with a comma before every three digits: `1,252`.
 std::string grouped_digits(std::uint64_t number);
 
+/// Formats a predicted number with two digits: `about 12,000`.
+std::string about(double number);
+
 /// Formats a number of surfaces of one kind: `1 torus`, `14 cylinders`, `2 free regions`.
 std::string count_text(std::uint64_t count, SurfaceKind kind);
 

@@ -30,41 +30,42 @@ std::string list_counts(const std::array<std::uint64_t, kKinds>& counts) {
   return text;
 }
 
-/// Formats a number of faces; one that is predicted has two digits.
 std::string faces_text(double faces, RefinedFaces::Are are) {
   if (are == RefinedFaces::Are::kCounted) return "made " + grouped_digits(static_cast<std::uint64_t>(faces));
-  const double step = faces < 100 ? 1 : std::pow(10, std::floor(std::log10(faces)) - 1);
-  return "makes about " + grouped_digits(static_cast<std::uint64_t>(std::round(faces / step) * step));
+  return "makes " + about(faces);
 }
 
+std::string elements_text() { return "elements_per_circle=" + std::to_string(kAdvisedElements); }
+
 /// Names the options that help: for surfaces whose facets stay flat, and for free regions.
-std::string advice(bool is_any_curved, bool is_any_free) {
+std::string advice(bool is_any_curved, bool is_any_free, const FreeAdvice& free) {
   std::string text;
   if (is_any_curved)
     text =
         "; another surface_tolerance (above 0), elements_per_circle or feature_angle_deg may let curved surfaces be "
         "remeshed as a whole";
-  if (is_any_free)
-    text +=
-        "; another feature_angle_deg may let a free region be recognised, and surface_tolerance and "
-        "elements_per_circle then apply to it";
-  return text;
+  if (!is_any_free) return text;
+  if (free.may_be_coarser) {
+    text += "; surface_tolerance (above 0) or elements_per_circle makes free regions coarser, within a proven distance";
+    if (free.faces) text += " (" + elements_text() + " makes " + about(*free.faces) + " faces of them)";
+  }
+  return text + "; another feature_angle_deg may let a free region be recognised";
 }
 
 }  // namespace
 
 void warn_of_curved_surfaces(const Surface& surface, const PatchSet& patches, const RecognisedSurfaces& recognised,
                              const RefinedFaces& refined, std::vector<Diagnostic>& diagnostics,
-                             const CurvedPatches* curved, bool are_free_told) {
+                             const CurvedPatches* curved, const FreeAdvice& free) {
   const auto is_curved = [&](PatchId p) {
     if (curved != nullptr && curved->of(p) != nullptr) return false;
     const SurfaceKind kind = recognised.surfaces[recognised.of_patch[p]].shape.kind;
-    return kind != SurfaceKind::kPlane && (are_free_told || kind != SurfaceKind::kFree);
+    return kind != SurfaceKind::kPlane && (free.are_told || kind != SurfaceKind::kFree);
   };
   std::array<std::uint64_t, kKinds> counts{};
   for (const RecognisedSurface& found : recognised.surfaces) ++counts[static_cast<std::size_t>(found.shape.kind)];
   const std::uint64_t planes = counts[static_cast<std::size_t>(SurfaceKind::kPlane)];
-  const std::uint64_t free = counts[static_cast<std::size_t>(SurfaceKind::kFree)];
+  const std::uint64_t free_regions = counts[static_cast<std::size_t>(SurfaceKind::kFree)];
   std::uint64_t facets = 0;
   double faces = 0;
   for (std::size_t p = 0; p < patches.count(); ++p) {
@@ -72,7 +73,7 @@ void warn_of_curved_surfaces(const Surface& surface, const PatchSet& patches, co
     ++facets;
     faces += refined.of_patch(PatchId(p));
   }
-  const bool is_any_curved = planes + free < recognised.surfaces.size();
+  const bool is_any_curved = planes + free_regions < recognised.surfaces.size();
   if (facets == 0 || (!is_any_curved && facets < kMinFacets)) return;
 
   Diagnostic warning{DiagnosticCode::kCurvedSurface, 0, {}, ""};
@@ -85,9 +86,11 @@ void warn_of_curved_surfaces(const Surface& surface, const PatchSet& patches, co
   }
   warning.message = "found " + list_counts(counts) + ", made of " + grouped_digits(facets) +
                     " facets; each stays flat as a patch of its own, and refinement " + faces_text(faces, refined.are) +
-                    " faces of them" + advice(is_any_curved, free > 0);
+                    " faces of them" + advice(is_any_curved, free_regions > 0, free);
   if (is_any_curved && curved == nullptr)
-    warning.remedies.push_back({"elements_per_circle=16", "would remesh curved surfaces as a whole"});
+    warning.remedies.push_back({elements_text(), "would remesh curved surfaces as a whole"});
+  else if (free_regions > 0 && free.may_be_coarser)
+    warning.remedies.push_back({elements_text(), "would make free regions coarser"});
   diagnostics.push_back(std::move(warning));
 }
 

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "core/base/diagnostic.h"
@@ -21,16 +22,23 @@ struct RefinedFaces {
   Are are = Are::kCounted;
 };
 
+/// What there is to tell of free regions.
+struct FreeAdvice {
+  bool are_told = true;         ///< false: another diagnostic tells of them
+  bool may_be_coarser = false;  ///< options that were not given make them coarser
+  std::optional<double> faces;  ///< what kAdvisedElements are predicted to make of them
+};
+inline constexpr int kAdvisedElements = 16;
+
 /// Tells which curved surfaces and free regions were found whose facets stay flat, how many faces these facets
 /// become, and which options help. Each facet is a patch of its own, so that a bound on angles or sizes makes many
 /// faces there.
-/// Input:   the patches that were joined from facets are left out; `curved` is null if there are none. Free regions are
-///          left out unless `are_free_told`.
+/// Input:   the patches that were joined from facets are left out; `curved` is null if there are none.
 /// Holds:   nothing is added if all surfaces are planes, or if there are only free regions of few facets. The
 ///          elements are the input's faces of curved surfaces and free regions.
 void warn_of_curved_surfaces(const Surface& surface, const PatchSet& patches, const RecognisedSurfaces& recognised,
                              const RefinedFaces& refined, std::vector<Diagnostic>& diagnostics,
-                             const CurvedPatches* curved = nullptr, bool are_free_told = true);
+                             const CurvedPatches* curved = nullptr, const FreeAdvice& free = FreeAdvice());
 
 /// Tells which surfaces elements_per_circle=auto has remeshed with fewer facets, what that has done to the volume,
 /// and which options avoid it.

@@ -23,9 +23,6 @@ namespace {
 /// finer than its facets.
 constexpr double kMajority = 0.5;
 
-/// Surfaces of no kind get no angles below this, in degrees, unless another bound is asked for.
-constexpr double kAngleOfFreeSurfaces = 25;
-
 /// The last correction of offsets changes angles by less than this, in degrees, in nearly all triangles.
 constexpr double kAngleMarginOfFit = 0.1;
 
@@ -217,12 +214,15 @@ bool Attempts::make_patches(const Decisions& decisions, Outcome& outcome) {
   made.joined = {};
   // Sections 2 to 4 of the 2018 report: find coplanar faces, their patches, edge loops and essential vertices.
   divide_by(decisions.rungs);
+  // The ladder comes before the stages that replace the surface, and changes the patches. Each stage waits for those
+  // before it, since what is recognised of a coarser surface holds for no other one.
+  bool is_waiting = false;
   const Repair& repair = options().repair;
   if ((repair.self_intersections || repair.make_union) && !decisions.details.is_arranging_done) {
     triangulate();
     is_triangulated_ = false;
-    // The ladder comes first, and changes the patches.
-    if (find_failed_patches(made.candidate.triangulated.meshes).empty()) {
+    is_waiting = !find_failed_patches(made.candidate.triangulated.meshes).empty();
+    if (!is_waiting) {
       outcome.is_arranged = arrange_faces();
       outcome.is_arranging_in_vain = !outcome.is_arranged;
       if (outcome.is_arranged) arranged_for_ = decisions.rungs;
@@ -234,8 +234,8 @@ bool Attempts::make_patches(const Decisions& decisions, Outcome& outcome) {
   if (are_details_wanted) {
     triangulate();
     is_triangulated_ = false;
-    // The ladder comes first, and changes the patches.
-    if (find_failed_patches(made.candidate.triangulated.meshes).empty()) {
+    is_waiting = is_waiting || !find_failed_patches(made.candidate.triangulated.meshes).empty();
+    if (!is_waiting) {
       if (remove_details(decisions.mending.keep_verbatim)) {
         replaced_for_.push_back(decisions.rungs);
         return false;
@@ -246,7 +246,7 @@ bool Attempts::make_patches(const Decisions& decisions, Outcome& outcome) {
   // Beyond the 2018 report: find curved surfaces, and join their facets as far as that is asked for.
   made.watch.enter(Stage::kSurfaces);
   recognise(decisions.rungs, before);
-  if (is_coarsening_wanted(decisions)) {
+  if (!is_waiting && is_coarsening_wanted(decisions)) {
     outcome.is_coarsened = coarsen_surface();
     if (outcome.is_coarsened) return false;
     outcome.is_coarsening_in_vain = true;
@@ -329,11 +329,9 @@ void Attempts::replace_surface(Replaced&& replaced) {
 /// Returns whether free surfaces may become coarser. They stay as they are once the ladder has begun, and where faces
 /// are copied verbatim.
 bool Attempts::is_coarsening_wanted(const Decisions& decisions) const {
-  const bool is_asked =
-      curved_goals_.tolerance ? *curved_goals_.tolerance > 0 : curved_goals_.elements_per_circle.has_value();
-  return is_asked && curved_goals_.may_cut_boundaries && !options().keep_boundary_vertices &&
-         options().feature_angle_deg > 0 && !decisions.details.is_coarsening_done && !decisions.rungs.are_any() &&
-         decisions.mending.keep_verbatim.empty() && products_->prepared.without_area.empty();
+  return free_goals_of(curved_goals_, options()) && !decisions.details.is_coarsening_done &&
+         !decisions.rungs.are_any() && decisions.mending.keep_verbatim.empty() &&
+         products_->prepared.without_area.empty();
 }
 
 /// Makes the free faces of the surface coarser, if there are any.
@@ -352,11 +350,8 @@ bool Attempts::coarsen_surface() {
                             made.recognised,
                             made.input_intersections->pairs,
                             options().feature_angle_deg};
-  std::optional<Coarser> coarser = coarser_surface(
-      context,
-      {curved_goals_.tolerance, curved_goals_.elements_per_circle,
-       options().min_angle_deg.value_or(kAngleOfFreeSurfaces), curved_goals_.keeps_volume, options().refine},
-      made.coarsening, control());
+  std::optional<Coarser> coarser =
+      coarser_surface(context, *free_goals_of(curved_goals_, options()), made.coarsening, control());
   if (!coarser) return false;
   made.coarsening = std::move(coarser->done);
   replace_surface(std::move(coarser->replaced));

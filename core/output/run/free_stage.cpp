@@ -304,6 +304,15 @@ std::string option_in_force(const Coarsening& done, const Options& options) {
 
 }  // namespace
 
+std::optional<FreeGoals> free_goals_of(const CurvedGoals& curved, const Options& options) {
+  constexpr double kMinAngleDeg = 25;  // unless one is asked for
+  const bool is_asked = curved.tolerance ? *curved.tolerance > 0 : curved.elements_per_circle.has_value();
+  if (!is_asked || !curved.may_cut_boundaries || options.keep_boundary_vertices || !(options.feature_angle_deg > 0))
+    return std::nullopt;
+  return FreeGoals{curved.tolerance, curved.elements_per_circle, options.min_angle_deg.value_or(kMinAngleDeg),
+                   curved.keeps_volume, options.refine};
+}
+
 Diagnostic no_coarsening(const Coarsening& in_vain) {
   Diagnostic told{DiagnosticCode::kCurvedSurface, 1, {}, "faces of no kind stay as they are: "};
   const std::string coarser = "coarser ones within " + number_text(in_vain.tolerance);

@@ -14,6 +14,7 @@
 #include "core/output/run/free_tolerance.h"
 #include "core/output/run/proven_coarsening.h"
 #include "core/output/run/replaced.h"
+#include "core/patches/curved/curved_goals.h"
 
 namespace remesh {
 
@@ -35,6 +36,10 @@ struct Coarser {
   Replaced replaced;
   Coarsening done;
 };
+
+/// Returns the goals for free faces that the options make coarser; empty if they keep all facets.
+/// Input: `curved` has the goals for curved surfaces that follow from the options.
+std::optional<FreeGoals> free_goals_of(const CurvedGoals& curved, const Options& options);
 
 /// Makes the free faces of a surface coarser. Planes beside them stay in their planes, and all other faces stay.
 /// Input:   the goals, in model units; see tolerance_of.

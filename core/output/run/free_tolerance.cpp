@@ -13,6 +13,11 @@
 namespace remesh {
 namespace {
 
+/// A triangle of a coarser surface has this many times the area of a rectangle whose sides are the radius and the
+/// tolerance. The square of an edge has 16 times that area if its ends are the tolerance on one side of the arc and its
+/// middle is as far on the other. Predictions with 4 are within a factor of 1.6 on balls, terrain and scans.
+constexpr double kAreaPerRadiusAndTolerance = 4;
+
 Vec3 area_of(const FreePart& part, FaceId f) {
   const auto [a, b, c] = part.corners(f);
   return cross(b - a, c - a);
@@ -223,30 +228,56 @@ double with_few_digits(double x) {
   return std::ldexp(std::nearbyint(std::ldexp(fraction, 12)), exponent - 12);
 }
 
+/// How far coarser faces may be from each free face, if an arc has so many edges per full turn.
+class TolerancesByTurn {
+ public:
+  TolerancesByTurn(const FreePart& part, const OwnDistance& own, double most, RunControl& control)
+      : part_(part),
+        own_(own),
+        most_(most),
+        curvatures_(part, control),
+        largest_radius_(half_diagonals(part, control)) {}
+
+  double radius(FaceId f) const { return std::min(1 / curvatures_.of_face(f), largest_radius_[f.value]); }
+  double of_face(FaceId f, double elements_per_circle, const std::optional<double>& largest) const {
+    const auto [a, b, c] = part_.corners(f);
+    const double longest_squared = std::max({norm_squared(b - a), norm_squared(c - b), norm_squared(a - c)});
+    const double own_chord = longest_squared * curvatures_.of_face(f) / 8;
+    const double own = std::min(std::max(std::min(own_.chord, own_chord), own_.noise), most_);
+    const double by_turn = with_few_digits(own + (1 - std::cos(M_PI / elements_per_circle)) * radius(f));
+    return std::min(by_turn, largest.value_or(by_turn));
+  }
+
+ private:
+  const FreePart& part_;
+  OwnDistance own_;
+  double most_;
+  Curvatures curvatures_;
+  std::vector<double> largest_radius_;
+};
+
+/// Returns the largest distance that counts as one of the faces from what they stand for.
+double most_own_distance(const FreePart& part) {
+  constexpr double kLargest = 1e-3;
+  Box3 box;
+  for (const Vec3& p : part.positions) box.add(p);
+  return kLargest * box.diagonal();
+}
+
 }  // namespace
 
 FreeTolerance tolerance_of(const FreePart& part, const FreeGoals& goals, RunControl& control) {
-  constexpr double kLargest = 1e-3;
   constexpr float kMinShareOfFace = 1e-3F;
   if (goals.tolerance && !goals.elements_per_circle) return {*goals.tolerance, {}};
-  Box3 box;
-  for (const Vec3& p : part.positions) box.add(p);
-  const double most = kLargest * box.diagonal();
-  const auto [chord, noise] = own_distance(part, control);
-  if (!goals.elements_per_circle) return {with_few_digits(std::min(std::max(chord, noise), most)), {}};
-  const Curvatures curvatures(part, control);
-  const std::vector<double> largest_radius = half_diagonals(part, control);
-  const double per_radius = 1 - std::cos(M_PI / *goals.elements_per_circle);
+  const double most = most_own_distance(part);
+  const OwnDistance own = own_distance(part, control);
+  if (!goals.elements_per_circle) return {with_few_digits(std::min(std::max(own.chord, own.noise), most)), {}};
+  const TolerancesByTurn by_turn(part, own, most, control);
   std::vector<double> tolerances(part.faces.size(), 0);
   FreeTolerance result;
   for (FaceId f(0); f.value < part.faces.size(); ++f.value) {
     if (!part.is_free(f)) continue;
-    const auto [a, b, c] = part.corners(f);
-    const double curvature = curvatures.of_face(f);
-    const double own_chord = std::max({norm_squared(b - a), norm_squared(c - b), norm_squared(a - c)}) * curvature / 8;
-    const double own = std::min(std::max(std::min(chord, own_chord), noise), most);
-    const double by_turn = with_few_digits(own + per_radius * std::min(1 / curvature, largest_radius[f.value]));
-    tolerances[f.value] = std::min(by_turn, goals.tolerance.value_or(by_turn));
+    tolerances[f.value] = by_turn.of_face(f, *goals.elements_per_circle, goals.tolerance);
     result.largest = std::max(result.largest, tolerances[f.value]);
   }
   for (FaceId f(0); f.value < part.faces.size(); ++f.value) {
@@ -254,6 +285,24 @@ FreeTolerance tolerance_of(const FreePart& part, const FreeGoals& goals, RunCont
     result.shares.push_back(std::max(static_cast<float>(share), kMinShareOfFace));
   }
   return result;
+}
+
+std::vector<double> predicted_free_faces(const FreePart& part, const FreeGoals& goals, std::span<const int> elements,
+                                         RunControl& control) {
+  const TolerancesByTurn by_turn(part, own_distance(part, control), most_own_distance(part), control);
+  std::vector<double> predicted(elements.size(), 0);
+  StopCheck check(control);
+  for (FaceId f(0); f.value < part.faces.size(); ++f.value) {
+    check();
+    if (!part.is_free(f)) continue;
+    const double area = norm(area_of(part, f)) / 2, radius = by_turn.radius(f);
+    for (std::size_t i = 0; i < elements.size(); ++i) {
+      const double tolerance = by_turn.of_face(f, elements[i], goals.tolerance);
+      predicted[i] += area / (kAreaPerRadiusAndTolerance * radius * tolerance);
+    }
+  }
+  for (double& faces : predicted) faces = std::min(faces, static_cast<double>(part.free_faces));
+  return predicted;
 }
 
 }  // namespace remesh

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "core/base/run_control.h"
@@ -35,5 +36,14 @@ struct FreeTolerance {
 /// Cost:   O(n log n).
 /// Source: Cohen-Steiner, Morvan, Restricted Delaunay triangulations and normal cycle, 2003, for the curvature.
 FreeTolerance tolerance_of(const FreePart& part, const FreeGoals& goals, RunControl& control);
+
+/// Predicts how many triangles the free faces become for each of some numbers of elements per circle, which stand in
+/// the place of that of the goals. Nothing is made. Equilateral triangles of a size that the tolerance and the largest
+/// curvature allow at each place would fill the area; borders and sizes that change fast take more.
+/// Output:  one number for each of `elements`, at most the number of free faces.
+/// Errors:  kCancelled, kTimeout - asked to stop through `control`.
+/// Cost:    O(n log n).
+std::vector<double> predicted_free_faces(const FreePart& part, const FreeGoals& goals, std::span<const int> elements,
+                                         RunControl& control);
 
 }  // namespace remesh

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <numeric>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -20,7 +22,9 @@
 #include "core/output/result/face_labels.h"
 #include "core/output/result/face_source.h"
 #include "core/output/result/round_for_format.h"
+#include "core/output/run/free_part.h"
 #include "core/output/run/free_stage.h"
+#include "core/output/run/free_tolerance.h"
 #include "core/patches/curved/curved_goals.h"
 #include "core/refinement/goals/unrefined_reason.h"
 #include "core/refinement/prediction/curved_prediction.h"
@@ -28,21 +32,6 @@
 
 namespace remesh {
 namespace {
-
-/// Predicts the faces for other numbers of elements per circle.
-/// Input: `predicted` has the faces that are predicted for each patch; it is empty if nothing is refined.
-std::map<int, std::uint64_t> predict_by_circles(const RecognisedFacets& facets, const Partition& partition,
-                                                const CurveCuts& cuts, const PatchMeshes& meshes,
-                                                const std::vector<float>& predicted, double min_edge_length,
-                                                const Options& options, RunControl& control) {
-  PresentPatches present{partition.patches, partition.essential, cuts, {}, {}, min_edge_length};
-  for (std::size_t p = 0; p < partition.patches.count(); ++p) {
-    present.triangles.push_back(static_cast<double>(meshes[PatchId(p)].mesh.triangle_count()));
-    present.faces.push_back(!predicted.empty() ? predicted[p]
-                                               : static_cast<double>(partition.summaries.patches[p].output_faces));
-  }
-  return predict_by_elements_per_circle(facets, present, options, control);
-}
 
 /// Takes the distances that were proven into the report.
 /// Input: `of_stages` is the distance that stages have spent which replaced the whole surface; `unit` is the number of
@@ -83,6 +72,7 @@ class RunReporter {
         run_.refinement->predict_before(run_.patched(crossing_), run_.choices, run_.candidate.triangulated);
     run_.report.min_edge_length = run_.choices.min_edge.min_edge_length();
     run_.report.largest_edge_for_target = run_.goals().has_target() ? run_.goals().max_edge_length : 0;
+    predict_free();
     report_curves({[&](PatchId p) {
                      return run_.has_goals()
                                 ? predicted.of_patch[p.value]
@@ -190,6 +180,22 @@ class RunReporter {
     add_incomplete_check(run_.input_intersections->searched, faces.size(), run_.report.volume_obstacles);
   }
 
+  FreeAdvice free_advice() const {
+    FreeAdvice advice{!run_.coarsening.is_done(), false, std::nullopt};
+    if (free_ && free_->predicted.contains(kAdvisedElements)) advice.faces = free_->predicted.at(kAdvisedElements);
+    const double diagonal = run_.report.input.bounding_box.diagonal();
+    advice.may_be_coarser = !free_goals_of(curved_goals_of(run_.options, diagonal), run_.options) &&
+                            free_goals_with(kAdvisedElements).has_value();
+    return advice;
+  }
+
+  /// Returns the goals for free faces with another number of elements per circle; empty if it changes nothing.
+  std::optional<FreeGoals> free_goals_with(int elements) const {
+    Options with_circles = run_.options;
+    with_circles.elements_per_circle = elements;
+    return free_goals_of(curved_goals_of(with_circles, run_.report.input.bounding_box.diagonal()), with_circles);
+  }
+
   /// Tells which curved surfaces are refined facet by facet.
   void report_curves(const RefinedFaces& refined) {
     if (run_.coarsening.is_done())
@@ -199,17 +205,70 @@ class RunReporter {
     if (!run_.options.refine) return;
     if (run_.options.feature_angle_deg > 0)
       warn_of_curved_surfaces(run_.surface(), run_.partition.patches, run_.report.surfaces, refined,
-                              run_.report.diagnostics, run_.joined.curved(), !run_.coarsening.is_done());
+                              run_.report.diagnostics, run_.joined.curved(), free_advice());
     else
       warn_of_curves(run_.surface(), run_.partition.patches, run_.report.diagnostics);
   }
 
+  /// Predicts the faces for other numbers of elements per circle.
   /// Input: the faces that there are, or that are predicted, of each patch; empty if nothing is refined.
   std::map<int, std::uint64_t> predict_for_circles(const std::vector<float>& faces) {
-    return predict_by_circles({run_.surface(), run_.adjacency(), run_.facets(), run_.recognised,
-                               run_.report.plane_tolerance, run_.report.input.bounding_box.diagonal()},
-                              run_.partition, run_.joined.cuts, run_.candidate.triangulated.meshes, faces,
-                              run_.choices.min_edge.min_edge_length(), run_.options, run_.control);
+    PresentPatches present{run_.partition.patches,
+                           run_.partition.essential,
+                           run_.joined.cuts,
+                           {},
+                           {},
+                           run_.choices.min_edge.min_edge_length()};
+    for (PatchId p(0); p.value < present.patches.count(); ++p.value) {
+      present.triangles.push_back(static_cast<double>(run_.candidate.triangulated.meshes[p].mesh.triangle_count()));
+      present.faces.push_back(!faces.empty()
+                                  ? faces[p.value]
+                                  : static_cast<double>(run_.partition.summaries.patches[p.value].output_faces));
+    }
+    const FreeFaces& free = predict_free();
+    double present_free = 0;
+    for (PatchId p(0); p.value < present.patches.count() && !free.predicted.empty(); ++p.value) {
+      if (free.roles[present.patches.faces_of(p)[0]] != FaceRole::kFree) continue;
+      present_free += present.faces[p.value];
+      present.faces[p.value] = present.triangles[p.value] = 0;
+    }
+    std::map<int, std::uint64_t> predicted =
+        predict_by_elements_per_circle({run_.surface(), run_.adjacency(), run_.facets(), run_.recognised,
+                                        run_.report.plane_tolerance, run_.report.input.bounding_box.diagonal()},
+                                       present, run_.options, run_.control);
+    if (free.predicted.empty()) return predicted;
+    const double others = std::accumulate(present.faces.begin(), present.faces.end(), 0.0);
+    for (const auto& [elements, faces] : free.predicted) {
+      const auto entry = predicted.try_emplace(elements, static_cast<std::uint64_t>(others)).first;
+      entry->second += static_cast<std::uint64_t>(std::min(present_free, faces));
+    }
+    return predicted;
+  }
+
+  /// What other numbers of elements per circle make of the free faces.
+  struct FreeFaces {
+    FilledIdVector<FaceId, FaceRole> roles;
+    std::map<int, double> predicted;  ///< for kPredictedElements; empty if these do not make them coarser
+  };
+
+  const FreeFaces& predict_free() {
+    if (free_) return *free_;
+    FreeFaces& free = free_.emplace();
+    const std::optional<FreeGoals> goals = free_goals_with(kPredictedElements.front());
+    if (!goals || run_.coarsening.is_done() || run_.recognised.of_patch.empty()) return free;
+    const FreeContext context{run_.surface(),
+                              run_.adjacency(),
+                              run_.facets(),
+                              run_.recognised,
+                              run_.input_intersections->pairs,
+                              run_.options.feature_angle_deg};
+    const Triangulated triangles(run_.surface(), run_.control);
+    free.roles = roles_of(context, triangles, run_.control);
+    const FreePart part(context, triangles, free.roles, run_.control);
+    if (part.is_empty()) return free;
+    const std::vector<double> faces = predicted_free_faces(part, *goals, kPredictedElements, run_.control);
+    for (std::size_t i = 0; i < faces.size(); ++i) free.predicted[kPredictedElements[i]] = faces[i];
+    return free;
   }
 
   /// Tells why there are far more faces than in the input, if so.
@@ -302,8 +361,9 @@ class RunReporter {
   }
 
   const std::unique_ptr<RunProducts> products_;
-  RunProducts& run_;             ///< the same
-  InputIntersections crossing_;  ///< the patches that cross each other in the input
+  RunProducts& run_;               ///< the same
+  InputIntersections crossing_;    ///< the patches that cross each other in the input
+  std::optional<FreeFaces> free_;  ///< once they are predicted
 };
 
 }  // namespace

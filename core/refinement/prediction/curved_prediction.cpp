@@ -18,7 +18,6 @@ namespace remesh {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr std::array kElements = {8, 12, 16, 24, 36};
 
 // See experiments.md, Prediction of curved patches, for the following numbers.
 
@@ -80,7 +79,7 @@ class CirclePrediction {
         may_coarser_facets_stay_(curved_goals_of(options, in.diagonal).may_coarser_facets_stay),
         check_(control) {
     Options with_circles = options;
-    with_circles.elements_per_circle = kElements.front();
+    with_circles.elements_per_circle = kPredictedElements.front();
     const std::vector<CurvedLimits> limits = curved_limits(
         in.surface, in.facets, in.surfaces, curved_goals_of(with_circles, in.diagonal), in.plane_tolerance, control);
     joined_ = join_curved_facets(in.surface, in.adjacency, in.facets, in.surfaces, options.feature_angle_deg, limits,
@@ -94,7 +93,7 @@ class CirclePrediction {
     find_chains();
     // If boundaries are cut finely for other reasons, more elements per circle hardly change the number of faces.
     double most = 0;
-    for (const int elements : kElements) {
+    for (const int elements : kPredictedElements) {
       most = std::max(most, std::min(std::ceil(faces_with(elements)), most_faces(elements)));
       result[elements] = static_cast<std::uint64_t>(most);
     }

@@ -1,6 +1,7 @@
 /// Estimates the number of faces of a remeshing with other numbers of elements per circle.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <vector>
@@ -15,6 +16,9 @@
 #include "core/patches/recognition/recognised_surfaces.h"
 
 namespace remesh {
+
+/// The numbers of elements per circle for which faces are predicted.
+inline constexpr std::array kPredictedElements = {8, 12, 16, 24, 36};
 
 /// The facets of a surface and their recognised surfaces.
 struct RecognisedFacets {
@@ -38,7 +42,7 @@ struct PresentPatches {
 
 /// Predicts the faces for some values of elements_per_circle. All other options stay. The prediction refines nothing
 /// and cuts no boundary.
-/// Output:  the predicted faces of the whole result for 8, 12, 16, 24 and 36 elements. It is empty if no surface can be
+/// Output:  the predicted faces of the whole result for kPredictedElements. It is empty if no surface can be
 ///          remeshed as a whole. Most numbers are right within a factor of 2. Sizes that vary (proximity) count in the
 ///          planes only.
 /// Holds:   the numbers grow with the number of elements.

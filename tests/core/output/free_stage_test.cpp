@@ -437,6 +437,18 @@ TEST(free_stage, faces_with_other_labels_stay_apart) {
   }
 }
 
+TEST(free_stage, a_surface_becomes_coarser_only_after_its_faces_were_cut_where_they_cross) {
+  // The strip's patch cannot be triangulated at first, and the cuts wait until it is divided.
+  const PolygonMesh mesh = shapes::joined(shapes::strip_over_itself(), shapes::moved(bumpy_ball(3), {5, 0, 0}));
+  Options options = within(1e-2);
+  options.repair.self_intersections = true;
+  const Result result = remeshed(mesh, options);
+  EXPECT_TRUE(result.report.verified.all_true());
+  EXPECT_TRUE(result.report.solids);
+  EXPECT_TRUE(is_told_coarser(result));
+  EXPECT_LT(result.mesh.faces.size(), mesh.face_count() / 2);
+}
+
 TEST(free_stage, parts_without_free_faces_are_left_to_other_stages) {
   for (const PolygonMesh& mesh : {shapes::cylinder(48, 1, 2), shapes::box({1, 2, 3}, 4), shapes::sphere(3)}) {
     const Result result = remeshed(mesh, within(3e-3));

@@ -76,7 +76,7 @@ TEST_F(a_box, is_told_with_all_its_kinds_and_what_is_predicted_is_rounded) {
             "found 2 cylinders, 1 torus and 1 free region, made of 5 facets; each stays flat as a patch of its own, "
             "and refinement makes about 6,200 faces of them; another surface_tolerance (above 0), elements_per_circle "
             "or feature_angle_deg may let curved surfaces be remeshed as a whole; another feature_angle_deg may let a "
-            "free region be recognised, and surface_tolerance and elements_per_circle then apply to it");
+            "free region be recognised");
 }
 
 TEST_F(a_box, with_a_small_free_region_is_a_polyhedron) {
@@ -95,6 +95,29 @@ TEST(warn_of_curved_surfaces, a_large_free_region_is_warned_of_and_the_first_hun
   EXPECT_EQ(diagnostics[0].elements.back(), Diagnostic::kMaxElements - 1);
   EXPECT_THAT(diagnostics[0].message, HasSubstr("feature_angle_deg may let a free region be recognised"));
   EXPECT_THAT(diagnostics[0].message, Not(HasSubstr("may let curved surfaces")));
+  EXPECT_THAT(diagnostics[0].message, Not(HasSubstr("coarser")));
+  EXPECT_THAT(diagnostics[0].remedies, IsEmpty());
+}
+
+TEST(warn_of_curved_surfaces, a_free_region_that_may_become_coarser_is_told_with_the_option_and_what_it_makes) {
+  const StageChain chain(shapes::sphere(2));
+  RecognisedSurfaces surfaces = recognised({SurfaceKind::kFree}, {});
+  surfaces.of_patch.resize(chain.patches.count(), SurfaceId(0));
+  const auto warned = [&](const FreeAdvice& free) {
+    std::vector<Diagnostic> diagnostics;
+    warn_of_curved_surfaces(chain.surface, chain.patches, surfaces, {[](PatchId) { return 1.0; }}, diagnostics, nullptr,
+                            free);
+    return diagnostics;
+  };
+  const auto found = warned({true, true, 1694.2});
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_THAT(found[0].message,
+              HasSubstr("; surface_tolerance (above 0) or elements_per_circle makes free regions coarser, within a "
+                        "proven distance (elements_per_circle=16 makes about 1,700 faces of them); "));
+  ASSERT_EQ(found[0].remedies.size(), 1u);
+  EXPECT_EQ(found[0].remedies[0].options, "elements_per_circle=16");
+  EXPECT_THAT(warned({true, true, std::nullopt})[0].message, HasSubstr("within a proven distance; "));
+  EXPECT_THAT(warned({false, true, 1694.2}), IsEmpty());
 }
 
 TEST(warn_of_curves, a_surface_whose_facets_are_patches_of_their_own_is_warned_of) {

@@ -14,6 +14,7 @@
 
 #include "core/io/mesh_files.h"
 #include "core/remesh.h"
+#include "tests/support/free_shapes.h"
 #include "tests/support/own_meshes.h"
 #include "tests/support/primitives.h"
 #include "tests/support/shapes.h"
@@ -89,6 +90,28 @@ TEST(curved_prediction, without_refinement_it_is_right_within_a_factor_of_one_an
 
 TEST(curved_prediction, with_a_bound_on_angles_it_is_right_within_a_factor_of_two) {
   expect_right_within(2, models(), refined_to(25));
+}
+
+TEST(curved_prediction, free_surfaces_are_right_within_a_factor_of_two) {
+  for (const PolygonMesh& mesh : {bumpy_ball(5), hills(96), relief(24)})
+    for (const double angle : {0.0, 25.0}) {
+      const FacesByElements predicted = predicted_by_elements(mesh, refined_to(angle));
+      ASSERT_EQ(predicted.size(), 5u);
+      for (const int elements : {8, 24}) {
+        const double truth = true_count(mesh, refined_to(angle), elements);
+        ASSERT_LT(truth, 0.5 * static_cast<double>(mesh.face_count()));
+        EXPECT_LT(std::fabs(std::log(static_cast<double>(predicted.at(elements)) / truth)), std::log(2))
+            << elements << " elements: " << predicted.at(elements) << " instead of " << truth;
+      }
+    }
+}
+
+TEST(curved_prediction, free_surfaces_that_options_keep_are_not_counted_as_coarser) {
+  const PolygonMesh mesh = bumpy_ball(3);
+  Options options = refined_to(25);
+  EXPECT_EQ(predicted_by_elements(mesh, options).size(), 5u);
+  options.keep_boundary_vertices = true;
+  EXPECT_TRUE(predicted_by_elements(mesh, options).empty());
 }
 
 TEST(curved_prediction, the_bracket_is_right_within_a_factor_of_one_and_a_quarter) {
