@@ -22,7 +22,7 @@ struct RefinedFaces {
   Are are = Are::kCounted;
 };
 
-/// What there is to tell of free regions.
+/// Holds what there is to tell of free regions.
 struct FreeAdvice {
   bool are_told = true;         ///< false: another diagnostic tells of them
   bool may_be_coarser = false;  ///< options that were not given make them coarser

@@ -245,7 +245,7 @@ class RunReporter {
     return predicted;
   }
 
-  /// What other numbers of elements per circle make of the free faces.
+  /// Holds what other numbers of elements per circle make of the free faces.
   struct FreeFaces {
     FilledIdVector<FaceId, FaceRole> roles;
     std::map<int, double> predicted;  ///< for kPredictedElements; empty if these do not make them coarser
