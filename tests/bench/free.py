@@ -176,7 +176,7 @@ def by_gmsh(bench, before, distance):
     if not shutil.which("gmsh"):
         return None
     stl, made, script = (bench.folder / name for name in ["free_in.stl", "free_gmsh.stl", "free.geo"])
-    write_stl(surface_files.read_surface(before), stl)
+    surface_files.write_stl(surface_files.read_surface(before), stl)
     search = Search(bench, before, distance)
 
     def make(after, elements):
@@ -189,17 +189,6 @@ def by_gmsh(bench, before, distance):
         if search.tries(lambda after: make(after, elements)):
             break
     return search.best
-
-
-def write_stl(surface, path):
-    with open(path, "w", encoding="ascii") as file:
-        file.write("solid part\n")
-        for face in surface.faces:
-            file.write("facet normal 0 0 0\nouter loop\n")
-            for corner in face:
-                file.write("vertex {!r} {!r} {!r}\n".format(*surface.points[corner]))
-            file.write("endloop\nendfacet\n")
-        file.write("endsolid part\n")
 
 
 PEERS = {"CGAL adaptive": by_cgal, "Gmsh": by_gmsh, SIMPLIFIER: by_meshoptimizer}

@@ -60,13 +60,6 @@ def measure_surface(bench, table):
 def write_gmsh_script(path, surface, length, output):
     """Gmsh reads no OBJ: the same surface as STL, with all digits."""
     stl = path.with_suffix(".stl")
-    with open(stl, "w") as file:
-        file.write("solid\n")
-        for face in surface.faces:
-            file.write("facet normal 0 0 0\nouter loop\n")
-            for corner in face:
-                file.write("vertex {!r} {!r} {!r}\n".format(*surface.points[corner]))
-            file.write("endloop\nendfacet\n")
-        file.write("endsolid\n")
+    surface_files.write_stl(surface, stl)
     path.write_text(GMSH_SCRIPT.format(input=stl, output=output, length=length))
     return path

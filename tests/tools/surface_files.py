@@ -183,6 +183,18 @@ def write_obj(surface, path):
             out.write("f " + " ".join(str(corner + 1) for corner in face) + "\n")
 
 
+def write_stl(surface, path):
+    """As text, with all digits."""
+    with open(path, "w", encoding="ascii") as file:
+        file.write("solid\n")
+        for face in surface.faces:
+            file.write("facet normal 0 0 0\nouter loop\n")
+            for corner in face:
+                file.write("vertex {!r} {!r} {!r}\n".format(*surface.points[corner]))
+            file.write("endloop\nendfacet\n")
+        file.write("endsolid\n")
+
+
 def write_smesh(surface, path):
     """TetGen's piecewise linear complex: a facet for each face."""
     with open(path, "w", encoding="ascii") as out:
