@@ -158,7 +158,7 @@ class FreeTest(unittest.TestCase):
         table = Table()
         made = {name: free.Made(faces, 20.0, 5) for name, faces in theirs.items()}
         free.add_rows(table, "scan.ply", is_smooth, tolerance, 400, 0.02, ours, {**dict.fromkeys(free.PEERS), **made})
-        free.add_medians(table)
+        free.add_medians(table, [(is_smooth, tolerance, free.ratios_to(ours, made))])
         return table
 
     def above(self, *arguments, **options):
@@ -201,6 +201,8 @@ class FreeTest(unittest.TestCase):
                 best = free.searched(bench, None, 1, make)
             with unittest.mock.patch.object(free, "is_within", lambda *_: False):
                 self.assertIsNone(free.searched(bench, None, 1, make))
+            with unittest.mock.patch.object(free, "is_within", lambda *_: tried[-1] < 7):
+                self.assertLessEqual(free.searched(bench, None, 1, make).faces, 2)
         self.assertLess(10 / 0.3, best.faces)
         self.assertLess(best.faces, 1.1 * 10 / 0.3 + 1)
 

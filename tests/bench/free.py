@@ -28,13 +28,14 @@ SCANS = """
     spot.ply casting.off fandisk.obj body.obj.gz conrod.stl block.off DTC-scaled.stl.gz NACA0012.obj.gz
 """.split()
 SIMPLIFIER = "meshoptimizer"
-# On scans, whose angles nobody bounds.
-BOUND_BESIDE_SIMPLIFIER = 1
+BEST = "the best peer with angles"
+# On scans, in the median.
+BOUND_BESIDE_SIMPLIFIER = {1e-3: 1}
 BOUND_ON_FACES_IN = {1e-3: None, 1e-4: 1.3}
 MIN_ANGLE_DEG = 25
 PATIENCE_SECONDS = 300
-# A parameter is searched to this factor, beginning with the distance times the first number.
-STEP, LARGEST, SMALLEST = 1.1, 4, 1 / 64
+# A parameter is searched to this factor, from the distance times the last number to the distance times the second.
+STEP, LARGEST, SMALLEST = 1.1, 64, 1 / 64
 # Elements per full turn for Gmsh.
 ELEMENTS = [12, 25, 50, 100, 200]
 SIMPLIFY = pathlib.Path(__file__).resolve().parent / "simplify_peer.mjs"
@@ -59,11 +60,13 @@ class Made:
 
 
 def measure_free(bench, table):
+    ratios = []
     for path, is_smooth in surfaces_of(bench):
         if not path.exists():
             table.leave_out(path.name, "all", "there is no such file")
             continue
         surface = surface_files.read_surface(path)
+        surface.faces = [(face[0], b, c) for face in surface.faces for b, c in zip(face[1:], face[2:])]
         before = bench.folder / "free_in.obj"
         surface_files.write_obj(surface, before)
         for tolerance in TOLERANCES:
@@ -73,8 +76,9 @@ def measure_free(bench, table):
             print(f"bench: {path.name} within {tolerance:g}: {ours.faces} faces, "
                   f"{ {name: made and made.faces for name, made in theirs.items()} }", file=sys.stderr)
             add_rows(table, path.name, is_smooth, tolerance, len(surface.faces), distance, ours, theirs)
+            ratios.append((is_smooth, tolerance, ratios_to(ours, theirs)))
             table.write(bench.folder)
-    add_medians(table)
+    add_medians(table, ratios)
 
 
 def surfaces_of(bench):
@@ -108,8 +112,11 @@ def looked_at(path):
 
 def is_within(bench, before, after, distance):
     """Whether our proof says so. A mesh that cannot be read is not."""
-    done = subprocess.run([bench.program("remesh"), "--compare", before, after, "--tolerance", repr(distance)],
-                          stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    try:
+        done = subprocess.run([bench.program("remesh"), "--compare", before, after, "--tolerance", repr(distance)],
+                              stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, timeout=PATIENCE_SECONDS)
+    except subprocess.TimeoutExpired:
+        return False
     return bool(done.stdout) and json.loads(done.stdout).get("within", False)
 
 
@@ -126,7 +133,7 @@ class Search:
         after.unlink(missing_ok=True)
         try:
             make(after)
-        except (subprocess.TimeoutExpired, subprocess.CalledProcessError):
+        except (OSError, surface_files.NotASurface, subprocess.SubprocessError):
             return False
         if not after.exists() or face_count(after) == 0 or not is_within(self.bench, self.before, after, self.distance):
             return False
@@ -136,13 +143,22 @@ class Search:
 
 
 def searched(bench, before, distance, make):
-    """By a parameter that is about a distance: halved until the mesh is near enough, and then made larger again."""
+    """By a parameter that is about a distance: doubled or halved to where the mesh is just near enough, and then made
+    larger again in small steps."""
     search = Search(bench, before, distance)
-    good, bad = LARGEST * distance, None
-    while not search.tries(lambda after: make(after, good)):
-        good, bad = good / 2, good
-        if good < SMALLEST * distance:
-            return None
+    good, bad = distance, None
+    if search.tries(lambda after: make(after, good)):
+        while not bad and good < LARGEST * distance:
+            if search.tries(lambda after: make(after, 2 * good)):
+                good *= 2
+            else:
+                bad = 2 * good
+    else:
+        bad, good = good, good / 2
+        while not search.tries(lambda after: make(after, good)):
+            good, bad = good / 2, good
+            if good < SMALLEST * distance:
+                return None
     while bad and bad > STEP * good:
         middle = math.sqrt(good * bad)
         if search.tries(lambda after: make(after, middle)):
@@ -212,22 +228,25 @@ def add_rows(table, name, is_smooth, tolerance, faces_in, distance, ours, theirs
         table.add(case, peer, made.faces, "faces")
         table.add(case, peer, made.below, below)
         table.add(case, "remesh", ours.faces, "faces", peer, made.faces)
-    # A simplifier bounds no angles, so on smooth surfaces it is no peer of those that do.
-    with_angles = [made.faces for peer, made in theirs.items() if made and peer != SIMPLIFIER]
-    if is_smooth and with_angles:
-        table.add(case, "remesh", ours.faces, "faces", "the best peer with angles", min(with_angles), bounds[1])
+    best = ratios_to(ours, theirs).get(BEST)
+    if is_smooth and best:
+        table.add(case, "remesh", ours.faces, "faces", BEST, ours.faces / best, bounds[1])
 
 
-def add_medians(table):
-    """Over what the table has."""
+def ratios_to(ours, theirs):
+    """Our faces beside those of each peer, and of the best one that bounds angles, which a simplifier does not."""
+    ratios = {peer: ours.faces / made.faces for peer, made in theirs.items() if made}
+    with_angles = [ratio for peer, ratio in ratios.items() if peer != SIMPLIFIER]
+    return ratios | ({BEST: max(with_angles)} if with_angles else {})
+
+
+def add_medians(table, ratios):
+    """Input: whether a surface is smooth, the tolerance, and the ratios to the peers, for each surface."""
     for tolerance, (bound, _) in TOLERANCES.items():
-        of_tolerance = [row for row in table.rows if row["case"].endswith(f", within {tolerance:g} of the diagonal")]
-        smooth = [row["ratio"] for row in of_tolerance if row["against"] == "the best peer with angles"]
-        if smooth:
-            table.add(f"median of {len(smooth)} smooth surfaces within {tolerance:g}", "remesh",
-                      statistics.median(smooth), "of the best peer's faces", "the best peer with angles", 1, bound)
-        cases = {row["case"] for row in of_tolerance if row["against"] == "the best peer with angles"}
-        scans = [row["ratio"] for row in of_tolerance if row["against"] == SIMPLIFIER and row["case"] not in cases]
-        if scans and tolerance == 1e-3:
-            table.add(f"median of {len(scans)} scans within {tolerance:g}", "remesh", statistics.median(scans),
-                      "of its faces", SIMPLIFIER, 1, BOUND_BESIDE_SIMPLIFIER)
+        for name, is_smooth, peer, limit in [("smooth surfaces", True, BEST, bound),
+                                             ("scans", False, SIMPLIFIER, BOUND_BESIDE_SIMPLIFIER.get(tolerance))]:
+            found = [all_of[peer] for smooth, at, all_of in ratios
+                     if smooth == is_smooth and at == tolerance and peer in all_of]
+            if found:
+                table.add(f"median of {len(found)} {name} within {tolerance:g}", "remesh", statistics.median(found),
+                          "of its faces", peer, 1, limit)

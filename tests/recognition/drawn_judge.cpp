@@ -192,10 +192,10 @@ class SolidJudge {
       for (const Vec3& p : points_over(input_[f])) here = std::max(here, out.distance(p));
       whole = std::max(whole, here);
       const SurfaceId s = claim_of(f);
-      if (!s.is_valid()) continue;
-      farthest[s] = std::max(farthest[s], here);
+      if (s.is_valid()) farthest[s] = std::max(farthest[s], here);
       // Faces of no kind may be made coarser by a tolerance of their own, which is told.
-      if (records_[s].shape.kind != SurfaceKind::kFree) of_truth[truth] = std::max(of_truth[truth], here);
+      const bool is_free = s.is_valid() && records_[s].shape.kind == SurfaceKind::kFree;
+      if (!is_free) of_truth[truth] = std::max(of_truth[truth], here);
     }
     for (std::size_t f = 0; f < output_.size(); ++f) {
       const SurfaceId s = surface_of(result_.face_patch[FaceId(f)]);

@@ -94,8 +94,8 @@ Outcome Attempts::divide(const Decisions& decisions) {
   products_->choices = decisions.refinement;
   Outcome outcome;
   make_surface(decisions);
-  if (!make_patches(decisions, outcome))
-    outcome.end = Outcome::End::kSurfaceReplaced;
+  if (const auto end = make_patches(decisions, outcome))
+    outcome.end = *end;
   else
     triangulate();
   return outcome;
@@ -107,10 +107,11 @@ Outcome Attempts::attempt(const Decisions& decisions, const Effort& effort) {
   Outcome outcome;
   outcome.input_faces = products_->input.face_count();
   outcome.are_elements_automatic = curved_goals_.is_automatic;
-  if (divided_for_ != Division{decisions.rungs, decisions.curved} && !make_patches(decisions, outcome)) {
-    outcome.end = Outcome::End::kSurfaceReplaced;
-    return outcome;
-  }
+  if (divided_for_ != Division{decisions.rungs, decisions.curved})
+    if (const auto end = make_patches(decisions, outcome)) {
+      outcome.end = *end;
+      return outcome;
+    }
   // Section 5 of the 2018 report, for every patch: projection, lexicographic triangulation, flips, recovery of the
   // loops, carving. Vertices that were moved to keep a volume have changed the triangles.
   if (!is_triangulated_ || products_->joined.outside)
@@ -204,29 +205,31 @@ void Attempts::make_surface(const Decisions& decisions) {
 }
 
 /// Finds the patches of the surface.
-/// Output: false if a stage has put another surface in the place of this one.
-bool Attempts::make_patches(const Decisions& decisions, Outcome& outcome) {
+/// Output: how the attempt ends if another one has to begin before; empty if the patches are there.
+std::optional<Outcome::End> Attempts::make_patches(const Decisions& decisions, Outcome& outcome) {
   RunProducts& made = *products_;
   made.candidate.clear();
   is_triangulated_ = false;
+  divided_for_.reset();
   const PatchSet before =
       made.joined.curved() != nullptr ? std::move(made.joined.facets) : std::move(made.partition.patches);
   made.joined = {};
   // Sections 2 to 4 of the 2018 report: find coplanar faces, their patches, edge loops and essential vertices.
   divide_by(decisions.rungs);
-  // The ladder comes before the stages that replace the surface, and changes the patches. Each stage waits for those
-  // before it, since what is recognised of a coarser surface holds for no other one.
-  bool is_waiting = false;
+  // The ladder comes before the stages that replace the surface, and changes the patches. Faces are cut before they are
+  // made coarser, since what is recognised of a coarser surface holds for no other one.
+  bool is_cut_later = false;
   const Repair& repair = options().repair;
   if ((repair.self_intersections || repair.make_union) && !decisions.details.is_arranging_done) {
     triangulate();
     is_triangulated_ = false;
-    is_waiting = !find_failed_patches(made.candidate.triangulated.meshes).empty();
-    if (!is_waiting) {
+    is_cut_later = !find_failed_patches(made.candidate.triangulated.meshes).empty();
+    if (!is_cut_later) {
       outcome.is_arranged = arrange_faces();
       outcome.is_arranging_in_vain = !outcome.is_arranged;
       if (outcome.is_arranged) arranged_for_ = decisions.rungs;
-      if (outcome.is_arranged) return false;
+      if (outcome.is_arranged) return Outcome::End::kSurfaceReplaced;
+      if (decisions.rungs.are_any() && may_become_coarser(decisions)) return Outcome::End::kNothingCut;
     }
   }
   const bool are_details_wanted = made.detail_limits.size > 0 && !decisions.details.are_done &&
@@ -234,11 +237,10 @@ bool Attempts::make_patches(const Decisions& decisions, Outcome& outcome) {
   if (are_details_wanted) {
     triangulate();
     is_triangulated_ = false;
-    is_waiting = is_waiting || !find_failed_patches(made.candidate.triangulated.meshes).empty();
-    if (!is_waiting) {
+    if (find_failed_patches(made.candidate.triangulated.meshes).empty()) {
       if (remove_details(decisions.mending.keep_verbatim)) {
         replaced_for_.push_back(decisions.rungs);
-        return false;
+        return Outcome::End::kSurfaceReplaced;
       }
       outcome.are_details_done = true;
     }
@@ -246,14 +248,15 @@ bool Attempts::make_patches(const Decisions& decisions, Outcome& outcome) {
   // Beyond the 2018 report: find curved surfaces, and join their facets as far as that is asked for.
   made.watch.enter(Stage::kSurfaces);
   recognise(decisions.rungs, before);
-  if (!is_waiting && is_coarsening_wanted(decisions)) {
+  // Surfaces stay as they are once the ladder has begun.
+  if (!is_cut_later && !decisions.rungs.are_any() && may_become_coarser(decisions)) {
     outcome.is_coarsened = coarsen_surface();
-    if (outcome.is_coarsened) return false;
+    if (outcome.is_coarsened) return Outcome::End::kSurfaceReplaced;
     outcome.is_coarsening_in_vain = true;
   }
   join(decisions.curved);
   divided_for_ = Division{decisions.rungs, decisions.curved};
-  return true;
+  return std::nullopt;
 }
 
 void Attempts::divide_by(const FaceRungs& rungs) {
@@ -326,12 +329,10 @@ void Attempts::replace_surface(Replaced&& replaced) {
   forget_surface();
 }
 
-/// Returns whether free surfaces may become coarser. They stay as they are once the ladder has begun, and where faces
-/// are copied verbatim.
-bool Attempts::is_coarsening_wanted(const Decisions& decisions) const {
+/// Returns whether free surfaces may become coarser. They stay as they are where faces are copied verbatim.
+bool Attempts::may_become_coarser(const Decisions& decisions) const {
   return free_goals_of(curved_goals_, options()) && !decisions.details.is_coarsening_done &&
-         !decisions.rungs.are_any() && decisions.mending.keep_verbatim.empty() &&
-         products_->prepared.without_area.empty();
+         decisions.mending.keep_verbatim.empty() && products_->prepared.without_area.empty();
 }
 
 /// Makes the free faces of the surface coarser, if there are any.

@@ -63,13 +63,12 @@ class Attempts {
   double step_of_storage() const;
   void forget_surface();
   void make_surface(const Decisions& decisions);
-  /// Returns false if details were removed, so that there is another surface.
-  bool make_patches(const Decisions& decisions, Outcome& outcome);
+  std::optional<Outcome::End> make_patches(const Decisions& decisions, Outcome& outcome);
   void divide_by(const FaceRungs& rungs);
   bool arrange_faces();
   bool remove_details(const FaceMarks& kept);
   void replace_surface(Replaced&& replaced);
-  bool is_coarsening_wanted(const Decisions& decisions) const;
+  bool may_become_coarser(const Decisions& decisions) const;
   bool coarsen_surface();
   void recognise(const FaceRungs& rungs, const PatchSet& before);
   void join(const CurvedChoices& choices);

@@ -9,6 +9,8 @@
 #include "core/base/stoppable.h"
 #include "core/base/symmetric_eigen.h"
 #include "core/base/union_find.h"
+#include "core/refinement/goals/goals.h"
+#include "core/refinement/prediction/curved_prediction.h"
 
 namespace remesh {
 namespace {
@@ -288,20 +290,25 @@ FreeTolerance tolerance_of(const FreePart& part, const FreeGoals& goals, RunCont
 }
 
 std::vector<double> predicted_free_faces(const FreePart& part, const FreeGoals& goals, std::span<const int> elements,
-                                         RunControl& control) {
+                                         double longest_edge, RunControl& control) {
   const TolerancesByTurn by_turn(part, own_distance(part, control), most_own_distance(part), control);
   std::vector<double> predicted(elements.size(), 0);
+  double whole_area = 0;
   StopCheck check(control);
   for (FaceId f(0); f.value < part.faces.size(); ++f.value) {
     check();
-    if (!part.is_free(f)) continue;
     const double area = norm(area_of(part, f)) / 2, radius = by_turn.radius(f);
+    if (!part.is_free(f) || !(area > 0)) continue;
+    whole_area += area;
     for (std::size_t i = 0; i < elements.size(); ++i) {
       const double tolerance = by_turn.of_face(f, elements[i], goals.tolerance);
       predicted[i] += area / (kAreaPerRadiusAndTolerance * radius * tolerance);
     }
   }
-  for (double& faces : predicted) faces = std::min(faces, static_cast<double>(part.free_faces));
+  const double by_size = kFacesPerSize * whole_area / equilateral_area(longest_edge);
+  const auto most = static_cast<double>(part.free_faces);
+  // The comparison is false for a sum that is no number.
+  for (double& faces : predicted) faces = std::max(faces < most ? faces : most, by_size);
   return predicted;
 }
 

@@ -38,12 +38,12 @@ struct FreeTolerance {
 FreeTolerance tolerance_of(const FreePart& part, const FreeGoals& goals, RunControl& control);
 
 /// Predicts how many triangles the free faces become for each of some numbers of elements per circle, which stand in
-/// the place of that of the goals. Nothing is made. Equilateral triangles of a size that the tolerance and the largest
-/// curvature allow at each place would fill the area; borders and sizes that change fast take more.
-/// Output:  one number for each of `elements`, at most the number of free faces.
+/// the place of that of the goals. Nothing is made.
+/// Input:   `longest_edge`, in the unit of the part, is a bound on edges to which the triangles are refined afterwards.
+/// Output:  one number for each of `elements`. Where edges are not bounded, it is at most the number of free faces.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:    O(n log n).
 std::vector<double> predicted_free_faces(const FreePart& part, const FreeGoals& goals, std::span<const int> elements,
-                                         RunControl& control);
+                                         double longest_edge, RunControl& control);
 
 }  // namespace remesh

@@ -112,6 +112,7 @@ std::optional<Decisions> learn(const Decisions& now, const Outcome& outcome, con
     refinement = after_faces(refinement, *outcome.faces, outcome.are_angles_worse, outcome.facts).choices;
   switch (outcome.end) {
     case Outcome::End::kSurfaceReplaced: return on_other_surface(std::move(next), outcome);
+    case Outcome::End::kNothingCut: next.rungs = {}; return next;
     case Outcome::End::kPatchesFailed: return one_step_up(std::move(next), outcome, effort);
     case Outcome::End::kWorkInVain: refinement.part = RefinedPart::kNothingYet; return next;
     case Outcome::End::kMinEdgeTooShort: refinement.min_edge.record_too_many(); return next;

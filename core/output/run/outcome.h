@@ -20,6 +20,7 @@ struct Outcome {
   /// How an attempt ends, in the order of its steps.
   enum class End : std::uint8_t {
     kSurfaceReplaced,    ///< details were removed, or the surface was made coarser, so there is another one
+    kNothingCut,         ///< no faces were cut, and what has waited for that begins without the ladder
     kPatchesFailed,      ///< patches could not be triangulated
     kWorkInVain,         ///< too much work was for results that failed the check, so nothing was tried
     kMinEdgeTooShort,    ///< there would surely be more faces than are in proportion

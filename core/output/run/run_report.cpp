@@ -184,9 +184,16 @@ class RunReporter {
     FreeAdvice advice{!run_.coarsening.is_done(), false, std::nullopt};
     if (free_ && free_->predicted.contains(kAdvisedElements)) advice.faces = free_->predicted.at(kAdvisedElements);
     const double diagonal = run_.report.input.bounding_box.diagonal();
-    advice.may_be_coarser = !free_goals_of(curved_goals_of(run_.options, diagonal), run_.options) &&
+    advice.may_be_coarser = may_become_coarser() &&
+                            !free_goals_of(curved_goals_of(run_.options, diagonal), run_.options) &&
                             free_goals_with(kAdvisedElements).has_value();
     return advice;
+  }
+
+  /// Returns whether nothing keeps free faces from becoming coarser but the options, as far as is known.
+  bool may_become_coarser() const {
+    return !run_.coarsening.is_done() && run_.coarsening.fault == CoarseningFault::kNone &&
+           run_.input_intersections->is_complete && run_.prepared.without_area.empty();
   }
 
   /// Returns the goals for free faces with another number of elements per circle; empty if it changes nothing.
@@ -254,8 +261,12 @@ class RunReporter {
   const FreeFaces& predict_free() {
     if (free_) return *free_;
     FreeFaces& free = free_.emplace();
-    const std::optional<FreeGoals> goals = free_goals_with(kPredictedElements.front());
-    if (!goals || run_.coarsening.is_done() || run_.recognised.of_patch.empty()) return free;
+    std::optional<FreeGoals> goals = free_goals_with(kPredictedElements.front());
+    // Sizes that vary may ask for more faces than anything else.
+    const bool are_sizes_known = !(run_.options.proximity > 0) && !run_.options.gradation;
+    if (!goals || !may_become_coarser() || !are_sizes_known || run_.recognised.of_patch.empty()) return free;
+    const double unit = run_.surface().unit;
+    if (goals->tolerance) *goals->tolerance /= unit;
     const FreeContext context{run_.surface(),
                               run_.adjacency(),
                               run_.facets(),
@@ -266,7 +277,9 @@ class RunReporter {
     free.roles = roles_of(context, triangles, run_.control);
     const FreePart part(context, triangles, free.roles, run_.control);
     if (part.is_empty()) return free;
-    const std::vector<double> faces = predicted_free_faces(part, *goals, kPredictedElements, run_.control);
+    const Goals sizes = run_.goals();
+    const double longest = std::min(sizes.max_edge_length, equilateral_edge(sizes.max_area)) / unit;
+    const std::vector<double> faces = predicted_free_faces(part, *goals, kPredictedElements, longest, run_.control);
     for (std::size_t i = 0; i < faces.size(); ++i) free.predicted[kPredictedElements[i]] = faces[i];
     return free;
   }

@@ -135,6 +135,7 @@ std::string shown(const Decisions& now, const Outcome& outcome) {
     case Outcome::End::kSurfaceReplaced:
       if (outcome.is_arranged) return "faces were cut along their intersections";
       return outcome.is_coarsened ? "the surface was made coarser" : "details were removed";
+    case Outcome::End::kNothingCut: return "no faces were cut";
     case Outcome::End::kPatchesFailed:
     case Outcome::End::kCheckFailed: return about_failures(outcome);
     case Outcome::End::kWorkInVain: return "too much work was spent on results that failed the check";
@@ -159,6 +160,9 @@ std::string difference(const Decisions& now, const Decisions& next) {
     found.add("begin anew");
     return std::move(found).text();
   }
+  if (now.rungs.are_any() && !next.rungs.are_any() && now.details.arranged == next.details.arranged &&
+      now.details.replaced == next.details.replaced)
+    return "begin again with whole patches, and make the surface coarser first";
   if (next.details.arranged && !now.details.arranged) return "divide the faces that were cut";
   if (next.details.is_coarsened && !now.details.is_coarsened) return "divide the coarser surface";
   if (next.details.replaced.size() > now.details.replaced.size()) return "divide the surface without them";

@@ -30,8 +30,6 @@ constexpr double kFacesBesidePiece = 7;
 constexpr double kGrowthBeside = 0.33;
 /// A boundary that is cut anew moves by at most this share of the width of a narrow planar patch beside it (ChainGaps).
 constexpr double kMoveInWidth = 0.25;
-/// A refined area has this number of faces per equilateral triangle of the size asked for.
-constexpr double kFacesPerSize = 1.45;
 
 /// Returns the angle between two unit vectors; 0 if one of them is null.
 double angle_between(const Vec3& a, const Vec3& b) {

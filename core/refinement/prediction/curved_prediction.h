@@ -20,6 +20,9 @@ namespace remesh {
 /// The numbers of elements per circle for which faces are predicted.
 inline constexpr std::array kPredictedElements = {8, 12, 16, 24, 36};
 
+/// A refined area has this number of faces per equilateral triangle of the size asked for.
+inline constexpr double kFacesPerSize = 1.45;
+
 /// The facets of a surface and their recognised surfaces.
 struct RecognisedFacets {
   const Surface& surface;

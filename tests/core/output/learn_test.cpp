@@ -91,10 +91,14 @@ std::vector<Row> rows() {
   coarsened.is_coarsened = true;
   Outcome whole = with_failure(outcome_of(End::kCheckFailed), 2);
   whole.is_whole_wrong = true;
+  Outcome nothing_cut = outcome_of(End::kNothingCut);
+  nothing_cut.is_arranging_in_vain = true;
+  const Decisions divided = *learn(first(), with_failure(outcome_of(End::kPatchesFailed), 2), {});
   return {
       {"details", first(), outcome_of(End::kSurfaceReplaced), "divide the surface without them"},
       {"cut_faces", first(), arranged, "divide the faces that were cut"},
       {"coarser_surface", first(), coarsened, "divide the coarser surface"},
+      {"nothing_cut", divided, nothing_cut, "begin again with whole patches, and make the surface coarser first"},
       {"triangulation", first(), with_failure(outcome_of(End::kPatchesFailed), 2),
        "divide 2 input faces into smaller patches (step 1)"},
       {"in_vain", first(), outcome_of(End::kWorkInVain), "refine nothing until a result passes the check"},

@@ -106,6 +106,18 @@ TEST(curved_prediction, free_surfaces_are_right_within_a_factor_of_two) {
     }
 }
 
+TEST(curved_prediction, of_free_surfaces_a_largest_edge_and_a_tolerance_count) {
+  const PolygonMesh mesh = bumpy_ball(5);
+  Options edges = refined_to(25), near = refined_to(25);
+  edges.max_edge_length = 0.05;
+  near.surface_tolerance = 1e-4;
+  const double predicted = static_cast<double>(predicted_by_elements(mesh, edges).at(8));
+  const double truth = true_count(mesh, edges, 8);
+  EXPECT_LT(std::fabs(std::log(predicted / truth)), std::log(2)) << predicted << " instead of " << truth;
+  // The tolerance makes the surface coarser, and then nothing is told of other numbers.
+  EXPECT_TRUE(predicted_by_elements(mesh, near).empty());
+}
+
 TEST(curved_prediction, free_surfaces_that_options_keep_are_not_counted_as_coarser) {
   const PolygonMesh mesh = bumpy_ball(3);
   Options options = refined_to(25);
