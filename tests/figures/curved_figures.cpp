@@ -1,11 +1,13 @@
 #include "tests/figures/curved_figures.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numbers>
 #include <utility>
 #include <vector>
 
+#include "core/base/number_text.h"
 #include "core/remesh.h"
 #include "tests/figures/curved_parts.h"
 #include "tests/figures/render.h"
@@ -72,6 +74,28 @@ std::string elements_per_circle(RunControl& control) {
     draw(shape_of(result), Paint::kLight, 0.5, panels.back());
   }
   return to_svg(panels, 330, 250);
+}
+
+std::string coarser_surfaces(RunControl& control) {
+  const PolygonMesh mesh = make_stone();
+  std::vector<Panel> panels;
+  const auto add = [&](const std::string& title, const Options& options) {
+    const Result result = remesh_surface(mesh, options, RunSettings{}, control);
+    const double apart =
+        std::max(result.report.distance_bound->output_to_input, result.report.distance_bound->input_to_output);
+    const double angle = std::floor(10 * result.report.output.quality.min_angle_deg) / 10;
+    panels.emplace_back(title, count(result.mesh.faces.size()) + " triangles, " + number_text(apart, 2) +
+                                   " apart, angles from " + number(angle) + "°");
+    draw(shape_of(result), Paint::kLight, 0.4, panels.back());
+  };
+  Options options;
+  options.surface_tolerance = 0;
+  add("As scanned", options);
+  for (const double tolerance : {0.05, 0.2, 0.6}) {
+    options.surface_tolerance = tolerance;
+    add("surface_tolerance " + number(tolerance), options);
+  }
+  return to_svg(panels, 400, 290);
 }
 
 std::string proven_distance() {

@@ -13,4 +13,7 @@ std::string elements_per_circle(RunControl& control);
 /// Draws as SVG how the distance between input and result of a curved patch is proven.
 std::string proven_distance();
 
+/// Draws a surface of no kind, and what becomes of it within three distances.
+std::string coarser_surfaces(RunControl& control);
+
 }  // namespace remesh::figures

@@ -195,4 +195,30 @@ PolygonMesh make_ellipsoid() {
   return part.mesh();
 }
 
+PolygonMesh make_stone() {
+  constexpr int kSquares = 10;
+  // A cube with a grid on each side is blown up.
+  const auto at = [](int side, int i, int j) {
+    const double u = std::tan((2.0 * i / kSquares - 1) * std::numbers::pi / 4),
+                 v = std::tan((2.0 * j / kSquares - 1) * std::numbers::pi / 4);
+    const double sign = side % 2 == 0 ? 1 : -1;
+    Vec3 p;
+    p[side / 2] = sign;
+    p[(side / 2 + 1) % 3] = sign * u;
+    p[(side / 2 + 2) % 3] = v;
+    p = normalized(p);
+    const double r =
+        10 + 0.7 * std::sin(4 * p.x + 1) * std::sin(5 * p.y + 2) + 0.5 * std::sin(7 * p.z) * std::cos(6 * p.x);
+    return Vec3{r * p.x, 1.2 * r * p.y, 0.9 * r * p.z};
+  };
+  Polygons part;
+  for (int side = 0; side < 6; ++side)
+    for (int j = 0; j < kSquares; ++j)
+      for (int i = 0; i < kSquares; ++i) {
+        part.add({at(side, i, j), at(side, i + 1, j), at(side, i + 1, j + 1)});
+        part.add({at(side, i, j), at(side, i + 1, j + 1), at(side, i, j + 1)});
+      }
+  return part.mesh();
+}
+
 }  // namespace remesh::figures

@@ -30,4 +30,7 @@ PolygonMesh make_flange(int sides);
 /// Makes an ellipsoid with three different axes.
 PolygonMesh make_ellipsoid();
 
+/// Makes a round stone with bumps, of no kind, as a scanner sees it: triangles of one size all over.
+PolygonMesh make_stone();
+
 }  // namespace remesh::figures

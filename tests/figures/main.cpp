@@ -267,6 +267,7 @@ void draw_all(const std::filesystem::path& folder, const std::filesystem::path& 
   write_file(folder / "surfaces.svg", recognised_surfaces(mesh, control));
   write_file(folder / "declined_surfaces.svg", declined_surfaces(control));
   write_file(folder / "elements_per_circle.svg", elements_per_circle(control));
+  write_file(folder / "coarser_surfaces.svg", coarser_surfaces(control));
   write_file(folder / "proven_distance.svg", proven_distance());
   write_file(folder / "three_settings.svg", three_settings(mesh, control));
 }
