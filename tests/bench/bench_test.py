@@ -187,24 +187,29 @@ class FreeTest(unittest.TestCase):
         self.assertIn("Gmsh | not measured: it could not be had", self.table(False).markdown())
 
     def test_the_largest_parameter_that_is_near_enough_is_found(self):
-        with tempfile.TemporaryDirectory() as folder:
-            bench = Bench(None, pathlib.Path(folder), 1, 1, 1)
-            tried = []
+        # Within 0.3 and 7 of the parameter; the search ends where a mesh has more than four times the faces of the input.
+        for largest, faces_in, least, most in [(0.3, 100, 34, 37), (7, 100, 1, 2), (0.05, 10, None, None)]:
+            with tempfile.TemporaryDirectory() as folder:
+                best = self.searched(pathlib.Path(folder), largest, faces_in)
+            self.assertEqual(best is None, least is None)
+            if best:
+                self.assertLessEqual(least, best.faces)
+                self.assertLessEqual(best.faces, most)
 
-            # A mesh of as many faces as the number says, which is near enough below 0.3.
-            def make(after, parameter):
-                tried.append(parameter)
-                faces = math.ceil(10 / parameter)
-                after.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\n" + "f 1 2 3\n" * faces)
+    def searched(self, folder, largest, faces_in):
+        """By a peer that makes the fewer faces the larger its parameter is, and is near enough up to the largest one."""
+        tried = []
 
-            with unittest.mock.patch.object(free, "is_within", lambda *_: tried[-1] < 0.3):
-                best = free.searched(bench, None, 1, make)
-            with unittest.mock.patch.object(free, "is_within", lambda *_: False):
-                self.assertIsNone(free.searched(bench, None, 1, make))
-            with unittest.mock.patch.object(free, "is_within", lambda *_: tried[-1] < 7):
-                self.assertLessEqual(free.searched(bench, None, 1, make).faces, 2)
-        self.assertLess(10 / 0.3, best.faces)
-        self.assertLess(best.faces, 1.1 * 10 / 0.3 + 1)
+        def write(path, faces):
+            path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\n" + "f 1 2 3\n" * faces)
+
+        def make(after, parameter):
+            tried.append(parameter)
+            write(after, math.ceil(10 / parameter))
+
+        write(folder / "in.obj", faces_in)
+        with unittest.mock.patch.object(free, "is_within", lambda *_: tried[-1] <= largest):
+            return free.searched(Bench(None, folder, 1, 1, 1), folder / "in.obj", 1, make)
 
 
 class PlotTest(unittest.TestCase):

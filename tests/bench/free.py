@@ -33,7 +33,9 @@ BEST = "the best peer with angles"
 BOUND_BESIDE_SIMPLIFIER = {1e-3: 1}
 BOUND_ON_FACES_IN = {1e-3: None, 1e-4: 1.3}
 MIN_ANGLE_DEG = 25
-PATIENCE_SECONDS = 300
+PATIENCE_SECONDS = 120
+# A peer that needs so many times the faces of the input is no longer asked.
+HOPELESS = 4
 # A parameter is searched to this factor, from the distance times the last number to the distance times the second.
 STEP, LARGEST, SMALLEST = 1.1, 64, 1 / 64
 # Elements per full turn for Gmsh.
@@ -125,7 +127,9 @@ class Search:
 
     def __init__(self, bench, before, distance):
         self.bench, self.before, self.distance = bench, before, distance
+        self.most = HOPELESS * face_count(before)
         self.best = None
+        self.is_hopeless = False
 
     def tries(self, make):
         """Whether what `make` writes to a path is near enough; the fewest faces are kept."""
@@ -135,7 +139,10 @@ class Search:
             make(after)
         except (OSError, surface_files.NotASurface, subprocess.SubprocessError):
             return False
-        if not after.exists() or face_count(after) == 0 or not is_within(self.bench, self.before, after, self.distance):
+        self.is_hopeless = after.exists() and face_count(after) > self.most
+        if self.is_hopeless or not after.exists() or face_count(after) == 0:
+            return False
+        if not is_within(self.bench, self.before, after, self.distance):
             return False
         if self.best is None or face_count(after) < self.best.faces:
             self.best = looked_at(after)
@@ -157,7 +164,7 @@ def searched(bench, before, distance, make):
         bad, good = good, good / 2
         while not search.tries(lambda after: make(after, good)):
             good, bad = good / 2, good
-            if good < SMALLEST * distance:
+            if good < SMALLEST * distance or search.is_hopeless:
                 return None
     while bad and bad > STEP * good:
         middle = math.sqrt(good * bad)
@@ -202,7 +209,7 @@ def by_gmsh(bench, before, distance):
         surface_files.write_obj(surface_files.read_surface(made), after)
 
     for elements in ELEMENTS:
-        if search.tries(lambda after: make(after, elements)):
+        if search.tries(lambda after: make(after, elements)) or search.is_hopeless:
             break
     return search.best
 
