@@ -187,7 +187,7 @@ class FreeTest(unittest.TestCase):
         self.assertIn("Gmsh | not measured: it could not be had", self.table(False).markdown())
 
     def test_the_largest_parameter_that_is_near_enough_is_found(self):
-        # Within 0.3 and 7 of the parameter; the search ends where a mesh has more than four times the faces of the input.
+        # The search also ends where a mesh has more than four times the faces of the input.
         for largest, faces_in, least, most in [(0.3, 100, 34, 37), (7, 100, 1, 2), (0.05, 10, None, None)]:
             with tempfile.TemporaryDirectory() as folder:
                 best = self.searched(pathlib.Path(folder), largest, faces_in)

@@ -7,7 +7,7 @@
 /// - `adaptive`: isotropic remeshing, whose edges are shorter where the surface bends more;
 /// - `planar`: regions of almost one plane become one polygon each.
 ///
-/// `coarse_peer adaptively IN OUT TOLERANCE LEAST_EDGE` remeshes once, with that tolerance.
+/// `coarse_peer adaptive_once IN OUT TOLERANCE MIN_EDGE` remeshes as `adaptive` does, but once, with that tolerance.
 ///
 /// The answer is JSON: the faces, the distance as a lower bound that is at most 1 % too small, and the method's own
 /// tolerance. There are no faces if nothing stays within the distance.
@@ -236,9 +236,9 @@ int print_made(const Mesh& made, const char* out) {
   return CGAL::IO::write_polygon_mesh(out, made, parameters::stream_precision(17)) ? 0 : 1;
 }
 
-int print_adaptive(const char* in, const char* out, double tolerance, double least_edge) {
+int print_adaptive(const char* in, const char* out, double tolerance, double min_edge) {
   std::optional<Mesh> mesh = read(in);
-  return mesh ? print_made(*remesh_adaptively(*std::move(mesh), tolerance, least_edge), out) : 1;
+  return mesh ? print_made(*remesh_adaptively(*std::move(mesh), tolerance, min_edge), out) : 1;
 }
 
 /// Remeshes the exact planes of a mesh.
@@ -254,13 +254,13 @@ int main(int argc, char** argv) {
   const std::string what = argc > 1 ? argv[1] : "";
   if (what == "distance" && argc == 4) return print_distance(argv[2], argv[3]);
   if (what == "planes" && argc == 4) return print_planes(argv[2], argv[3]);
-  if (what == "adaptively" && argc == 6)
+  if (what == "adaptive_once" && argc == 6)
     return print_adaptive(argv[2], argv[3], std::atof(argv[4]), std::atof(argv[5]));
   if ((what == "adaptive" || what == "planar") && argc == 5)
     return print_coarsest(what, argv[2], argv[3], std::atof(argv[4]));
   std::fprintf(
       stderr,
       "usage: coarse_peer distance A B | coarse_peer planes IN OUT |\n"
-      "       coarse_peer adaptively IN OUT TOLERANCE LEAST_EDGE | coarse_peer adaptive|planar IN OUT DISTANCE\n");
+      "       coarse_peer adaptive_once IN OUT TOLERANCE MIN_EDGE | coarse_peer adaptive|planar IN OUT DISTANCE\n");
   return 2;
 }

@@ -183,7 +183,7 @@ def by_cgal(bench, before, distance):
     if not bench.program("coarse_peer").exists():
         return None
     return searched(bench, before, distance, lambda after, tolerance: run(
-        bench.program("coarse_peer"), "adaptively", before, after, repr(tolerance), repr(distance)))
+        bench.program("coarse_peer"), "adaptive_once", before, after, repr(tolerance), repr(distance)))
 
 
 def by_meshoptimizer(bench, before, distance):

@@ -255,7 +255,8 @@ class RunReporter {
   /// Holds what other numbers of elements per circle make of the free faces.
   struct FreeFaces {
     FilledIdVector<FaceId, FaceRole> roles;
-    std::map<int, double> predicted;  ///< for kPredictedElements; empty if these do not make them coarser
+    std::map<int, double>
+        predicted;  ///< one number for each of kPredictedElements; empty if these make nothing coarser
   };
 
   const FreeFaces& predict_free() {
