@@ -10,6 +10,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/stopwatch.h"
+#include "core/base/work_bound.h"
 #include "core/output/run/attempts.h"
 #include "core/output/run/learn.h"
 #include "core/output/run/run_report.h"
@@ -19,29 +21,63 @@ namespace remesh {
 namespace {
 
 /// Makes attempts until one is the answer, and learns from each what to decide for the next.
+/// Output: the decisions that have led to the answer; empty if the attempts have made more than `most` triangles.
 /// Errors: kVerificationFailed - nothing is left that could be tried.
-Result remesh_by_attempts(Attempts attempts, const RunSettings& settings) {
+std::optional<Decisions> find_answer(Attempts& attempts, std::uint64_t most, const RunSettings& settings) {
   Decisions decisions = attempts.first_decisions();
   Effort effort;
-  for (int number = 1;; ++number) {
+  std::uint64_t made = 0;
+  for (int number = 1; made <= most; ++number) {
     const Outcome outcome = attempts.attempt(decisions, effort);
+    made += outcome.triangles;
     effort = spent(effort, decisions, outcome);
     std::optional<Decisions> next = learn(decisions, outcome, effort);
     if (settings.trace) settings.trace(line_of_trace(number, decisions, outcome, next));
     if (!next && outcome.end != Outcome::End::kVerified) throw attempts.failure(outcome);
-    if (!next) return make_result(attempts.take_products(), settings);
+    if (!next) return decisions;
     if (next->mending != decisions.mending) effort = for_another_surface(effort);
     decisions = *std::move(next);
   }
+  return std::nullopt;
 }
 
 /// Divides the surface into patches, as the first attempts would.
-Report analyze_once(Attempts attempts) {
+/// Input: what a remeshing has made, if it is known.
+Report analyze_once(Attempts attempts, std::optional<MadeFaces> made) {
   Decisions decisions = attempts.first_decisions();
   for (;;) {
     const Outcome outcome = attempts.divide(decisions);
-    if (outcome.end != Outcome::End::kSurfaceReplaced) return make_analysis(attempts.take_products());
+    if (outcome.end != Outcome::End::kSurfaceReplaced) return make_analysis(attempts.take_products(), std::move(made));
     decisions = *learn(decisions, outcome, {});
+  }
+}
+
+/// Surfaces of no more triangles are remeshed to count the faces, as long as these are no more than kMostCounted and
+/// all attempts together make no more than kMostTried. A limit that keeps faces in proportion to so few triangles
+/// (Goals::faces_without_min_edge) is below kMostCounted.
+constexpr std::size_t kFewTriangles = 5000;
+constexpr std::uint64_t kMostCounted = 1 << 18, kMostTried = 1 << 19;
+
+/// Counts the faces that a remeshing makes of a small surface, by remeshing it. A prediction cannot know which floor is
+/// found and which patches fail.
+/// Output: nothing if the surface is not small, or if that takes too long or leads to no answer.
+std::optional<MadeFaces> count_by_remeshing(const PolygonMesh& input, const Options& options,
+                                            const RunSettings& settings, RunControl& control) {
+  if (input.corners.size() > 2 * input.face_count() + kFewTriangles) return std::nullopt;
+  Options limited = options;
+  const std::uint64_t most = options.max_output_faces.value_or(WorkBound::kNone);
+  limited.max_output_faces = std::min(most, kMostCounted);
+  try {
+    Attempts attempts(input, limited, settings.storage, {}, control);
+    const std::optional<Decisions> found = find_answer(attempts, kMostTried, {});
+    const bool is_limited = found && found->refinement.budget && most > kMostCounted;
+    if (!found || is_limited) return std::nullopt;
+    return MadeFaces{attempts.take_products()->candidate.assembled.faces.size(), found->refinement};
+  } catch (const Error& error) {
+    const bool is_no_answer = error.code == Code::kOutputTooLarge || error.code == Code::kOutOfMemory ||
+                              error.code == Code::kVerificationFailed;
+    if (!is_no_answer) throw;
+    return std::nullopt;
   }
 }
 
@@ -74,7 +110,9 @@ Result remesh_surface(const PolygonMesh& input, const Options& options, const Ru
                       RunControl& control, std::vector<Diagnostic> diagnostics) {
   check_options(options);
   return in_arena(thread_count(input, options, settings), [&] {
-    return remesh_by_attempts(Attempts(input, options, settings.storage, std::move(diagnostics), control), settings);
+    Attempts attempts(input, options, settings.storage, std::move(diagnostics), control);
+    find_answer(attempts, WorkBound::kNone, settings);
+    return make_result(attempts.take_products(), settings);
   });
 }
 
@@ -82,7 +120,15 @@ Report analyze_surface(const PolygonMesh& input, const Options& options, const R
                        RunControl& control, std::vector<Diagnostic> diagnostics) {
   check_options(options);
   return in_arena(thread_count(input, options, settings), [&] {
-    return analyze_once(Attempts(input, options, settings.storage, std::move(diagnostics), control));
+    Stopwatch watch(control);
+    watch.enter(Stage::kRefinement);
+    std::optional<MadeFaces> made = count_by_remeshing(input, options, settings, control);
+    const double counting_ms = watch.finish().front().ms;
+    Report report =
+        analyze_once(Attempts(input, options, settings.storage, std::move(diagnostics), control), std::move(made));
+    for (StageTime& time : report.timing_ms)
+      if (time.stage == Stage::kRefinement) time.ms += counting_ms;
+    return report;
   });
 }
 

@@ -99,7 +99,7 @@ class Figure {
   PatchMesh refine_all(const Goals& goals, std::uint32_t& rounds) {
     PatchMeshes before = triangulated_.meshes;
     const SizeField sizes(goals.max_edge_length);
-    const Prediction prediction = predict_roughly(triangulated_, goals, sizes, control_);
+    const Prediction prediction = predict_faces(triangulated_, goals, sizes, control_);
     const RefinementInput input{part_.surface, frozen_,    goals,
                                 sizes,         prediction, std::numeric_limits<std::uint64_t>::max()};
     rounds = refine(input, segments_of(sizes, goals), triangulated_, control_)->rounds;

@@ -67,6 +67,19 @@ double median_side(const Candidate& candidate) {
   return *middle;
 }
 
+/// Returns the length of the shortest edge with a vertex that refinement has made; 0 if there is none.
+/// Input: the number of vertices before refinement.
+double shortest_made(const Candidate& candidate, std::size_t vertices_before) {
+  double shortest_squared = HUGE_VAL;
+  for (const auto& face : candidate.assembled.faces)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const VertexId a = face[k], b = face[(k + 1) % 3];
+      if (candidate.assembled.vertex[std::max(a, b)].value < vertices_before) continue;
+      shortest_squared = std::min(shortest_squared, norm_squared(candidate.positions[b] - candidate.positions[a]));
+    }
+  return std::isfinite(shortest_squared) ? std::sqrt(shortest_squared) : 0;
+}
+
 /// Returns what is reached of a target: see RefinementFacts.
 std::optional<double> over_target(const Candidate& candidate, const Goals& goals) {
   if (!goals.has_target()) return std::nullopt;
@@ -459,8 +472,10 @@ Outcome::End Attempts::make_result(const Decisions& decisions, const Effort& eff
   outcome.facts.over_target = over_target(made.candidate, goals);
   outcome.are_angles_worse = has_found_floor && has_worse_angles(made.candidate, surface(), made.with_cuts(),
                                                                  made.joined.curved(), goals, control());
-  if (after_faces(choices, *outcome.faces, outcome.are_angles_worse, outcome.facts).is_repeated)
+  if (after_faces(choices, *outcome.faces, outcome.are_angles_worse, outcome.facts).is_repeated) {
+    outcome.facts.shortest_made = shortest_made(made.candidate, made.with_cuts().vertex_count());
     return Outcome::End::kTooManyFaces;
+  }
   refuse_if_too_large();
   check_candidate(choices, outcome);
   return report_check(outcome);

@@ -63,13 +63,18 @@ class RunReporter {
  public:
   explicit RunReporter(std::unique_ptr<RunProducts> run) : products_(std::move(run)), run_(*products_) {}
 
-  Report analysis() {
+  Report analysis(std::optional<MadeFaces> made) {
     examine_input();
     run_.report.surfaces.join_bands();
     run_.watch.enter(Stage::kRefinement);
     crossing_ = run_.intersections();
+    std::optional<std::uint64_t> faces;
+    if (made) {
+      faces = made->faces;
+      run_.choices = std::move(made->choices);
+    }
     const Prediction predicted =
-        run_.refinement->predict_before(run_.patched(crossing_), run_.choices, run_.candidate.triangulated);
+        run_.refinement->predict_before(run_.patched(crossing_), run_.choices, run_.candidate.triangulated, faces);
     run_.report.min_edge_length = run_.choices.min_edge.min_edge_length();
     run_.report.largest_edge_for_target = run_.goals().has_target() ? run_.goals().max_edge_length : 0;
     predict_free();
@@ -89,9 +94,10 @@ class RunReporter {
       run_.report.smallest_gap =
           GapSearch(run_.surface(), run_.adjacency(), run_.facets(), run_.report.plane_tolerance, run_.control,
                     run_.joined.curved() != nullptr ? nullptr : &run_.candidate.triangulated)
-              .smallest(run_.control, run_.goals().max_faces);
-    run_.report.predicted_faces = run_.has_goals() ? static_cast<std::uint64_t>(std::min(predicted.expected, 0x1p62))
-                                                   : run_.partition.summaries.triangles;
+              .smallest(run_.control, run_.goals().most_looked_for());
+    run_.report.predicted_faces = faces             ? *faces
+                                  : run_.has_goals() ? static_cast<std::uint64_t>(std::min(predicted.expected, 0x1p62))
+                                                     : run_.partition.summaries.triangles;
     summarise();
     report_removal();
     run_.report.timing_ms = run_.watch.finish();
@@ -382,7 +388,9 @@ class RunReporter {
 
 }  // namespace
 
-Report make_analysis(std::unique_ptr<RunProducts> run) { return RunReporter(std::move(run)).analysis(); }
+Report make_analysis(std::unique_ptr<RunProducts> run, std::optional<MadeFaces> made) {
+  return RunReporter(std::move(run)).analysis(std::move(made));
+}
 
 Result make_result(std::unique_ptr<RunProducts> run, const RunSettings& settings) {
   RunReporter reporter(std::move(run));

@@ -1,19 +1,27 @@
 /// Completes the report of a run and makes its result.
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "core/output/result/result.h"
 #include "core/output/run/run_products.h"
 
 namespace remesh {
 
+/// What a remeshing has made of a surface that is to be analysed.
+struct MadeFaces {
+  std::uint64_t faces;
+  RefinementChoices choices;  ///< those that have led to the faces
+};
+
 /// Makes the report of a surface that is analysed and not remeshed.
 /// Input:   a run whose patches have been triangulated. The triangles are not part of the report, but they predict what
-///          refinement would make of the patches.
+///          refinement would make of the patches, unless it is known.
 /// Errors:  kCancelled, kTimeout - asked to stop.
 /// Cost:    that of a prediction, and of the searches for intersections and for the smallest gap.
-Report make_analysis(std::unique_ptr<RunProducts> run);
+Report make_analysis(std::unique_ptr<RunProducts> run, std::optional<MadeFaces> made);
 
 /// Makes the report and the result of a run whose candidate has passed verification. The result is rounded for its
 /// format and then measured.

@@ -44,12 +44,16 @@ class MinEdgeSearch {
   /// Returns whether another length may be tried although a result fits with this one.
   bool may_try_another() const { return !is_settled_ && too_low_ > 0; }
   /// Records that there would be too many faces with this length, and goes on to the next one.
-  void record_too_many() {
+  /// Input: the shortest edge that refinement made with this length. Shorter lengths would change nothing, so they are
+  ///        too low as well. 0 if it is not known.
+  void record_too_many(double shortest = 0) {
     too_low_ = length_;
-    if (fits_ > 0)
-      go_between();
-    else
-      length_ = length_ < lowest_ ? lowest_ : step() * length_;
+    if (fits_ > 0) return go_between();
+    length_ = length_ < lowest_ ? lowest_ : step() * length_;
+    while (length_ < shortest && may_go_on()) {
+      too_low_ = length_;
+      length_ *= step();
+    }
   }
   /// Records that a result with this length has so many faces, which are not too many.
   /// Output: whether another length is to be tried.

@@ -37,7 +37,7 @@ RefinementChoices after_too_many_made(const RefinementChoices& now, const Refine
   RefinementChoices next = now;
   if (facts.may_change_min_edge(now)) {
     next.too_many_predicted = facts.predicted;
-    next.min_edge.record_too_many();
+    next.min_edge.record_too_many(facts.shortest_made);
   } else {
     next.is_thinning_quick = true;
     next.budget = first_budget(facts.max_faces);

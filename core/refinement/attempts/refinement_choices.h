@@ -62,6 +62,7 @@ struct RefinementFacts {
   std::optional<double> over_target;
   double aimed_over_target = 1;  ///< the part of the target that was expected with the largest edge
   double predicted = HUGE_VAL;   ///< roughly, in faces and without any limit but the floor; known once sizes are
+  double shortest_made = 0;      ///< the shortest edge that refinement made, in model units; 0: not known
   bool operator==(const RefinementFacts&) const = default;
 
   bool has_goals(const RefinementChoices& choices) const {

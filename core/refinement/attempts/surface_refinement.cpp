@@ -90,7 +90,8 @@ RefinementFacts SurfaceRefinement::facts() const {
 }
 
 Prediction SurfaceRefinement::predict_before(const PatchedSurface& on, RefinementChoices& choices,
-                                             const TriangulatedPatches& triangulated) {
+                                             const TriangulatedPatches& triangulated,
+                                             std::optional<std::uint64_t> made) {
   const auto gaps = gap_search(on, triangulated);
   make_size_field(on, choices, 0, triangulated, gaps.get());
   if (!has_goals(choices)) return {};
@@ -102,7 +103,8 @@ Prediction SurfaceRefinement::predict_before(const PatchedSurface& on, Refinemen
   known.max_faces = Goals::kNoLimit;
   Prediction prediction;
   for (bool is_another_needed = true; is_another_needed;) {
-    prediction = predict_closely(triangulated, goals(choices), *sizes_.field, control_);
+    prediction = predict_faces(triangulated, goals(choices), *sizes_.field, control_);
+    if (made) break;
     AfterFaces after = after_faces(choices, whole(prediction.expected / kDoubt), false, known);
     choices = std::move(after.choices);
     is_another_needed = after.is_repeated;
@@ -112,6 +114,7 @@ Prediction SurfaceRefinement::predict_before(const PatchedSurface& on, Refinemen
   // A result that misses its target by more than a little is corrected.
   if (asked_.target_faces > 0 && std::isfinite(sizes_.largest))
     prediction.expected = static_cast<double>(asked_.target_faces);
+  if (made) prediction.expected = static_cast<double>(*made);
   double sum = 0;
   for (const float share : prediction.of_patch) sum += share;
   const double factor = sum > 0 ? prediction.expected / sum : 1;
@@ -145,7 +148,7 @@ RefinementAttempt SurfaceRefinement::refine(const PatchedSurface& on, const Refi
   const std::optional<SizeField> graded = sizes_without_floor(on, goals, triangulated);
   Prediction prediction = predict_now(goals, is_any_refined, triangulated);
   roughly_predicted_ = prediction.expected;
-  if (is_any_refined && is_min_edge_surely_too_short(choices, triangulated)) {
+  if (is_any_refined && is_min_edge_surely_too_short(choices)) {
     attempt.end = RefinementAttempt::End::kMinEdgeTooShort;
     return attempt;
   }
@@ -233,19 +236,16 @@ Prediction SurfaceRefinement::predict_now(const Goals& goals, bool is_any_refine
     same.expected = static_cast<double>(triangulated.triangle_count());
     return same;
   }
-  if (!sizes_.predicted) sizes_.predicted = predict_roughly(triangulated, goals, *sizes_.field, control_);
+  if (!sizes_.predicted) sizes_.predicted = predict_faces(triangulated, goals, *sizes_.field, control_);
   return *sizes_.predicted;
 }
 
 /// Returns whether gaps or short edges ask for so many faces that the floor can be raised before any attempt.
-bool SurfaceRefinement::is_min_edge_surely_too_short(const RefinementChoices& choices,
-                                                     const TriangulatedPatches& triangulated) const {
+bool SurfaceRefinement::is_min_edge_surely_too_short(const RefinementChoices& choices) const {
   if (sizes_.field->is_uniform() || !facts().may_change_min_edge(choices) || choices.min_edge.is_between())
     return false;
   if (roughly_predicted_ > kAsMany * choices.too_many_predicted) return true;
-  const double in_proportion = kSurelyTooMany * static_cast<double>(asked_.faces_without_min_edge);
-  return roughly_predicted_ > in_proportion &&
-         predict_closely(triangulated, goals(choices), *sizes_.field, control_).expected > in_proportion;
+  return roughly_predicted_ > kSurelyTooMany * static_cast<double>(asked_.faces_without_min_edge);
 }
 
 /// Returns after how many triangles an attempt without a budget ends.
@@ -299,7 +299,7 @@ std::optional<SizeField> SurfaceRefinement::sizes_without_floor(const PatchedSur
 
 void SurfaceRefinement::find_smallest_gap(const GapSearch& gaps) {
   if (!std::exchange(sizes_.is_smallest_gap_known, true))
-    sizes_.smallest_gap = gaps.smallest(control_, asked_.max_faces);
+    sizes_.smallest_gap = gaps.smallest(control_, asked_.most_looked_for());
 }
 
 std::uint64_t SurfaceRefinement::make_size_field(const PatchedSurface& on, const RefinementChoices& choices,
@@ -337,7 +337,7 @@ void SurfaceRefinement::choose_largest_edge(const PatchedSurface& on, const Refi
   Goals goals = this->goals(choices);
   const auto predict = [&](double largest) {
     goals.max_edge_length = largest;
-    return predict_roughly(triangulated, goals, sizes_.without_floor->within(goals, control_), control_).expected;
+    return predict_faces(triangulated, goals, sizes_.without_floor->within(goals, control_), control_).expected;
   };
   // The faces that the largest edge adds to those of the other goals are in proportion to the area. Triangles of curved
   // patches have less of it than the surface, as long as they are large.
@@ -380,7 +380,7 @@ double SurfaceRefinement::predict_with(const Goals& goals, const PatchedSurface&
   const bool have_same_sizes = goals.max_edge_length <= asked_.max_edge_length && goals.proximity == asked_.proximity &&
                                goals.gradation == asked_.gradation;
   const auto predict = [&](const SizeField& sizes) {
-    return predict_roughly(triangulated, goals, sizes.within(goals, control_), control_).expected;
+    return predict_faces(triangulated, goals, sizes.within(goals, control_), control_).expected;
   };
   if (sizes_.without_floor && have_same_sizes) return predict(*sizes_.without_floor);
   const bool is_search_long =

@@ -97,12 +97,13 @@ class SurfaceRefinement {
   void measure_sizes(const PatchedSurface& on, const RefinementChoices& choices, const RefinementAttempt& attempt,
                      Refinement& refined, TriangulatedPatches& triangulated) const;
 
-  /// Predicts closely how many faces refinement will make of these triangles. If they are out of proportion, it is
-  /// predicted for the lowest floor with which they are not, and that floor is chosen.
-  /// Output: how the faces that are predicted are shared out among the patches; their sum is that number. Empty without
-  ///         goals.
+  /// Predicts how many faces refinement will make of these triangles. If they are out of proportion, it is predicted
+  /// for the lowest floor with which they are not, and that floor is chosen.
+  /// Input:  `made` is the number of faces that a remeshing with these choices has made, if it is known.
+  /// Output: how the faces that are predicted, or made, are shared out among the patches; their sum is that number.
+  ///         Empty without goals.
   Prediction predict_before(const PatchedSurface& on, RefinementChoices& choices,
-                            const TriangulatedPatches& triangulated);
+                            const TriangulatedPatches& triangulated, std::optional<std::uint64_t> made);
   /// Predicts roughly how many faces refinement would make with other goals.
   /// Input: the triangles as they are before refinement; `earlier_steps` are those of all searches for gaps so far.
   /// Cost:  that of a prediction. With other sizes that vary, the size field is computed for them, or rescaled if it
@@ -124,7 +125,7 @@ class SurfaceRefinement {
   static constexpr double kFarTooMany = 8, kEvenShare = 2;
   /// Where sizes vary, a floor is too low without an attempt if kSurelyTooMany times the faces in proportion are
   /// predicted with it, or if no fewer than kAsMany of what was predicted with a floor that was too low.
-  static constexpr double kSurelyTooMany = 3, kAsMany = 0.9;
+  static constexpr double kSurelyTooMany = 4, kAsMany = 0.9;
   /// An attempt without a budget is not worth while if more than kHopeless times the faces allowed are predicted. Up to
   /// kFewFaces it is tried in any case, for two reasons: where boundaries are locked or edges must not be short,
   /// predictions may be far too high, and it takes a second at most.
@@ -149,7 +150,7 @@ class SurfaceRefinement {
   std::uint64_t make_size_field(const PatchedSurface& on, const RefinementChoices& choices, std::uint64_t earlier_steps,
                                 const TriangulatedPatches& triangulated, const GapSearch* gaps);
   Prediction predict_now(const Goals& goals, bool is_any_refined, const TriangulatedPatches& triangulated);
-  bool is_min_edge_surely_too_short(const RefinementChoices& choices, const TriangulatedPatches& triangulated) const;
+  bool is_min_edge_surely_too_short(const RefinementChoices& choices) const;
   void limit_to_proportion(Prediction& prediction) const;
   std::uint64_t max_made(const RefinementChoices& choices, const Effort& effort, double predicted) const;
   void refuse_if_hopeless(double least) const;

@@ -414,7 +414,7 @@ double least_faces(const TriangulatedPatches& triangulated, const IdVector<Patch
   return sum;
 }
 
-Prediction predict_roughly(const TriangulatedPatches& triangulated, const Goals& goals, const SizeField& sizes,
+Prediction predict_faces(const TriangulatedPatches& triangulated, const Goals& goals, const SizeField& sizes,
                            RunControl& control) {
   struct Block {
     Prediction sum;

@@ -1,11 +1,4 @@
 /// Estimates, before a refinement, how many faces it will make.
-///
-/// There are two predictions, because there are two purposes:
-/// - predict_roughly steers refinement: it divides the allowed faces among patches, and rules out attempts that are not
-///   worth their time. Each attempt calls it, so it has to be fast. Results depend on it, so a change of the prediction
-///   changes results.
-/// - predict_closely makes the number that users see. It is more accurate, but takes several times as long. It is made
-///   once for each answer, and no result depends on it.
 #pragma once
 
 #include <cstdint>
@@ -37,23 +30,15 @@ int rows_to_read(const SizeField& sizes);
 /// A result with more faces cannot be made, because half-edges are numbered in 31 bits.
 inline constexpr std::uint64_t kMaxFaces = std::uint64_t{1} << 29;
 
-/// Predicts the faces of each patch from its own narrow places, and adds some for cuts that its neighbours need. The
-/// shares of the patches leave these out. The prediction ignores that needles may stay and that cuts lead to further
-/// cuts.
+/// Predicts the faces of each patch. The prediction steers refinement: it divides the allowed faces among patches, and
+/// rules out attempts that are not worth their time. Each attempt calls it, so it has to be fast. Results depend on it.
+/// Users see it where a surface is too large to be remeshed just to count its faces (see analyze_surface).
+///
+/// The faces of a patch follow from its own narrow places. Some are added for cuts that its neighbours need; the shares
+/// of the patches leave these out. The prediction ignores that needles may stay and that cuts lead to further cuts.
 /// Input: Triangulated patches over the vertices that stay.
 /// Cost:  O(n), or O(n log n) if sizes vary.
-Prediction predict_roughly(const TriangulatedPatches& triangulated, const Goals& goals, const SizeField& sizes,
-                           RunControl& control);
-
-/// Predicts the faces of all patches together. If angles have a bound and boundaries may be cut, the edge lengths that
-/// follow from the bound are estimated first (EdgeSizes), and then the triangles that fit between these edges are
-/// counted. Otherwise the result is that of predict_roughly. Most predictions are right within a factor of 1.5, and
-/// nearly all within 3; see experiments.md, Prediction, for the shares. It is too high where patches stay as they are
-/// because their refinement fails the check, which cannot be predicted.
-/// Input: Triangulated patches over the vertices that stay.
-/// Holds: The numbers do not depend on the number of threads.
-/// Cost:  O(n log n), some microseconds and 300 to 800 bytes for each triangle.
-Prediction predict_closely(const TriangulatedPatches& triangulated, const Goals& goals, const SizeField& sizes,
+Prediction predict_faces(const TriangulatedPatches& triangulated, const Goals& goals, const SizeField& sizes,
                            RunControl& control);
 
 /// Computes a lower bound on the number of faces in any result. For each patch it is the largest of three numbers: its
