@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -52,11 +53,11 @@ Report analyze_once(Attempts attempts, std::optional<MadeFaces> made) {
   }
 }
 
-/// Surfaces of no more triangles are remeshed to count the faces, as long as these are no more than kMostCounted and
-/// all attempts together make no more than kMostTried. A limit that keeps faces in proportion to so few triangles
-/// (Goals::faces_without_min_edge) is below kMostCounted.
-constexpr std::size_t kFewTriangles = 5000;
-constexpr std::uint64_t kMostCounted = 1 << 18, kMostTried = 1 << 19;
+/// Surfaces of no more triangles are remeshed to count the faces, as long as these are no more than kMaxCounted and
+/// all attempts together make no more than kMaxTried. A limit that keeps faces in proportion to so few triangles
+/// (Goals::faces_without_min_edge) is below kMaxCounted.
+constexpr std::size_t kFewTriangles = 10000;
+constexpr std::uint64_t kMaxCounted = 1 << 19, kMaxTried = 1 << 20;
 
 /// Counts the faces that a remeshing makes of a small surface, by remeshing it. A prediction cannot know which floor is
 /// found and which patches fail.
@@ -66,13 +67,17 @@ std::optional<MadeFaces> count_by_remeshing(const PolygonMesh& input, const Opti
   if (input.corners.size() > 2 * input.face_count() + kFewTriangles) return std::nullopt;
   Options limited = options;
   const std::uint64_t most = options.max_output_faces.value_or(WorkBound::kNone);
-  limited.max_output_faces = std::min(most, kMostCounted);
+  limited.max_output_faces = std::min(most, kMaxCounted);
   try {
     Attempts attempts(input, limited, settings.storage, {}, control);
-    const std::optional<Decisions> found = find_answer(attempts, kMostTried, {});
-    const bool is_limited = found && found->refinement.budget && most > kMostCounted;
+    const std::optional<Decisions> found = find_answer(attempts, kMaxTried, {});
+    const bool is_limited = found && found->refinement.budget && most > kMaxCounted;
     if (!found || is_limited) return std::nullopt;
-    return MadeFaces{attempts.take_products()->candidate.assembled.faces.size(), found->refinement};
+    MadeFaces made{{}, found->refinement};
+    const std::unique_ptr<RunProducts> products = attempts.take_products();
+    for (const PatchMesh& patch : products->candidate.triangulated.meshes)
+      made.of_patch.push_back(static_cast<float>(patch.mesh.triangle_count()));
+    return made;
   } catch (const Error& error) {
     const bool is_no_answer = error.code == Code::kOutputTooLarge || error.code == Code::kOutOfMemory ||
                               error.code == Code::kVerificationFailed;

@@ -72,6 +72,7 @@ OTHER_NUMBERS = {
     ("api/README.md", "20 faces"): "a bound of min_edge_length=auto",
     ("api/README.md", "40 faces"): "the same with proximity",
     ("api/README.md", "5 faces"): "an example of arithmetic",
+    ("api/README.md", "10,000 triangles"): "the largest input whose faces an analysis counts",
     ("api/README.md", "50 million faces"): "the default of --max-output-faces, which the table of settings has",
     ("server/web/README.md", "200,000 faces"): "the size of the mesh of ./dev page-million",
 }

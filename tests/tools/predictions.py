@@ -4,10 +4,6 @@ given folders with several bounds on angles and sizes, and writes two Markdown t
 predictions are right within a factor of 1.5 and of 3, for each setting, and those that are furthest from the result.
 What it is doing goes to standard error.
 
-The time of a prediction is the stage "refinement" of an analysis with the same options. That includes the search for
-gaps, which an analysis always makes, so its share of the run is an upper bound. It is compared with all stages of the
-remeshing but "read", "weld" and "surfaces".
-
 A run is left out if it fails, does not end in time, or is limited by the number of faces that are allowed.
 
 Exit code: 0; 2 for misuse. With --strict, 1 if fewer than 90 % of all predictions are right within a factor of 1.5, or
@@ -17,7 +13,6 @@ any is wrong by more than a factor of 3.
 import dataclasses
 import json
 import pathlib
-import statistics
 import subprocess
 import sys
 import tempfile
@@ -33,8 +28,6 @@ SETTINGS = {
     "both": ["--max-edge-fraction", "0.02", "--proximity", "0.5"],
 }
 CORPUS = pathlib.Path("../shared/meshes")
-NOT_COMPARED = {"read", "weld", "surfaces"}
-MIN_TIMED_MS = 50  # shorter runs tell nothing about shares of time
 
 
 @dataclasses.dataclass
@@ -48,8 +41,6 @@ class Row:
     predicted: int = 0
     after: int = 0
     floor: bool = False  # whether min_edge_length=auto has found one
-    prediction_ms: float = 0.0
-    run_ms: float = 0.0
     failure: str = ""
 
     def error(self):
@@ -99,8 +90,6 @@ def compare(path, row, asked):
         if row.failure:
             return
         row.predicted = analyzed["predicted_faces"]
-        row.prediction_ms = analyzed["timing_ms"].get("refinement", 0)
-        row.run_ms = sum(ms for name, ms in remeshed["timing_ms"].items() if name not in NOT_COMPARED | {"total"})
 
 
 def share(rows, factor):
@@ -109,7 +98,7 @@ def share(rows, factor):
 
 def print_settings(rows):
     within = [f"within {NEAR:g}", f"within {FAR:g}"]
-    table = [["setting", "angle", "runs", *within, "too low", "too high", "share of time"]]
+    table = [["setting", "angle", "runs", *within, "too low", "too high"]]
     groups = [(setting, angle) for setting in SETTINGS for angle in sorted({row.angle_deg for row in rows})]
     for setting, angle in [*groups, ("all", 0)]:
         here = [row for row in rows if setting == "all" or (row.setting, row.angle_deg) == (setting, angle)]
@@ -117,10 +106,8 @@ def print_settings(rows):
             continue
         low = sum(row.after > FAR * row.predicted for row in here)
         high = sum(row.predicted > FAR * row.after for row in here)
-        timed = [row.prediction_ms / row.run_ms for row in here if row.run_ms >= MIN_TIMED_MS and row.prediction_ms]
-        time = f"{100 * statistics.median(timed):.0f} to {100 * max(timed):.0f} %" if timed else ""
         name = f"{angle:g}" if angle else ""
-        table.append([setting, name, str(len(here)), share(here, NEAR), share(here, FAR), str(low), str(high), time])
+        table.append([setting, name, str(len(here)), share(here, NEAR), share(here, FAR), str(low), str(high)])
     print_table(table)
 
 

@@ -68,13 +68,10 @@ class RunReporter {
     run_.report.surfaces.join_bands();
     run_.watch.enter(Stage::kRefinement);
     crossing_ = run_.intersections();
-    std::optional<std::uint64_t> faces;
-    if (made) {
-      faces = made->faces;
-      run_.choices = std::move(made->choices);
-    }
+    if (made) run_.choices = std::move(made->choices);
     const Prediction predicted =
-        run_.refinement->predict_before(run_.patched(crossing_), run_.choices, run_.candidate.triangulated, faces);
+        run_.refinement->predict_before(run_.patched(crossing_), run_.choices, run_.candidate.triangulated,
+                                        made ? made->of_patch : std::vector<float>());
     run_.report.min_edge_length = run_.choices.min_edge.min_edge_length();
     run_.report.largest_edge_for_target = run_.goals().has_target() ? run_.goals().max_edge_length : 0;
     predict_free();
@@ -95,9 +92,9 @@ class RunReporter {
           GapSearch(run_.surface(), run_.adjacency(), run_.facets(), run_.report.plane_tolerance, run_.control,
                     run_.joined.curved() != nullptr ? nullptr : &run_.candidate.triangulated)
               .smallest(run_.control, run_.goals().most_looked_for());
-    run_.report.predicted_faces = faces             ? *faces
-                                  : run_.has_goals() ? static_cast<std::uint64_t>(std::min(predicted.expected, 0x1p62))
-                                                     : run_.partition.summaries.triangles;
+    run_.report.predicted_faces = made || run_.has_goals()
+                                      ? static_cast<std::uint64_t>(std::min(std::round(predicted.expected), 0x1p62))
+                                      : run_.partition.summaries.triangles;
     summarise();
     report_removal();
     run_.report.timing_ms = run_.watch.finish();
@@ -249,13 +246,34 @@ class RunReporter {
         predict_by_elements_per_circle({run_.surface(), run_.adjacency(), run_.facets(), run_.recognised,
                                         run_.report.plane_tolerance, run_.report.input.bounding_box.diagonal()},
                                        present, run_.options, run_.control);
-    if (free.predicted.empty()) return predicted;
+    if (free.predicted.empty() || !(present_free > 0)) return predicted;
     const double others = std::accumulate(present.faces.begin(), present.faces.end(), 0.0);
+    const double beside = faces_beside_free(present, free.roles);
     for (const auto& [elements, faces] : free.predicted) {
       const auto entry = predicted.try_emplace(elements, static_cast<std::uint64_t>(others)).first;
-      entry->second += static_cast<std::uint64_t>(std::min(present_free, faces));
+      // Borders of free faces get as much coarser as their edges.
+      const double now = std::min(present_free, faces), less = beside * (1 - std::sqrt(now / present_free));
+      entry->second = static_cast<std::uint64_t>(std::max(1.0, static_cast<double>(entry->second) - less + now));
     }
     return predicted;
+  }
+
+  /// Returns how many faces of other patches there are beside free faces, in proportion to the vertices of their borders.
+  double faces_beside_free(const PresentPatches& present, const FilledIdVector<FaceId, FaceRole>& roles) {
+    const Adjacency& adjacency = run_.adjacency();
+    const PatchSet& patches = present.patches;
+    IdVector<PatchId, double> border(patches.count(), 0), beside_free = border;
+    for (std::uint32_t h = 0; h < run_.surface().corners.size(); ++h) {
+      if (!is_patch_boundary(adjacency, patches, h) || !present.essential[adjacency.from(h)]) continue;
+      const PatchId p = patches.of_face[adjacency.face_of(h)];
+      const std::uint32_t twin = adjacency.twin(h);
+      border[p] += 1;
+      if (twin != kNone && roles[adjacency.face_of(twin)] == FaceRole::kFree) beside_free[p] += 1;
+    }
+    double beside = 0;
+    for (PatchId p(0); p.value < patches.count(); ++p.value)
+      if (border[p] > 0) beside += present.faces[p.value] * beside_free[p] / border[p];
+    return beside;
   }
 
   /// Holds what other numbers of elements per circle make of the free faces.

@@ -4,16 +4,17 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "core/output/result/result.h"
 #include "core/output/run/run_products.h"
 
 namespace remesh {
 
-/// What a remeshing has made of a surface that is to be analysed.
+/// The faces that a remeshing has made of a surface that is to be analysed.
 struct MadeFaces {
-  std::uint64_t faces;
-  RefinementChoices choices;  ///< those that have led to the faces
+  std::vector<float> of_patch;  ///< numbers; those of an analysis may be other patches, if some have failed
+  RefinementChoices choices;    ///< those that have led to the faces
 };
 
 /// Makes the report of a surface that is analysed and not remeshed.

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <string>
 #include <utility>
 
 #include "core/base/stoppable.h"
 #include "core/geometry/planes/projection.h"
+#include "core/refinement/prediction/curved_prediction.h"
 #include "core/refinement/rounds/oversized_triangles.h"
 #include "core/refinement/segments/segment_table.h"
 
@@ -90,36 +92,52 @@ RefinementFacts SurfaceRefinement::facts() const {
 }
 
 Prediction SurfaceRefinement::predict_before(const PatchedSurface& on, RefinementChoices& choices,
-                                             const TriangulatedPatches& triangulated,
-                                             std::optional<std::uint64_t> made) {
+                                             const TriangulatedPatches& triangulated, const std::vector<float>& made) {
   const auto gaps = gap_search(on, triangulated);
   make_size_field(on, choices, 0, triangulated, gaps.get());
-  if (!has_goals(choices)) return {};
+  Prediction prediction;
+  prediction.expected = std::accumulate(made.begin(), made.end(), 0.0);
+  if (made.size() == triangulated.size()) {
+    prediction.of_patch = made;
+    return prediction;
+  }
+  if (!has_goals(choices)) return prediction;
+  prediction = predict_with_floor(on, choices, triangulated, gaps.get(), made.empty());
+  limit_to_proportion(prediction);
+  // A result that misses its target by more than a little is corrected.
+  if (asked_.target_faces > 0 && std::isfinite(sizes_.largest))
+    prediction.expected = static_cast<double>(asked_.target_faces);
+  if (!made.empty()) prediction.expected = std::accumulate(made.begin(), made.end(), 0.0);
+  const double sum = std::accumulate(prediction.of_patch.begin(), prediction.of_patch.end(), 0.0);
+  const double factor = sum > 0 ? prediction.expected / sum : 1;
+  for (float& share : prediction.of_patch) share = static_cast<float>(share * factor);
+  return prediction;
+}
+
+/// Predicts the faces, and if they are out of proportion and the floor may be chosen, those for a higher floor.
+Prediction SurfaceRefinement::predict_with_floor(const PatchedSurface& on, RefinementChoices& choices,
+                                                 const TriangulatedPatches& triangulated, const GapSearch* gaps,
+                                                 bool is_floor_chosen) {
   // A floor may leave far fewer faces than are in proportion. So one is expected only where a prediction that is right
   // within this factor leaves no doubt of it.
   constexpr double kDoubt = 1.5;
   RefinementFacts known = facts();
   known.is_any_refined = true;
   known.max_faces = Goals::kNoLimit;
-  Prediction prediction;
-  for (bool is_another_needed = true; is_another_needed;) {
-    prediction = predict_faces(triangulated, goals(choices), *sizes_.field, control_);
-    if (made) break;
+  for (;;) {
+    Prediction prediction = predict_faces(triangulated, goals(choices), *sizes_.field, control_);
+    for (PatchId p(0); p.value < triangulated.size() && triangulated.charts.has_curved(); ++p.value) {
+      const double faces =
+          faces_by_turn(triangulated.meshes[p], triangulated.charts[p], asked_.min_angle_deg > 0, control_);
+      const double more = std::max(0.0, faces - prediction.of_patch[p.value]);
+      prediction.expected += more;
+      prediction.of_patch[p.value] += static_cast<float>(more);
+    }
     AfterFaces after = after_faces(choices, whole(prediction.expected / kDoubt), false, known);
+    if (!is_floor_chosen || !after.is_repeated) return prediction;
     choices = std::move(after.choices);
-    is_another_needed = after.is_repeated;
-    if (is_another_needed) make_size_field(on, choices, 0, triangulated, gaps.get());
+    make_size_field(on, choices, 0, triangulated, gaps);
   }
-  limit_to_proportion(prediction);
-  // A result that misses its target by more than a little is corrected.
-  if (asked_.target_faces > 0 && std::isfinite(sizes_.largest))
-    prediction.expected = static_cast<double>(asked_.target_faces);
-  if (made) prediction.expected = static_cast<double>(*made);
-  double sum = 0;
-  for (const float share : prediction.of_patch) sum += share;
-  const double factor = sum > 0 ? prediction.expected / sum : 1;
-  for (float& share : prediction.of_patch) share = static_cast<float>(share * factor);
-  return prediction;
 }
 
 RefinementAttempt SurfaceRefinement::refine(const PatchedSurface& on, const RefinementChoices& choices,

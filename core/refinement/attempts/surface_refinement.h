@@ -99,11 +99,12 @@ class SurfaceRefinement {
 
   /// Predicts how many faces refinement will make of these triangles. If they are out of proportion, it is predicted
   /// for the lowest floor with which they are not, and that floor is chosen.
-  /// Input:  `made` is the number of faces that a remeshing with these choices has made, if it is known.
+  /// Input:  `made` has the faces that a remeshing with these choices has made of each patch, or of other patches, if
+  ///         that is known. Then the floor stays.
   /// Output: how the faces that are predicted, or made, are shared out among the patches; their sum is that number.
   ///         Empty without goals.
   Prediction predict_before(const PatchedSurface& on, RefinementChoices& choices,
-                            const TriangulatedPatches& triangulated, std::optional<std::uint64_t> made);
+                            const TriangulatedPatches& triangulated, const std::vector<float>& made);
   /// Predicts roughly how many faces refinement would make with other goals.
   /// Input: the triangles as they are before refinement; `earlier_steps` are those of all searches for gaps so far.
   /// Cost:  that of a prediction. With other sizes that vary, the size field is computed for them, or rescaled if it
@@ -149,6 +150,8 @@ class SurfaceRefinement {
   /// Returns the steps that the search for gaps took; 0 if the field was there.
   std::uint64_t make_size_field(const PatchedSurface& on, const RefinementChoices& choices, std::uint64_t earlier_steps,
                                 const TriangulatedPatches& triangulated, const GapSearch* gaps);
+  Prediction predict_with_floor(const PatchedSurface& on, RefinementChoices& choices,
+                                const TriangulatedPatches& triangulated, const GapSearch* gaps, bool is_floor_chosen);
   Prediction predict_now(const Goals& goals, bool is_any_refined, const TriangulatedPatches& triangulated);
   bool is_min_edge_surely_too_short(const RefinementChoices& choices) const;
   void limit_to_proportion(Prediction& prediction) const;

@@ -289,6 +289,34 @@ class CirclePrediction {
 
 }  // namespace
 
+double faces_by_turn(const PatchMesh& patch, const PatchChart& chart, bool by_angle, RunControl& control) {
+  const CurvedChart* const curved = chart.curved();
+  if (curved == nullptr) return 0;
+  const AnalyticSurface& shape = curved->map().shape();
+  const double radius = shape.kind == SurfaceKind::kTorus ? shape.minor_radius : shape.radius;
+  double turn = curved->max_turn();
+  if (shape.kind != SurfaceKind::kCone && radius > 0)
+    turn = std::min(turn, 2 * std::acos(std::clamp(1 - curved->max_edge_height() / radius, -1.0, 1.0)));
+  if (!(turn > 0)) return 0;
+  // The scale of the chart and the curvature differ inside a triangle, so it is divided.
+  constexpr int kRows = 4;
+  double faces = 0;
+  const Triangulation2d& mesh = patch.mesh;
+  for (std::uint32_t h = 0; h < mesh.half_edge_count(); h += 3) {
+    control.check();
+    const Vec2 a = patch.uv[mesh.from(h)], u = patch.uv[mesh.from(h + 1)] - a, v = patch.uv[mesh.from(h + 2)] - a;
+    const double part = cross(u, v) / 2 / (kRows * kRows);
+    for (int i = 0; i < kRows; ++i)
+      for (int j = 0; i + j < kRows; ++j)
+        for (int up = 0; up < (i + j + 1 < kRows ? 2 : 1); ++up) {
+          const Vec2 at = a + (i + (1.0 + up) / 3) / kRows * u + (j + (1.0 + up) / 3) / kRows * v;
+          const double scale = chart.scale(at);
+          faces += curved_faces_at_one(shape, chart.to_space(at), part * scale * scale, by_angle);
+        }
+  }
+  return faces / (turn * turn);
+}
+
 std::map<int, std::uint64_t> predict_by_elements_per_circle(const RecognisedFacets& facets,
                                                             const PresentPatches& present, const Options& options,
                                                             RunControl& control) {

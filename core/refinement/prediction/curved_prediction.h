@@ -10,8 +10,10 @@
 #include "core/base/run_control.h"
 #include "core/mesh/adjacency.h"
 #include "core/mesh/surface.h"
+#include "core/patch_types/patch_mesh.h"
 #include "core/patch_types/patch_set.h"
 #include "core/patches/chains/curve_cuts.h"
+#include "core/patches/charts/patch_chart.h"
 #include "core/patches/planar/essential_vertices.h"
 #include "core/patches/recognition/recognised_surfaces.h"
 
@@ -22,6 +24,9 @@ inline constexpr std::array kPredictedElements = {8, 12, 16, 24, 36};
 
 /// A refined area has this number of faces per equilateral triangle of the size asked for.
 inline constexpr double kFacesPerSize = 1.45;
+
+/// Returns how many faces fill a curved patch if edges turn as far as they may; 0 for a planar patch.
+double faces_by_turn(const PatchMesh& patch, const PatchChart& chart, bool by_angle, RunControl& control);
 
 /// The facets of a surface and their recognised surfaces.
 struct RecognisedFacets {

@@ -415,7 +415,7 @@ double least_faces(const TriangulatedPatches& triangulated, const IdVector<Patch
 }
 
 Prediction predict_faces(const TriangulatedPatches& triangulated, const Goals& goals, const SizeField& sizes,
-                           RunControl& control) {
+                         RunControl& control) {
   struct Block {
     Prediction sum;
     std::vector<EdgePieces> pieces;

@@ -39,7 +39,7 @@ inline constexpr std::uint64_t kMaxFaces = std::uint64_t{1} << 29;
 /// Input: Triangulated patches over the vertices that stay.
 /// Cost:  O(n), or O(n log n) if sizes vary.
 Prediction predict_faces(const TriangulatedPatches& triangulated, const Goals& goals, const SizeField& sizes,
-                           RunControl& control);
+                         RunControl& control);
 
 /// Computes a lower bound on the number of faces in any result. For each patch it is the largest of three numbers: its
 /// triangles as they are, the triangles that the pieces of its boundary need, and its area over the area of the largest

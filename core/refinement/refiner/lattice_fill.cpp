@@ -21,7 +21,7 @@ namespace {
 /// fill. See experiments.md, Lattices.
 constexpr double kClearance = 0.8;
 /// Sizes that differ by no more than this factor are treated as one size, their minimum.
-constexpr double kAlike = 1.05;
+constexpr double kEvenSpacing = 1.05;
 /// The clearance of a lattice of one size that is stretched to fit. Every second row of the lattice ends half a column
 /// from the side, which is allowed. The clearance is a multiple of the column, or of the size where columns are
 /// narrower than kWideColumn sizes. In that case there are only one to three columns, and no points are needed between
@@ -202,7 +202,7 @@ class Lattice {
         high = {std::max(high.x, p.x), std::max(high.y, p.y)};
       }
     const Spacing spacing = best_spacing(triangles, sizes, control);
-    is_even_ = sizes.is_uniform || spacing.largest <= kAlike * spacing.smallest;
+    is_even_ = sizes.is_uniform || spacing.largest <= kEvenSpacing * spacing.smallest;
     // The edge of the coarsest lattice is allowed at one place at least.
     edge_ = is_even_ ? spacing.smallest
                      : std::ldexp(spacing.best, std::ilogb(spacing.largest / spacing.best * (1 + 1e-12)));
