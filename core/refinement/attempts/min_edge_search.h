@@ -39,8 +39,8 @@ class MinEdgeSearch {
   double asked() const { return asked_; }
   /// Returns whether there is another length to be tried if there are too many faces with this one.
   bool may_go_on() const { return fits_ > 0 || length_ < kHighest * lowest_; }
-  /// Returns whether the length is one between one that was too low and one that fits.
-  bool is_between() const { return fits_ > 0; }
+  /// Returns whether a result has shown that this length fits, or a larger one.
+  bool is_known_to_fit() const { return fits_ > 0 || is_settled_; }
   /// Returns whether another length may be tried although a result fits with this one.
   bool may_try_another() const { return !is_settled_ && too_low_ > 0; }
   /// Records that there would be too many faces with this length, and goes on to the next one.

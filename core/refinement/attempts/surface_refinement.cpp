@@ -260,7 +260,7 @@ Prediction SurfaceRefinement::predict_now(const Goals& goals, bool is_any_refine
 
 /// Returns whether gaps or short edges ask for so many faces that the floor can be raised before any attempt.
 bool SurfaceRefinement::is_min_edge_surely_too_short(const RefinementChoices& choices) const {
-  if (sizes_.field->is_uniform() || !facts().may_change_min_edge(choices) || choices.min_edge.is_between())
+  if (sizes_.field->is_uniform() || !facts().may_change_min_edge(choices) || choices.min_edge.is_known_to_fit())
     return false;
   if (roughly_predicted_ > kAsMany * choices.too_many_predicted) return true;
   return roughly_predicted_ > kSurelyTooMany * static_cast<double>(asked_.faces_without_min_edge);

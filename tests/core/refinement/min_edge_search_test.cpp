@@ -70,6 +70,23 @@ TEST(min_edge_search, ends_beside_a_jump) {
   }
 }
 
+TEST(min_edge_search, knows_that_its_answer_fits) {
+  const auto faces_of = [](double floor) { return std::uint64_t{floor < 0.0013 ? 36'000u : 638u}; };
+  MinEdgeSearch min_edge(goals_with(kAllowed));
+  bool is_any_known = false;
+  for (bool is_another_tried = true; is_another_tried;) {
+    const std::uint64_t faces = faces_of(min_edge.min_edge_length());
+    EXPECT_EQ(min_edge.is_known_to_fit(), is_any_known);
+    if (faces > kAllowed) {
+      min_edge.record_too_many();
+    } else {
+      is_another_tried = min_edge.record_fit(faces);
+      is_any_known = true;
+    }
+  }
+  EXPECT_TRUE(min_edge.is_known_to_fit());
+}
+
 TEST(min_edge_search, keeps_the_highest_floor_if_none_serves) {
   const Found found = search(MinEdgeSearch(goals_with(kAllowed)), kAllowed, [](double) { return kAllowed + 1; });
   EXPECT_EQ(found.floor, 0x1p-4);
