@@ -6,13 +6,13 @@
 #include <algorithm>
 #include <map>
 #include <memory>
+#include <new>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "core/base/stopwatch.h"
-#include "core/base/work_bound.h"
 #include "core/output/run/attempts.h"
 #include "core/output/run/learn.h"
 #include "core/output/run/run_report.h"
@@ -22,18 +22,19 @@ namespace remesh {
 namespace {
 
 /// Makes attempts until one is the answer, and learns from each what to decide for the next.
-/// Output: the decisions that have led to the answer; empty if the attempts have made more than `most` triangles.
-/// Errors: kVerificationFailed - nothing is left that could be tried.
-std::optional<Decisions> find_answer(Attempts& attempts, std::uint64_t most, const RunSettings& settings) {
+/// Input:  `may_go_on(decisions, effort)` is asked before each attempt.
+/// Output: the decisions that have led to the answer; empty if `may_go_on` has said no.
+/// Errors: those of Attempts::failure - nothing is left that could be tried.
+template <class MayGoOn>
+std::optional<Decisions> find_answer(Attempts& attempts, const decltype(RunSettings::trace)& trace,
+                                     const MayGoOn& may_go_on) {
   Decisions decisions = attempts.first_decisions();
   Effort effort;
-  std::uint64_t made = 0;
-  for (int number = 1; made <= most; ++number) {
+  for (int number = 1; may_go_on(decisions, effort); ++number) {
     const Outcome outcome = attempts.attempt(decisions, effort);
-    made += outcome.triangles;
     effort = spent(effort, decisions, outcome);
     std::optional<Decisions> next = learn(decisions, outcome, effort);
-    if (settings.trace) settings.trace(line_of_trace(number, decisions, outcome, next));
+    if (trace) trace(line_of_trace(number, decisions, outcome, next));
     if (!next && outcome.end != Outcome::End::kVerified) throw attempts.failure(outcome);
     if (!next) return decisions;
     if (next->mending != decisions.mending) effort = for_another_surface(effort);
@@ -42,48 +43,68 @@ std::optional<Decisions> find_answer(Attempts& attempts, std::uint64_t most, con
   return std::nullopt;
 }
 
+/// A surface that was remeshed to count its faces.
+struct Counted {
+  MadeFaces faces;
+  Decisions decisions;  ///< those that have led to the faces
+};
+
 /// Divides the surface into patches, as the first attempts would.
 /// Input: what a remeshing has made, if it is known.
-Report analyze_once(Attempts attempts, std::optional<MadeFaces> made) {
+Report analyze_once(Attempts attempts, std::optional<Counted> counted) {
   Decisions decisions = attempts.first_decisions();
   for (;;) {
     const Outcome outcome = attempts.divide(decisions);
-    if (outcome.end != Outcome::End::kSurfaceReplaced) return make_analysis(attempts.take_products(), std::move(made));
+    if (outcome.end != Outcome::End::kSurfaceReplaced) break;
     decisions = *learn(decisions, outcome, {});
   }
+  if (!counted) return make_analysis(attempts.take_products(), std::nullopt);
+  const Decisions& made_by = counted->decisions;
+  const bool are_patches_same =
+      made_by.mending == decisions.mending && made_by.rungs == decisions.rungs && made_by.curved == decisions.curved;
+  if (!are_patches_same) counted->faces.of_patch.clear();
+  return make_analysis(attempts.take_products(), std::move(counted->faces));
 }
 
-/// Surfaces of no more triangles are remeshed to count the faces, as long as these are no more than kMaxCounted and
-/// all attempts together make no more than kMaxTried. A limit that keeps faces in proportion to so few triangles
-/// (Goals::faces_without_min_edge) is below kMaxCounted.
+/// Surfaces of no more triangles are remeshed to count the faces. A limit that keeps faces in proportion to so few
+/// triangles (Goals::faces_without_min_edge) is below kMaxCounted.
 constexpr std::size_t kFewTriangles = 10000;
-constexpr std::uint64_t kMaxCounted = 1 << 19, kMaxTried = 1 << 20;
+/// Faces are counted up to this number, and no more than so many attempts are made for that.
+constexpr std::uint64_t kMaxCounted = 1 << 19;
+constexpr int kMaxAttempts = 24;
 
 /// Counts the faces that a remeshing makes of a small surface, by remeshing it. A prediction cannot know which floor is
 /// found and which patches fail.
-/// Output: nothing if the surface is not small, or if that takes too long or leads to no answer.
-std::optional<MadeFaces> count_by_remeshing(const PolygonMesh& input, const Options& options,
-                                            const RunSettings& settings, RunControl& control) {
-  if (input.corners.size() > 2 * input.face_count() + kFewTriangles) return std::nullopt;
+/// Output: nothing if that takes too long or leads to no answer, or if the limit on faces would change the answer.
+std::optional<Counted> count_by_remeshing(const PolygonMesh& input, const Options& options, const RunSettings& settings,
+                                          RunControl& control) {
   Options limited = options;
-  const std::uint64_t most = options.max_output_faces.value_or(WorkBound::kNone);
+  const std::uint64_t most = options.max_output_faces.value_or(Goals::kNoLimit);
   limited.max_output_faces = std::min(most, kMaxCounted);
+  int attempts_left = kMaxAttempts;
+  // With the limit, budgets, sizes and what counts as much work in vain are others than without.
+  const auto may_go_on = [&](const Decisions& decisions, const Effort& effort) {
+    const bool is_limited =
+        decisions.refinement.budget || decisions.refinement.coarsest > 0 || effort.triangles > kMaxCounted / 2;
+    return attempts_left-- > 0 && (most <= kMaxCounted || !is_limited);
+  };
   try {
     Attempts attempts(input, limited, settings.storage, {}, control);
-    const std::optional<Decisions> found = find_answer(attempts, kMaxTried, {});
-    const bool is_limited = found && found->refinement.budget && most > kMaxCounted;
-    if (!found || is_limited) return std::nullopt;
-    MadeFaces made{{}, found->refinement};
+    const std::optional<Decisions> found = find_answer(attempts, {}, may_go_on);
+    if (!found) return std::nullopt;
+    Counted counted{{0, {}, found->refinement}, *found};
     const std::unique_ptr<RunProducts> products = attempts.take_products();
-    for (const PatchMesh& patch : products->candidate.triangulated.meshes)
-      made.of_patch.push_back(static_cast<float>(patch.mesh.triangle_count()));
-    return made;
+    for (const PatchMesh& patch : products->candidate.triangulated.meshes) {
+      counted.faces.faces += patch.mesh.triangle_count();
+      counted.faces.of_patch.push_back(static_cast<float>(patch.mesh.triangle_count()));
+    }
+    return counted;
   } catch (const Error& error) {
-    const bool is_no_answer = error.code == Code::kOutputTooLarge || error.code == Code::kOutOfMemory ||
-                              error.code == Code::kVerificationFailed;
-    if (!is_no_answer) throw;
-    return std::nullopt;
+    if (error.code == Code::kCancelled || error.code == Code::kTimeout) throw;
+  } catch (const std::bad_alloc&) {
+    // A prediction needs less memory.
   }
+  return std::nullopt;
 }
 
 /// An arena with this many threads. The calling thread stores it for later runs. TBB (2021.8) never frees some KB of
@@ -116,7 +137,7 @@ Result remesh_surface(const PolygonMesh& input, const Options& options, const Ru
   check_options(options);
   return in_arena(thread_count(input, options, settings), [&] {
     Attempts attempts(input, options, settings.storage, std::move(diagnostics), control);
-    find_answer(attempts, WorkBound::kNone, settings);
+    find_answer(attempts, settings.trace, [](const Decisions&, const Effort&) { return true; });
     return make_result(attempts.take_products(), settings);
   });
 }
@@ -125,12 +146,16 @@ Report analyze_surface(const PolygonMesh& input, const Options& options, const R
                        RunControl& control, std::vector<Diagnostic> diagnostics) {
   check_options(options);
   return in_arena(thread_count(input, options, settings), [&] {
-    Stopwatch watch(control);
-    watch.enter(Stage::kRefinement);
-    std::optional<MadeFaces> made = count_by_remeshing(input, options, settings, control);
-    const double counting_ms = watch.finish().front().ms;
+    std::optional<Counted> counted;
+    double counting_ms = 0;
+    if (input.corners.size() <= 2 * input.face_count() + kFewTriangles) {
+      Stopwatch watch(control);
+      watch.enter(Stage::kRefinement);
+      counted = count_by_remeshing(input, options, settings, control);
+      counting_ms = watch.finish().front().ms;
+    }
     Report report =
-        analyze_once(Attempts(input, options, settings.storage, std::move(diagnostics), control), std::move(made));
+        analyze_once(Attempts(input, options, settings.storage, std::move(diagnostics), control), std::move(counted));
     for (StageTime& time : report.timing_ms)
       if (time.stage == Stage::kRefinement) time.ms += counting_ms;
     return report;

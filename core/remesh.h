@@ -33,13 +33,14 @@ int thread_count(const PolygonMesh& input, const Options& options, const RunSett
 Result remesh_surface(const PolygonMesh& input, const Options& options, const RunSettings& settings,
                       RunControl& control, std::vector<Diagnostic> diagnostics = {});
 
-/// Makes the report on `input` alone: statistics, patches, diagnostics, and how many faces remesh_surface makes. A small
-/// surface is remeshed to count them; for others, or where that would take long, the number is a prediction.
+/// Makes the report on `input` alone: statistics, patches, diagnostics, and how many faces remesh_surface makes. A
+/// small surface is remeshed to count these; for others, or where that would take long, the number is a prediction.
 /// Input:   as for remesh_surface.
 /// Holds:   the report is the same for any number of workers, apart from the times.
 /// Errors:  kEmptyMesh, kInvalidMesh - see prepare; kInvalidOption - see check_options; kCancelled, kTimeout - asked to
 ///          stop through `control`.
-/// Cost:    O(n log n) in the input's corners. The time of counting is part of the stage "refinement".
+/// Cost:    O(n log n) in the input's corners, and for small surfaces that of remesh_surface, which is a part of the
+///          stage "refinement".
 Report analyze_surface(const PolygonMesh& input, const Options& options, const RunSettings& settings,
                        RunControl& control, std::vector<Diagnostic> diagnostics = {});
 

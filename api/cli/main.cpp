@@ -288,9 +288,10 @@ void parse(CLI::App& app, int argc, char** argv, Arguments& arguments) {
   app.add_option("-o,--output", arguments.output,
                  "the mesh to write; - for standard output; compressed if the name ends in .gz");
   app.add_option("--report", arguments.report, "also write the report, as JSON");
-  app.add_flag("--analyze", arguments.is_analysis,
-               "do not remesh, but describe the mesh: its cylinders, cones and other surfaces with their sizes, "
-               "its defects, and how many faces a remeshing with these options would make");
+  app.add_flag(
+      "--analyze", arguments.is_analysis,
+      "write no mesh, but describe the one that is given: its cylinders, cones and other surfaces with their sizes, "
+      "its defects, and how many faces a remeshing with these options would make");
   app.add_option(
       "--batch", arguments.batch,
       "remesh every mesh in this folder instead of one input; --report is then a table (CSV) with one line per "

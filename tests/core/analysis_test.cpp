@@ -1,6 +1,7 @@
 /// Tests what an analysis says that a remeshing will make.
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <random>
@@ -8,11 +9,14 @@
 #include <vector>
 
 #include "core/remesh.h"
+#include "tests/support/errors.h"
 #include "tests/support/hostile_families.h"
 #include "tests/support/invariance.h"
 #include "tests/support/primitives.h"
 #include "tests/support/refined_checks.h"
 #include "tests/support/shapes.h"
+#include "tests/support/time_limit.h"
+#include "tests/support/time_to_stop.h"
 
 namespace remesh {
 namespace {
@@ -75,6 +79,7 @@ TEST(analysis, the_floor_and_the_largest_edge_are_those_of_the_remeshing) {
 
 TEST(analysis, what_would_take_long_to_count_is_predicted) {
   const auto expect_within = [](double factor, const PolygonMesh& mesh, const Options& options) {
+    ASSERT_GT(mesh.corners.size() - 2 * mesh.face_count(), 10000u);
     const double predicted = predicted_faces(mesh, options);
     const double made = static_cast<double>(refined(mesh, options).mesh.faces.size());
     EXPECT_LT(std::fabs(std::log(predicted / made)), std::log(factor)) << predicted << " instead of " << made;
@@ -85,10 +90,28 @@ TEST(analysis, what_would_take_long_to_count_is_predicted) {
   expect_within(3, terrain(75, 2, 7), with_angle(30));
 }
 
-TEST(analysis, it_says_nothing_against_what_cannot_be_made) {
+TEST(analysis, what_has_too_many_faces_to_count_is_predicted) {
+  // The box would have over 524,288 faces.
+  const double predicted = predicted_faces(shapes::box({1, 1, 1}), with_length(0.004));
+  EXPECT_GT(predicted, 0x1p19);
+  EXPECT_LT(predicted, 0x1p21);
+}
+
+TEST(analysis, what_cannot_be_made_is_predicted_all_the_same) {
   Options options = with_length(0.01);
   options.max_output_faces = 1000;
+  EXPECT_EQ(test::error_of([&] { refined(shapes::box({1, 1, 1}), options); }).code, Code::kOutputTooLarge);
   EXPECT_GT(predicted_faces(shapes::box({1, 1, 1}), options), 10000);
+}
+
+TEST(analysis, a_stop_is_obeyed_while_faces_are_counted) {
+  // Counting takes over a second.
+  const Options fine = with_length(0.006);
+  const auto took = test::time_to_stop(std::chrono::milliseconds(300), [&](RunControl& control) {
+    analyze_surface(shapes::box({1, 1, 1}), fine, {1, false}, control);
+  });
+  ASSERT_TRUE(took);
+  test::expect_within(test::Seconds(1), *took, "asked after 300 ms");
 }
 
 TEST(analysis, the_number_is_the_same_for_any_number_of_threads) {

@@ -623,7 +623,7 @@ TEST(remesh_surface, a_stop_is_obeyed_soon_at_any_time) {
   }
 }
 
-TEST(analyze_surface, it_tells_of_the_input_and_remeshes_nothing) {
+TEST(analyze_surface, it_tells_of_the_input_and_has_no_result) {
   RunControl control;
   const Report report = analyze_surface(bracket(), unrefined(), {}, control);
   const Result result = remeshed(bracket());

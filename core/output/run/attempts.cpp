@@ -68,15 +68,18 @@ double median_side(const Candidate& candidate) {
 }
 
 /// Returns the length of the shortest edge with a vertex that refinement has made; 0 if there is none.
-/// Input: the number of vertices before refinement.
-double shortest_made(const Candidate& candidate, std::size_t vertices_before) {
+/// Input: the number of vertices before refinement. The vertices of the candidate are in the order of the surface.
+double shortest_made(const Candidate& candidate, std::size_t vertices_before, const RunControl& control) {
   double shortest_squared = HUGE_VAL;
-  for (const auto& face : candidate.assembled.faces)
+  StopCheck check(control);
+  for (const auto& face : candidate.assembled.faces) {
+    check();
     for (std::size_t k = 0; k < 3; ++k) {
       const VertexId a = face[k], b = face[(k + 1) % 3];
       if (candidate.assembled.vertex[std::max(a, b)].value < vertices_before) continue;
       shortest_squared = std::min(shortest_squared, norm_squared(candidate.positions[b] - candidate.positions[a]));
     }
+  }
   return std::isfinite(shortest_squared) ? std::sqrt(shortest_squared) : 0;
 }
 
@@ -473,7 +476,8 @@ Outcome::End Attempts::make_result(const Decisions& decisions, const Effort& eff
   outcome.are_angles_worse = has_found_floor && has_worse_angles(made.candidate, surface(), made.with_cuts(),
                                                                  made.joined.curved(), goals, control());
   if (after_faces(choices, *outcome.faces, outcome.are_angles_worse, outcome.facts).is_repeated) {
-    outcome.facts.shortest_made = shortest_made(made.candidate, made.with_cuts().vertex_count());
+    if (outcome.facts.may_change_min_edge(choices))
+      outcome.facts.shortest_made = shortest_made(made.candidate, made.with_cuts().vertex_count(), control());
     return Outcome::End::kTooManyFaces;
   }
   refuse_if_too_large();

@@ -68,10 +68,8 @@ class RunReporter {
     run_.report.surfaces.join_bands();
     run_.watch.enter(Stage::kRefinement);
     crossing_ = run_.intersections();
-    if (made) run_.choices = std::move(made->choices);
     const Prediction predicted =
-        run_.refinement->predict_before(run_.patched(crossing_), run_.choices, run_.candidate.triangulated,
-                                        made ? made->of_patch : std::vector<float>());
+        run_.refinement->predict_before(run_.patched(crossing_), run_.choices, run_.candidate.triangulated, made);
     run_.report.min_edge_length = run_.choices.min_edge.min_edge_length();
     run_.report.largest_edge_for_target = run_.goals().has_target() ? run_.goals().max_edge_length : 0;
     predict_free();
@@ -262,8 +260,10 @@ class RunReporter {
   double faces_beside_free(const PresentPatches& present, const FilledIdVector<FaceId, FaceRole>& roles) {
     const Adjacency& adjacency = run_.adjacency();
     const PatchSet& patches = present.patches;
+    StopCheck check(run_.control);
     IdVector<PatchId, double> border(patches.count(), 0), beside_free = border;
     for (std::uint32_t h = 0; h < run_.surface().corners.size(); ++h) {
+      check();
       if (!is_patch_boundary(adjacency, patches, h) || !present.essential[adjacency.from(h)]) continue;
       const PatchId p = patches.of_face[adjacency.face_of(h)];
       const std::uint32_t twin = adjacency.twin(h);

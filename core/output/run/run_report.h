@@ -1,25 +1,17 @@
 /// Completes the report of a run and makes its result.
 #pragma once
 
-#include <cstdint>
 #include <memory>
 #include <optional>
-#include <vector>
 
 #include "core/output/result/result.h"
 #include "core/output/run/run_products.h"
 
 namespace remesh {
 
-/// The faces that a remeshing has made of a surface that is to be analysed.
-struct MadeFaces {
-  std::vector<float> of_patch;  ///< numbers; those of an analysis may be other patches, if some have failed
-  RefinementChoices choices;    ///< those that have led to the faces
-};
-
-/// Makes the report of a surface that is analysed and not remeshed.
+/// Makes the report of a surface that is analysed.
 /// Input:   a run whose patches have been triangulated. The triangles are not part of the report, but they predict what
-///          refinement would make of the patches, unless it is known.
+///          refinement would make of the patches, unless `made` says so.
 /// Errors:  kCancelled, kTimeout - asked to stop.
 /// Cost:    that of a prediction, and of the searches for intersections and for the smallest gap.
 Report make_analysis(std::unique_ptr<RunProducts> run, std::optional<MadeFaces> made);

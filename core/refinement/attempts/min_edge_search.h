@@ -29,6 +29,7 @@ class MinEdgeSearch {
     search.too_low_ = search.fits_ = 0;
     search.means_left_ = kMaxMeans;
     search.is_settled_ = length_ > asked_;
+    search.is_fit_ = false;
     return search;
   }
   bool operator==(const MinEdgeSearch&) const = default;
@@ -40,20 +41,21 @@ class MinEdgeSearch {
   /// Returns whether there is another length to be tried if there are too many faces with this one.
   bool may_go_on() const { return fits_ > 0 || length_ < kHighest * lowest_; }
   /// Returns whether a result has shown that this length fits, or a larger one.
-  bool is_known_to_fit() const { return fits_ > 0 || is_settled_; }
+  bool is_known_to_fit() const { return fits_ > 0 || is_fit_; }
   /// Returns whether another length may be tried although a result fits with this one.
   bool may_try_another() const { return !is_settled_ && too_low_ > 0; }
   /// Records that there would be too many faces with this length, and goes on to the next one.
-  /// Input: the shortest edge that refinement made with this length. Shorter lengths would change nothing, so they are
-  ///        too low as well. 0 if it is not known.
+  /// Input: the shortest edge that refinement made with this length; 0 if it is not known. Lengths below half of it
+  ///        would hardly change anything, so they are too low as well.
   void record_too_many(double shortest = 0) {
+    is_fit_ = false;
     too_low_ = length_;
     if (fits_ > 0) return go_between();
-    length_ = length_ < lowest_ ? lowest_ : step() * length_;
-    while (length_ < shortest && may_go_on()) {
-      too_low_ = length_;
-      length_ *= step();
+    if (length_ < lowest_) {
+      length_ = lowest_;
+      return;
     }
+    for (length_ *= step(); length_ < shortest / 2 && may_go_on(); length_ *= step()) too_low_ = length_;
   }
   /// Records that a result with this length has so many faces, which are not too many.
   /// Output: whether another length is to be tried.
@@ -80,7 +82,7 @@ class MinEdgeSearch {
     }
     length_ = fits_;
     fits_ = 0;
-    is_settled_ = true;
+    is_settled_ = is_fit_ = true;
   }
 
   double asked_;
@@ -90,6 +92,7 @@ class MinEdgeSearch {
   double too_low_ = 0;  ///< the highest length that was too low; 0: none was
   double fits_ = 0;     ///< the lowest length that fits, while others are still tried
   int means_left_ = kMaxMeans;
+  bool is_fit_ = false;      ///< a result has shown that the length fits
   bool is_settled_ = false;  ///< the length is raised if it turns out to be too low, but no other one is looked for
 };
 

@@ -40,7 +40,7 @@ struct RefinementChoices {
   bool is_thinning_quick = false;  ///< there are so many faces that the best way to save some takes too long
   int retries = 0;                 ///< those with a budget; one that saved nothing counts more
   std::uint64_t last_faces = 0;    ///< those of the last result that was over its budget; 0: none yet
-  /// The rough prediction for the last floor that an attempt has shown to be too low.
+  /// The prediction for the last floor that an attempt has shown to be too low.
   double too_many_predicted = HUGE_VAL;
   RefinedPart part = RefinedPart::kAll;
   FaceMarks frozen;  ///< patches with only such faces stay as they are
@@ -61,7 +61,7 @@ struct RefinementFacts {
   /// largest edge would bring the result nearer to it.
   std::optional<double> over_target;
   double aimed_over_target = 1;  ///< the part of the target that was expected with the largest edge
-  double predicted = HUGE_VAL;   ///< roughly, in faces and without any limit but the floor; known once sizes are
+  double predicted = HUGE_VAL;   ///< in faces and without any limit but the floor; known once sizes are
   double shortest_made = 0;      ///< the shortest edge that refinement made, in model units; 0: not known
   bool operator==(const RefinementFacts&) const = default;
 

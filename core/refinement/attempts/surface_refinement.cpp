@@ -61,6 +61,17 @@ std::string count_text(double count) {
   return count < 1e15 ? std::to_string(static_cast<std::uint64_t>(count)) : "10^15";
 }
 
+/// Raises the predictions for curved patches to the faces that these have if edges turn as far as they may.
+void add_faces_by_turn(const TriangulatedPatches& triangulated, bool by_angle, Prediction& prediction,
+                       RunControl& control) {
+  for (PatchId p(0); p.value < triangulated.size(); ++p.value) {
+    const double faces = faces_by_turn(triangulated.meshes[p], triangulated.charts[p], by_angle, control);
+    const double more = std::max(0.0, faces - prediction.of_patch[p.value]);
+    prediction.expected += more;
+    prediction.of_patch[p.value] += static_cast<float>(more);
+  }
+}
+
 /// Writes why triangles were left as they are, whatever they miss.
 void override_reasons(const RefinementAttempt& attempt, std::vector<UnrefinedReason>& reasons) {
   if (attempt.is_by_budget) std::fill(reasons.begin(), reasons.end(), UnrefinedReason::kBudget);
@@ -86,38 +97,38 @@ RefinementFacts SurfaceRefinement::facts() const {
   facts.is_min_edge_automatic = is_min_edge_automatic();
   facts.max_faces = asked_.max_faces;
   facts.faces_without_min_edge = asked_.faces_without_min_edge;
-  facts.predicted = roughly_predicted_;
+  facts.predicted = predicted_;
   facts.aimed_over_target = sizes_.aimed_over_target;
   return facts;
 }
 
 Prediction SurfaceRefinement::predict_before(const PatchedSurface& on, RefinementChoices& choices,
-                                             const TriangulatedPatches& triangulated, const std::vector<float>& made) {
+                                             const TriangulatedPatches& triangulated,
+                                             const std::optional<MadeFaces>& made) {
+  if (made) choices = made->choices;
   const auto gaps = gap_search(on, triangulated);
   make_size_field(on, choices, 0, triangulated, gaps.get());
   Prediction prediction;
-  prediction.expected = std::accumulate(made.begin(), made.end(), 0.0);
-  if (made.size() == triangulated.size()) {
-    prediction.of_patch = made;
-    return prediction;
+  if (made && made->of_patch.size() == triangulated.size()) {
+    prediction.of_patch = made->of_patch;
+  } else if (has_goals(choices)) {
+    prediction = made ? predict_faces(triangulated, goals(choices), *sizes_.field, control_)
+                      : predict_with_floor(on, choices, triangulated, gaps.get());
   }
-  if (!has_goals(choices)) return prediction;
-  prediction = predict_with_floor(on, choices, triangulated, gaps.get(), made.empty());
   limit_to_proportion(prediction);
   // A result that misses its target by more than a little is corrected.
   if (asked_.target_faces > 0 && std::isfinite(sizes_.largest))
     prediction.expected = static_cast<double>(asked_.target_faces);
-  if (!made.empty()) prediction.expected = std::accumulate(made.begin(), made.end(), 0.0);
+  if (made) prediction.expected = static_cast<double>(made->faces);
   const double sum = std::accumulate(prediction.of_patch.begin(), prediction.of_patch.end(), 0.0);
   const double factor = sum > 0 ? prediction.expected / sum : 1;
   for (float& share : prediction.of_patch) share = static_cast<float>(share * factor);
   return prediction;
 }
 
-/// Predicts the faces, and if they are out of proportion and the floor may be chosen, those for a higher floor.
+/// Predicts the faces. If they are out of proportion and the floor may be chosen, a higher floor is chosen for them.
 Prediction SurfaceRefinement::predict_with_floor(const PatchedSurface& on, RefinementChoices& choices,
-                                                 const TriangulatedPatches& triangulated, const GapSearch* gaps,
-                                                 bool is_floor_chosen) {
+                                                 const TriangulatedPatches& triangulated, const GapSearch* gaps) {
   // A floor may leave far fewer faces than are in proportion. So one is expected only where a prediction that is right
   // within this factor leaves no doubt of it.
   constexpr double kDoubt = 1.5;
@@ -126,15 +137,10 @@ Prediction SurfaceRefinement::predict_with_floor(const PatchedSurface& on, Refin
   known.max_faces = Goals::kNoLimit;
   for (;;) {
     Prediction prediction = predict_faces(triangulated, goals(choices), *sizes_.field, control_);
-    for (PatchId p(0); p.value < triangulated.size() && triangulated.charts.has_curved(); ++p.value) {
-      const double faces =
-          faces_by_turn(triangulated.meshes[p], triangulated.charts[p], asked_.min_angle_deg > 0, control_);
-      const double more = std::max(0.0, faces - prediction.of_patch[p.value]);
-      prediction.expected += more;
-      prediction.of_patch[p.value] += static_cast<float>(more);
-    }
+    if (triangulated.charts.has_curved())
+      add_faces_by_turn(triangulated, asked_.min_angle_deg > 0, prediction, control_);
     AfterFaces after = after_faces(choices, whole(prediction.expected / kDoubt), false, known);
-    if (!is_floor_chosen || !after.is_repeated) return prediction;
+    if (!after.is_repeated) return prediction;
     choices = std::move(after.choices);
     make_size_field(on, choices, 0, triangulated, gaps);
   }
@@ -165,7 +171,7 @@ RefinementAttempt SurfaceRefinement::refine(const PatchedSurface& on, const Refi
   const SizeField& sizes = is_any_refined ? *sizes_.field : one_size;
   const std::optional<SizeField> graded = sizes_without_floor(on, goals, triangulated);
   Prediction prediction = predict_now(goals, is_any_refined, triangulated);
-  roughly_predicted_ = prediction.expected;
+  predicted_ = prediction.expected;
   if (is_any_refined && is_min_edge_surely_too_short(choices)) {
     attempt.end = RefinementAttempt::End::kMinEdgeTooShort;
     return attempt;
@@ -262,8 +268,8 @@ Prediction SurfaceRefinement::predict_now(const Goals& goals, bool is_any_refine
 bool SurfaceRefinement::is_min_edge_surely_too_short(const RefinementChoices& choices) const {
   if (sizes_.field->is_uniform() || !facts().may_change_min_edge(choices) || choices.min_edge.is_known_to_fit())
     return false;
-  if (roughly_predicted_ > kAsMany * choices.too_many_predicted) return true;
-  return roughly_predicted_ > kSurelyTooMany * static_cast<double>(asked_.faces_without_min_edge);
+  if (predicted_ > kAsMany * choices.too_many_predicted) return true;
+  return predicted_ > kSurelyTooMany * static_cast<double>(asked_.faces_without_min_edge);
 }
 
 /// Returns after how many triangles an attempt without a budget ends.

@@ -66,6 +66,13 @@ struct RefinementAttempt {
   std::optional<std::uint64_t> max_in_vain;
 };
 
+/// The faces that a remeshing has made.
+struct MadeFaces {
+  std::uint64_t faces;          ///< of all patches
+  std::vector<float> of_patch;  ///< for each patch; empty if the patches of the analysis are others
+  RefinementChoices choices;    ///< those that have led to the faces
+};
+
 /// Refines one division of a surface into patches. The fields of sizes are kept for the next attempt at the same
 /// patches. They depend on the choices alone, so an attempt is a function of the patches and of its arguments.
 /// This class is larger than the bound because each decision of an attempt has a constant here, with its reason.
@@ -99,13 +106,12 @@ class SurfaceRefinement {
 
   /// Predicts how many faces refinement will make of these triangles. If they are out of proportion, it is predicted
   /// for the lowest floor with which they are not, and that floor is chosen.
-  /// Input:  `made` has the faces that a remeshing with these choices has made of each patch, or of other patches, if
-  ///         that is known. Then the floor stays.
+  /// Input:  `made` has the faces that a remeshing has made, if that is known. Then its choices are taken.
   /// Output: how the faces that are predicted, or made, are shared out among the patches; their sum is that number.
   ///         Empty without goals.
   Prediction predict_before(const PatchedSurface& on, RefinementChoices& choices,
-                            const TriangulatedPatches& triangulated, const std::vector<float>& made);
-  /// Predicts roughly how many faces refinement would make with other goals.
+                            const TriangulatedPatches& triangulated, const std::optional<MadeFaces>& made);
+  /// Predicts how many faces refinement would make with other goals.
   /// Input: the triangles as they are before refinement; `earlier_steps` are those of all searches for gaps so far.
   /// Cost:  that of a prediction. With other sizes that vary, the size field is computed for them, or rescaled if it
   /// has many samples.
@@ -136,7 +142,7 @@ class SurfaceRefinement {
 
   /// A largest edge is by this factor longer than the median edge of a surface that is refined with it.
   static constexpr double kLargestOfMedian = 1.5;
-  /// Of the faces that are roughly predicted because of the largest edge, this share is made. See experiments.md,
+  /// Of the faces that are predicted because of the largest edge, this share is made. See experiments.md,
   /// Targets.
   static constexpr double kMadeOfPredicted = 0.77;
 
@@ -151,7 +157,7 @@ class SurfaceRefinement {
   std::uint64_t make_size_field(const PatchedSurface& on, const RefinementChoices& choices, std::uint64_t earlier_steps,
                                 const TriangulatedPatches& triangulated, const GapSearch* gaps);
   Prediction predict_with_floor(const PatchedSurface& on, RefinementChoices& choices,
-                                const TriangulatedPatches& triangulated, const GapSearch* gaps, bool is_floor_chosen);
+                                const TriangulatedPatches& triangulated, const GapSearch* gaps);
   Prediction predict_now(const Goals& goals, bool is_any_refined, const TriangulatedPatches& triangulated);
   bool is_min_edge_surely_too_short(const RefinementChoices& choices) const;
   void limit_to_proportion(Prediction& prediction) const;
@@ -176,7 +182,7 @@ class SurfaceRefinement {
   const CurvedFacts curved_;
   RunControl& control_;
   Sizes sizes_;
-  double roughly_predicted_ = HUGE_VAL;  ///< for the last attempt, without any limit but the floor
+  double predicted_ = HUGE_VAL;  ///< for the last attempt, without any limit but the floor
 };
 
 }  // namespace remesh

@@ -35,11 +35,11 @@ struct Goals {
   /// The sizes for gaps and short edges are known at some places and interpolated between them. An edge that is longer
   /// than the size by no more than this factor meets it. A longer one is listed in the report.
   static constexpr double kSizeSlack = 1.1;
-  /// Returns for how many faces sizes may be looked for. Where the faces are kept in proportion, attempts whose floor is
-  /// too low ask for more than there will be.
+  /// Returns for how many faces sizes may be looked for. Where the faces are kept in proportion, attempts whose floor
+  /// is too low ask for more than there will be.
   std::uint64_t most_looked_for() const {
     constexpr std::uint64_t kTimes = 16;
-    return std::min(max_faces, std::min(faces_without_min_edge, kNoLimit / kTimes) * kTimes);
+    return faces_without_min_edge < kNoLimit / kTimes ? kTimes * faces_without_min_edge : max_faces;
   }
   bool has_target() const { return target_faces > 0 || target_edge_length > 0; }
   /// Returns the rate at which the size grows with the distance from the place that asks for it. Without a gradation it
