@@ -41,7 +41,7 @@ std::vector<Member> small_surfaces() {
           {"cylinder", primitives::cylinder(48, 1, 3).mesh},
           {"terrain", terrain(12, 1.5, 7)},
           {"plate with a hole", shapes::plate_with_round_hole(32)},
-          {"fan", hostile::family("fan_around_a_vertex").make(30)},
+          {"fan", hostile::family("fan_around_a_vertex").make(12)},
           {"needles", hostile::family("parallel_needles").make(30)},
           {"strip over itself", shapes::strip_over_itself()}};
 }
@@ -84,9 +84,9 @@ TEST(analysis, what_would_take_long_to_count_is_predicted) {
     const double made = static_cast<double>(refined(mesh, options).mesh.faces.size());
     EXPECT_LT(std::fabs(std::log(predicted / made)), std::log(factor)) << predicted << " instead of " << made;
   };
-  expect_within(2, shapes::sphere(5), {});  // remeshed as a sphere
+  expect_within(2, shapes::sphere(6), {});  // remeshed as a sphere
   expect_within(1.5, shapes::box({1, 1, 1}, 45), with_length(0.05));
-  expect_within(2, shapes::plate_with_round_hole(3000), with_angle(25));
+  expect_within(2, shapes::plate_with_round_hole(12000), with_angle(25));
   expect_within(3, terrain(75, 2, 7), with_angle(30));
 }
 

@@ -256,7 +256,8 @@ class RunReporter {
     return predicted;
   }
 
-  /// Returns how many faces of other patches there are beside free faces, in proportion to the vertices of their borders.
+  /// Returns how many faces of other patches there are beside free faces: the share of them that their borders have of
+  /// such vertices.
   double faces_beside_free(const PresentPatches& present, const FilledIdVector<FaceId, FaceRole>& roles) {
     const Adjacency& adjacency = run_.adjacency();
     const PatchSet& patches = present.patches;
