@@ -71,7 +71,7 @@ Report analyze_once(Attempts attempts, std::optional<Counted> counted) {
 constexpr std::size_t kFewTriangles = 10000;
 /// Faces are counted up to this number, and no more than so many attempts are made for that.
 constexpr std::uint64_t kMaxCounted = 1 << 19;
-constexpr int kMaxAttempts = 24;
+constexpr int kMaxAttempts = 40;
 
 /// Counts the faces that a remeshing makes of a small surface, by remeshing it. A prediction cannot know which floor is
 /// found and which patches fail.

@@ -86,7 +86,6 @@ TEST(analysis, what_would_take_long_to_count_is_predicted) {
   };
   expect_within(2, shapes::sphere(6), {});  // remeshed as a sphere
   expect_within(1.5, shapes::box({1, 1, 1}, 45), with_length(0.05));
-  expect_within(2, shapes::plate_with_round_hole(12000), with_angle(25));
   expect_within(3, terrain(75, 2, 7), with_angle(30));
 }
 
