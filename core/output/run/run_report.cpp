@@ -89,7 +89,7 @@ class RunReporter {
       run_.report.smallest_gap =
           GapSearch(run_.surface(), run_.adjacency(), run_.facets(), run_.report.plane_tolerance, run_.control,
                     run_.joined.curved() != nullptr ? nullptr : &run_.candidate.triangulated)
-              .smallest(run_.control, run_.goals().most_looked_for());
+              .smallest(run_.control, run_.goals().max_faces_looked_for());
     run_.report.predicted_faces = made || run_.has_goals()
                                       ? static_cast<std::uint64_t>(std::min(std::round(predicted.expected), 0x1p62))
                                       : run_.partition.summaries.triangles;
@@ -256,8 +256,8 @@ class RunReporter {
     return predicted;
   }
 
-  /// Returns how many faces of other patches there are beside free faces: the share of them that their borders have of
-  /// such vertices.
+  /// Estimates how many faces of other patches there are because of borders with free faces. Their share of a patch is
+  /// that of the vertices on these borders, of all vertices that stay on its border.
   double faces_beside_free(const PresentPatches& present, const FilledIdVector<FaceId, FaceRole>& roles) {
     const Adjacency& adjacency = run_.adjacency();
     const PatchSet& patches = present.patches;
@@ -280,8 +280,8 @@ class RunReporter {
   /// Holds what other numbers of elements per circle make of the free faces.
   struct FreeFaces {
     FilledIdVector<FaceId, FaceRole> roles;
-    std::map<int, double>
-        predicted;  ///< one number for each of kPredictedElements; empty if these make nothing coarser
+    /// One number for each of kPredictedElements. It is empty if these make nothing coarser.
+    std::map<int, double> predicted;
   };
 
   const FreeFaces& predict_free() {

@@ -323,7 +323,7 @@ std::optional<SizeField> SurfaceRefinement::sizes_without_floor(const PatchedSur
 
 void SurfaceRefinement::find_smallest_gap(const GapSearch& gaps) {
   if (!std::exchange(sizes_.is_smallest_gap_known, true))
-    sizes_.smallest_gap = gaps.smallest(control_, asked_.most_looked_for());
+    sizes_.smallest_gap = gaps.smallest(control_, asked_.max_faces_looked_for());
 }
 
 std::uint64_t SurfaceRefinement::make_size_field(const PatchedSurface& on, const RefinementChoices& choices,

@@ -37,7 +37,7 @@ struct Goals {
   static constexpr double kSizeSlack = 1.1;
   /// Returns for how many faces sizes may be looked for. Where the faces are kept in proportion, attempts whose floor
   /// is too low ask for more than there will be.
-  std::uint64_t most_looked_for() const {
+  std::uint64_t max_faces_looked_for() const {
     constexpr std::uint64_t kTimes = 16;
     return faces_without_min_edge < kNoLimit / kTimes ? kTimes * faces_without_min_edge : max_faces;
   }

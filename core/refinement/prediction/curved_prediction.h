@@ -26,6 +26,9 @@ inline constexpr std::array kPredictedElements = {8, 12, 16, 24, 36};
 inline constexpr double kFacesPerSize = 1.45;
 
 /// Returns how many faces fill a curved patch if edges turn as far as they may; 0 for a planar patch.
+/// Input:  `by_angle` says whether angles have a bound.
+/// Errors: kCancelled, kTimeout - asked to stop through `control`.
+/// Cost:   O(n) for n triangles of the patch.
 double faces_by_turn(const PatchMesh& patch, const PatchChart& chart, bool by_angle, RunControl& control);
 
 /// The facets of a surface and their recognised surfaces.

@@ -92,7 +92,7 @@ class SizeField::Sampler {
     largest_ = goals.max_edge_length / surface.unit;
     coarse_ = kCoarse * box_.diagonal();
     tolerance_ = plane_tolerance / surface.unit;
-    most_looked_for_ = goals.most_looked_for();
+    max_faces_looked_for_ = goals.max_faces_looked_for();
     max_samples_ = static_cast<std::size_t>(
         std::clamp<std::uint64_t>(goals.max_faces, SizeField::kFewSamples, SizeField::kMaxSamples));
   }
@@ -152,7 +152,7 @@ class SizeField::Sampler {
   double largest_;
   double coarse_;
   double tolerance_;
-  std::uint64_t most_looked_for_;
+  std::uint64_t max_faces_looked_for_;
   std::size_t max_samples_;
   WorkBound work_;  ///< the steps of searches for gaps
   std::vector<Sample> samples_;
@@ -291,7 +291,7 @@ void SizeField::Sampler::sample_gaps(const GapSearch& gaps, std::uint64_t earlie
   };
   std::size_t triangles = 0;
   for (std::size_t p = 0; p < gaps.patch_count(); ++p) triangles += gaps.triangles_of(PatchId(p)).size();
-  work_ = WorkBound(work_of_sizes_after(earlier_steps, kWorkOfSizes.steps(triangles, most_looked_for_)));
+  work_ = WorkBound(work_of_sizes_after(earlier_steps, kWorkOfSizes.steps(triangles, max_faces_looked_for_)));
   // Whole patches are sampled first, and then the cells into which they are cut, round by round.
   std::vector<Cell> cells = look_at_all(gaps, gaps.patch_count(), whole_patch);
   while (!cells.empty())
