@@ -32,8 +32,10 @@ std::optional<Decisions> find_answer(Attempts& attempts, const decltype(RunSetti
   Effort effort;
   for (int number = 1; may_go_on(decisions, effort); ++number) {
     const Outcome outcome = attempts.attempt(decisions, effort);
-    effort = spent(effort, decisions, outcome);
+    const Effort before = std::exchange(effort, spent(effort, decisions, outcome));
     std::optional<Decisions> next = learn(decisions, outcome, effort);
+    // The next attempt would end as this one has, and so would all that follow.
+    if (next && *next == decisions && effort == before) next.reset();
     if (trace) trace(line_of_trace(number, decisions, outcome, next));
     if (!next && outcome.end != Outcome::End::kVerified) throw attempts.failure(outcome);
     if (!next) return decisions;

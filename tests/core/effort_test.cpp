@@ -15,6 +15,7 @@
 #include "core/io/obj/obj.h"
 #include "core/refinement/attempts/surface_refinement.h"
 #include "core/refinement/sizes/gap_search.h"
+#include "tests/support/errors.h"
 #include "tests/support/hostile_families.h"
 #include "tests/support/random.h"
 #include "tests/support/refined_checks.h"
@@ -179,6 +180,15 @@ TEST(effort, where_gaps_ask_for_far_more_than_is_allowed_sizes_are_as_coarse_as_
   }
   EXPECT_GT(too_long, 500u);
   EXPECT_GE(listed(result.report), too_long) << listed_in_words(result.report);
+}
+
+// Beside a face this long the area of all others is 0, and no size can be found from that.
+TEST(effort, an_area_that_is_lost_beside_a_long_face_does_not_repeat_attempts_for_ever) {
+  const PolygonMesh square =
+      shapes::from_lists({{-.5, -5e149, -.5}, {.5, -5e149, -.5}, {.5, 5e149, -.5}, {-.5, 5e149, -.5}}, {{0, 1, 2, 3}});
+  PolygonMesh mesh = shapes::rotated(square, {1, 0, 1}, 40);
+  for (int i = 0; i < 10; ++i) mesh = shapes::joined(shapes::moved(shapes::box({1, 1, .01}), {1.5 * i, 0, 0}), mesh);
+  EXPECT_EQ(test::error_of([&] { refined(mesh, with_gaps(99), 1); }).code, Code::kOutputTooLarge);
 }
 
 TEST(effort, when_half_of_the_work_was_in_vain_patches_that_have_not_failed_are_refined_last) {

@@ -173,7 +173,8 @@ class Judge {
              std::ldexp(area, 2 * scale_.exponent));
     if (!input_.is_closed_manifold() || has(report_, DiagnosticCode::kInsideOut)) return;
     const double bound = std::ldexp(report_.volume_bound, -3 * scale_.exponent) +
-                         (slack_ + thickness + scale_.length(report_.output_rounding)) * (area + before);
+                         (slack_ + thickness + scale_.length(report_.output_rounding)) * (area + before) +
+                         input_.rounding_of_volume() + output_.rounding_of_volume();
     if (std::fabs(output_.volume() - input_.volume()) > bound)
       object("volume", "the volume was ", std::ldexp(input_.volume(), 3 * scale_.exponent), " and is ",
              std::ldexp(output_.volume(), 3 * scale_.exponent), "; the report explains ", report_.volume_bound);

@@ -199,6 +199,14 @@ double SurfaceModel::volume() const {
   return sum;
 }
 
+double SurfaceModel::rounding_of_volume() const {
+  double sum = 0;
+  for (const auto& face : faces_)
+    for (std::size_t k = 1; k + 1 < face.size(); ++k)
+      sum += norm(positions_[face[0]]) * norm(positions_[face[k]]) * norm(positions_[face[k + 1]]);
+  return 0x1p-50 * sum;
+}
+
 double SurfaceModel::length_of_edges() const {
   double sum = 0;
   for (const auto& [ends, use] : edges_) sum += norm(positions_[ends.second] - positions_[ends.first]);

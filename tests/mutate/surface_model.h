@@ -59,6 +59,8 @@ class SurfaceModel {
   std::size_t faces_without_area() const;
   double area() const;
   double volume() const;
+  /// By how much the volume may be wrong: among vertices that are very far apart, its terms cancel each other.
+  double rounding_of_volume() const;
   double length_of_edges() const;
 
   /// How far the corners of a face are from its own plane. For a face whose outline crosses itself it is the face's

@@ -245,7 +245,10 @@ std::optional<Outcome::End> Attempts::make_patches(const Decisions& decisions, O
       outcome.is_arranging_in_vain = !outcome.is_arranged;
       if (outcome.is_arranged) arranged_for_ = decisions.rungs;
       if (outcome.is_arranged) return Outcome::End::kSurfaceReplaced;
-      if (decisions.rungs.are_any() && may_become_coarser(decisions)) return Outcome::End::kNothingCut;
+      if (decisions.rungs.are_any() && may_become_coarser(decisions)) {
+        is_recognised_ = false;  // what was recognised has the numbers of patches that are gone
+        return Outcome::End::kNothingCut;
+      }
     }
   }
   const bool are_details_wanted = made.detail_limits.size > 0 && !decisions.details.are_done &&

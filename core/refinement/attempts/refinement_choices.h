@@ -126,6 +126,7 @@ struct Effort {
   bool is_spent(std::uint64_t max_faces) const;
   /// Returns whether too much of the work was for results that failed the check.
   bool is_in_vain(std::uint64_t max_faces) const;
+  bool operator==(const Effort&) const = default;
 };
 
 }  // namespace remesh

@@ -179,10 +179,13 @@ RefinementAttempt SurfaceRefinement::refine(const PatchedSurface& on, const Refi
   limit_to_proportion(prediction);
   if (is_any_refined && gaps && choices.coarsest == 0 &&
       prediction.expected > kFarTooMany * static_cast<double>(goals.max_faces)) {
-    attempt.end = RefinementAttempt::End::kGapsTooFine;
     attempt.coarsest = equilateral_edge(area_of(on.surface, triangulated.meshes, control_) /
                                         (kEvenShare * static_cast<double>(goals.max_faces)));
-    return attempt;
+    // Beside very long faces, the area of all others may be 0.
+    if (attempt.coarsest > 0) {
+      attempt.end = RefinementAttempt::End::kGapsTooFine;
+      return attempt;
+    }
   }
   const double hopeless = std::max(kFewFaces, kHopeless * static_cast<double>(goals.max_faces));
   if (!choices.budget && !facts().may_change_min_edge(choices) &&

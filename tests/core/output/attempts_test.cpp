@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include "core/output/run/trace.h"
 #include "core/remesh.h"
 #include "tests/support/hostile_families.h"
+#include "tests/support/random.h"
 #include "tests/support/shapes.h"
 
 namespace remesh {
@@ -26,13 +28,32 @@ struct Case {
 /// Makes a plate with a step on it that is lower than the details which are removed.
 PolygonMesh with_low_step() { return shapes::prism({{0, 0}, {4, 0}, {4, 1}, {2, 1}, {2, 1.001}, {0, 1.001}}, 1); }
 
+/// Makes strips of triangles with corners at random. If all of them count as one plane, their patches overlap.
+PolygonMesh twisted_strips() {
+  Random random(5);
+  std::vector<Vec3> positions;
+  std::vector<std::vector<std::uint32_t>> faces;
+  for (int strip = 0; strip < 6; ++strip) {
+    const auto first = static_cast<std::uint32_t>(positions.size());
+    for (int i = 0; i < 8; ++i)
+      positions.push_back({random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)});
+    for (std::uint32_t i = first; i < first + 6; ++i)
+      faces.push_back({i, i + 1 + (i - first) % 2, i + 2 - (i - first) % 2});
+  }
+  return shapes::from_lists(positions, faces);
+}
+
 std::vector<Case> cases() {
   std::vector<Case> cases;
-  Options fine, small_details, curved;
+  Options fine, small_details, curved, cut_and_coarser;
   fine.proximity = 1;
   small_details.defeature_size = 1e-2;
   curved.elements_per_circle = 12;
   curved.circle_fit = CircleFit::kVolume;
+  cut_and_coarser.repair.make_union = true;
+  cut_and_coarser.plane_tolerance = 10;
+  cut_and_coarser.surface_tolerance = 0.05;
+  cases.push_back({"strips", twisted_strips(), cut_and_coarser});
   cases.push_back({"box", shapes::box({1, 1, 1}, 2), {}});
   cases.push_back({"thin", shapes::box({1, 1, 0.01}), fine});
   cases.push_back({"details", with_low_step(), small_details});
