@@ -35,23 +35,24 @@ constexpr std::size_t kMaxGrowth = 4;
 constexpr int kMaxRounds = 6;
 /// In the first round, features within so many rounding steps are joined. Each round multiplies that by the factor.
 constexpr double kFirstSteps = 4, kRoundFactor = 16;
-/// These distances stay below this share of the distance of contacts.
+/// These distances stay below this share of how far points may move.
 constexpr double kShareOfRounds = 0.125;
+/// Rounds end if the pairs that intersect are more than one for so many triangles: then features straddle the distance.
+constexpr std::size_t kFacesPerPair = 16;
 /// Flaps are thin up to so many distances of contacts.
 constexpr double kThinFlap = 8;
 /// Triangles are thin below this share of how far points may move. They are taken away in so many passes at most.
 constexpr double kThin = 0.5;
 constexpr int kMaxThinPasses = 16;
-/// Joins that follow on each other may move a point by more than their distance. Then the triangles are arranged anew
-/// with these shares of the distance. Where triangles still intersect, features straddle the distance: with the last
-/// share, few do.
-constexpr double kLessDistance = 0.5, kMinDistance = 0x1p-4;
-/// No other distance is tried if the pairs that intersect are more than one for so many triangles: it would take long.
-constexpr std::size_t kFacesPerPair = 16;
+/// Contacts leave fewer than so many pairs of triangles that cross for each triangle of the input, and some always, or
+/// they have made more of them than there were.
+constexpr std::size_t kPairsPerFace = 4, kPairsAlways = 1 << 10;
+/// These are smaller shares of the distance within which features are joined. With the first one, joins that follow on
+/// each other move points less far. With the second one, few features straddle the distance. With the last one, nothing
+/// is joined but what rounding has parted.
+constexpr double kLessDistance = 0.5, kFewStraddle = 0x1p-4, kRoundingAlone = 0x1p-16;
 /// A rounding of how far points have moved.
 constexpr double kRoundingOfMoves = 1 + 0x1p-30;
-/// A rounding step of coordinates that are at most 1.
-constexpr double kRoundingStep = 0x1p-53;
 
 double smallest_height(const Corners3& t) {
   const double longest = std::max({norm(t[1] - t[0]), norm(t[2] - t[1]), norm(t[0] - t[2])});
@@ -80,6 +81,8 @@ class Arranging {
     result.is_changed = is_changed_;
     active_.clear();
     if (!find_intersecting(result.left)) return give_up(result);
+    const std::size_t many = kPairsPerFace * input_faces_.size() + kPairsAlways;
+    if (distance_ > kRoundingAlone * limit_ && result.left.size() > many) return give_up(result);
     if (!cut_until_nothing_crosses(result)) return give_up(result);
     if (result.is_changed) join_thin(result);
     drop_flaps(result.left);
@@ -111,12 +114,13 @@ class Arranging {
         best = soup_;
         left_of_best = result.left;
       }
-      const bool is_too_much = soup_.faces.size() > kMaxGrowth * best->faces.size();
+      const bool is_too_much = soup_.faces.size() > kMaxGrowth * best->faces.size() ||
+                               result.left.size() > soup_.faces.size() / kFacesPerPair;
       if (round == kMaxRounds || is_too_much || result.left.size() > kMaxWorse * left_of_best.size()) break;
       ++result.rounds;
       activate(result.left);
-      const double within = kFirstSteps * kRoundingStep * std::pow(kRoundFactor, round);
-      is_known = join_contacts(std::min(within, kShareOfRounds * distance_)) && find_intersecting(result.left);
+      const double within = kFirstSteps * kSoupRoundingStep * std::pow(kRoundFactor, round);
+      is_known = join_contacts(std::min(within, kShareOfRounds * limit_)) && find_intersecting(result.left);
       if (!is_known) break;
     }
     if (is_known && result.left.empty()) return true;
@@ -504,19 +508,22 @@ class Arranging {
 
 }  // namespace
 
+std::optional<double> next_share(double share, ArrangementFault fault) {
+  if (fault == ArrangementFault::kNone || share <= kRoundingAlone) return std::nullopt;
+  if (fault == ArrangementFault::kTooMuch) return kRoundingAlone;
+  if (share <= kFewStraddle) return fault == ArrangementFault::kFails ? std::optional(kRoundingAlone) : std::nullopt;
+  return fault == ArrangementFault::kMovesTooFar && share > kLessDistance ? kLessDistance : kFewStraddle;
+}
+
+ArrangementFault fault_of(const Arrangement& arranged, double distance) {
+  if (arranged.is_given_up) return ArrangementFault::kTooMuch;
+  if (!arranged.left.empty()) return ArrangementFault::kFails;
+  return arranged.moved > kRoundingOfMoves * distance ? ArrangementFault::kMovesTooFar : ArrangementFault::kNone;
+}
+
 Arrangement arrange(std::span<const Vec3> positions, std::span<const Triangle> faces, double distance,
-                    RunControl& control) {
-  Arrangement best = Arranging(positions, faces, distance, distance, control).run();
-  const auto is_moved_too_far = [&](const Arrangement& a) { return a.moved > kRoundingOfMoves * distance; };
-  const auto faults = [&](const Arrangement& a) { return std::pair(a.left.size(), is_moved_too_far(a)); };
-  for (const double share : {kLessDistance, kMinDistance}) {
-    if (best.is_given_up || (best.left.empty() && !is_moved_too_far(best))) break;
-    if (best.left.size() > best.faces.size() / kFacesPerPair) break;
-    if (share > kMinDistance && !best.left.empty()) continue;
-    Arrangement other = Arranging(positions, faces, share * distance, distance, control).run();
-    if (!other.is_given_up && faults(other) < faults(best)) best = std::move(other);
-  }
-  return best;
+                    RunControl& control, double share) {
+  return Arranging(positions, faces, share * distance, distance, control).run();
 }
 
 }  // namespace remesh

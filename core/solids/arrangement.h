@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -45,18 +46,32 @@ struct Arrangement {
   }
 };
 
-/// Cuts triangles along their intersections. First, whatever lies within `distance` of each other becomes shared, see
-/// find_contacts. What crosses then crosses at an angle, see find_crossings. Where the rounding of new points makes
-/// triangles cross again, features that are a few rounding steps apart are joined, and the triangles are cut again; the
-/// distance grows from round to round. At last, triangles thinner than half of `distance` are taken away where that
-/// makes no others intersect. If points have moved by more than `distance` in the end, or triangles still intersect,
-/// all is done anew with a smaller distance, and the better result counts.
+/// Cuts triangles along their intersections. First, whatever lies within a share of `distance` of each other becomes
+/// shared, see find_contacts. What crosses then crosses at an angle, see find_crossings. Where the rounding of new
+/// points makes triangles cross again, features that are a few rounding steps apart are joined, and the triangles are
+/// cut again; that distance grows from round to round. At last, triangles thinner than half of `distance` are taken away
+/// where that makes no others intersect.
 /// Input:   triangles with an area; no two vertices with equal coordinates.
 /// Holds:   the result is the same for any number of threads. It does not depend on the order of vertices and
 ///          triangles, except for its own order.
 /// Errors:  kOutOfMemory - see MemoryBound; kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:    O(n log n) for n triangles and points, and the pairs that cross.
 Arrangement arrange(std::span<const Vec3> positions, std::span<const Triangle> faces, double distance,
-                    RunControl& control);
+                    RunControl& control, double share = 1);
+
+/// What is wrong with an arrangement.
+enum class ArrangementFault : std::uint8_t {
+  kNone,
+  kMovesTooFar,  ///< joins that follow on each other have moved a point by more than the distance
+  kFails,        ///< triangles still intersect, or the arrangement has failed a check
+  kTooMuch       ///< it was given up
+};
+
+ArrangementFault fault_of(const Arrangement& arranged, double distance);
+
+/// Says with which share of the distance triangles are arranged anew.
+/// Input:  the last share and the fault of its arrangement.
+/// Output: nothing if nothing else is worth trying.
+std::optional<double> next_share(double share, ArrangementFault fault);
 
 }  // namespace remesh

@@ -13,11 +13,15 @@
 #include "core/base/grouping.h"
 #include "core/base/stoppable.h"
 #include "core/base/union_find.h"
+#include "core/geometry/exact/predicates.h"
 #include "core/triangulation/constraint_recovery.h"
 #include "core/triangulation/patch_triangulation.h"
 
 namespace remesh {
 namespace {
+
+/// Triangles are flat below this height.
+constexpr double kFlatHeight = 4 * kSoupRoundingStep;
 
 /// A new triangle, and the faces of the soup that it is a piece of.
 struct Piece {
@@ -121,6 +125,7 @@ class PlaneCut {
     mesh_ = triangulate_points(uv_, control_);
     if (mesh_.triangle_count() == 0) return are_all_empty(outlines) ? std::optional(Pieces{}) : std::nullopt;
     if (constraint_recovery(uv_, segments_, mesh_, control_) != TriangulationOutcome::kDone) return std::nullopt;
+    flip_flat_triangles();
     return assign(faces, outlines, normal);
   }
 
@@ -164,6 +169,48 @@ class PlaneCut {
     vertex_at_.resize(places.size());
     for (std::size_t i = 0; i < places.size(); ++i) vertex_at_[i] = places[i].second;
     return true;
+  }
+
+  /// Output: the smallest height of a triangle. It does not depend on the order of the corners, so that no flip is
+  /// undone because of rounding.
+  double height(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
+    if (a > b) std::swap(a, b);
+    if (b > c) std::swap(b, c);
+    if (a > b) std::swap(a, b);
+    const Vec2 ab = uv_[b] - uv_[a], bc = uv_[c] - uv_[b], ca = uv_[a] - uv_[c];
+    return std::fabs(cross(ab, bc)) / std::sqrt(std::max({dot(ab, ab), dot(bc, bc), dot(ca, ca)}));
+  }
+
+  /// Flips edges of flat triangles where that makes the smallest height of the two triangles larger. Points on one
+  /// line are rounded, so that a triangle between three of them has hardly any height, and its long side passes the
+  /// middle point. If the triangle beyond that side has a smaller angle, the Delaunay property keeps both.
+  void flip_flat_triangles() {
+    std::vector<std::uint32_t> flat;
+    const auto add_if_flat = [&](std::uint32_t t) {
+      if (height(mesh_.from(3 * t), mesh_.to(3 * t), mesh_.apex(3 * t)) < kFlatHeight) flat.push_back(t);
+    };
+    StopCheck check(control_);
+    for (std::uint32_t t = 0; t < mesh_.triangle_count(); ++t) {
+      check();
+      add_if_flat(t);
+    }
+    while (!flat.empty()) {
+      check();
+      const std::uint32_t t = flat.back();
+      flat.pop_back();
+      for (std::uint32_t h = 3 * t; h < 3 * t + 3; ++h) {
+        const std::uint32_t twin = mesh_.twin(h);
+        if (mesh_.is_constrained(h) || twin == kNoHalfEdge) continue;
+        const std::uint32_t a = mesh_.from(h), b = mesh_.to(h), c = mesh_.apex(h), d = mesh_.apex(twin);
+        const bool is_convex = orient2d(uv_[d], uv_[c], uv_[a]) > 0 && orient2d(uv_[c], uv_[d], uv_[b]) > 0;
+        if (!is_convex || std::min(height(d, c, a), height(c, d, b)) <= std::min(height(a, b, c), height(b, a, d)))
+          continue;
+        mesh_.flip(h);
+        add_if_flat(h / 3);
+        add_if_flat(twin / 3);
+        break;
+      }
+    }
   }
 
   std::size_t index_of(VertexId v) const {

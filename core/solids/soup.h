@@ -24,6 +24,9 @@ struct Cover {
   friend auto operator<=>(const Cover&, const Cover&) = default;
 };
 
+/// A rounding step of a soup's coordinates.
+inline constexpr double kSoupRoundingStep = 0x1p-53;
+
 /// Triangles with the original triangles that each covers. Where several original triangles lie on each other, one
 /// triangle of the soup covers all of them.
 /// Holds: no two triangles have the same corners after a cut. The first cover of a triangle faces the same way.

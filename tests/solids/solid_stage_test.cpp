@@ -6,13 +6,17 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <numbers>
 #include <optional>
 #include <set>
 #include <vector>
 
+#include "core/geometry/intersections/self_intersections.h"
 #include "tests/solids/solid_measures.h"
 #include "tests/solids/solid_rows.h"
 #include "tests/support/hostile_solids.h"
+#include "tests/support/random.h"
 #include "tests/support/remeshed.h"
 #include "tests/support/shapes.h"
 #include "tests/support/time_to_stop.h"
@@ -87,6 +91,42 @@ TEST(solid_stage, faces_of_hostile_families_are_cut_or_it_is_told_that_they_are_
     EXPECT_EQ(pairs_by_cgal(result.mesh, 1), 0u);
   }
   EXPECT_GE(cut, 6u);
+}
+
+/// Eight cubes in a block, turned, each of them moved by about the plane tolerance, so that some of their faces are
+/// joined and others are not.
+PolygonMesh block_of_moved_cubes(std::uint64_t seed) {
+  Random random(seed);
+  const auto direction = [&] {
+    const Vec3 v{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+    return (1 / norm(v)) * v;
+  };
+  const Vec3 axis = direction();
+  const double angle = random.uniform(0, 360);
+  std::vector<PolygonMesh> parts;
+  for (int i = 0; i < 8; ++i) {
+    const PolygonMesh cube =
+        shapes::moved(shapes::box({1, 1, 1}), {static_cast<double>(i % 2), i / 2 % 2 + 0., i / 4 + 0.});
+    const double tolerance = 1e-9 * 2 * std::numbers::sqrt3;
+    parts.push_back(shapes::moved(shapes::rotated(cube, axis, angle), tolerance * direction()));
+  }
+  return as_one(parts);
+}
+
+TEST(solid_stage, parts_that_are_off_by_about_the_tolerance_become_one_closed_surface) {
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    SCOPED_TRACE(seed);
+    const Result result = remeshed(block_of_moved_cubes(seed), repairing(true));
+    ASSERT_TRUE(result.report.solids);
+    EXPECT_EQ(result.report.solids->left, 0u);
+    RunControl control;
+    EXPECT_TRUE(
+        self_intersections(result.mesh.positions.items(), result.mesh.faces.items(), {}, SearchLimits(1000), control)
+            .pairs.empty());
+    const Measures measures = measures_of(result.mesh);
+    EXPECT_EQ(measures.other_edges, 0u);
+    EXPECT_NEAR(measures.volume, 8, 8 * 24 * 1e-8);
+  }
 }
 
 TEST(solid_stage, results_are_the_same_for_any_number_of_workers) {

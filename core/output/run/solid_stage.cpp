@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <numeric>
 #include <span>
+#include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -175,10 +177,32 @@ std::vector<std::int32_t> weights_of_triangles(const Shells& shells, const Union
   return weights;
 }
 
+/// Triangles that were arranged with a share of the distance, and what is known of them.
+struct ArrangingAttempt {
+  Arrangement arranged;
+  ArrangementFault fault = ArrangementFault::kNone;
+  bool is_judged = false;
+  double distance = 0;  ///< proven
+  ArrangedFaces told;
+  std::vector<std::uint8_t> is_shared;   ///< by triangle of the candidate: pieces of it lie on others
+  std::vector<std::uint8_t> is_dropped;  ///< likewise: pieces of it were dropped or turned over; empty if none were
+
+  bool is_better_than(const ArrangingAttempt& other) const {
+    const auto faults = [](const ArrangingAttempt& a) {
+      const bool is_in_vain = a.arranged.is_given_up || !a.told.reason_in_vain.empty();
+      return std::tuple(is_in_vain, a.arranged.left.size(), !a.told.union_in_vain.empty(),
+                        a.fault != ArrangementFault::kNone);
+    };
+    return faults(*this) < faults(other);
+  }
+};
+
 /// Drops the triangles that do not bound the union of the solids.
 /// Output: by triangle of the candidate: whether pieces of it were dropped or turned over; empty if none were.
 std::vector<std::uint8_t> drop_inner_faces(const SolidContext& context, const Candidate& candidate,
-                                           Arrangement& arranged, ArrangedFaces& told, RunControl& control) {
+                                           ArrangingAttempt& attempt, RunControl& control) {
+  Arrangement& arranged = attempt.arranged;
+  ArrangedFaces& told = attempt.told;
   if (!arranged.left.empty()) {
     told.union_in_vain = "triangles still intersect";
     return {};
@@ -202,6 +226,7 @@ std::vector<std::uint8_t> drop_inner_faces(const SolidContext& context, const Ca
       control);
   if (!fault.empty()) {
     told.union_in_vain = "the check of the union failed: " + fault;
+    attempt.fault = std::max(attempt.fault, ArrangementFault::kFails);
     return {};
   }
   told.counts.dropped = found.dropped;
@@ -245,39 +270,60 @@ std::vector<std::uint8_t> count_arranged(const Candidate& candidate, const Patch
   return is_shared;
 }
 
+/// Checks what was arranged, and drops what a union does not need.
+void judge(const SolidContext& context, const Candidate& candidate, ArrangingAttempt& attempt, RunControl& control) {
+  if (std::exchange(attempt.is_judged, true)) return;
+  Arrangement& arranged = attempt.arranged;
+  const auto fail = [&](std::string reason) {
+    attempt.told.reason_in_vain = std::move(reason);
+    attempt.fault = std::max(attempt.fault, ArrangementFault::kFails);
+  };
+  if (arranged.is_given_up) return fail("too many faces cross or touch too many others");
+  if (!are_different(arranged.positions, control)) return fail("points of the curves could not be told apart");
+  if (arranged.is_changed) {
+    const ArrangementProof proof = prove_arrangement(
+        {candidate.positions.items(), candidate.assembled.faces.items(), arranged, context.plane_tolerance}, control);
+    if (!proof.distance) return fail("the faces that were cut failed their check: " + proof.failure);
+    attempt.distance = *proof.distance;
+  }
+  attempt.is_shared = count_arranged(candidate, context.patches, arranged, attempt.told.counts, control);
+  if (context.is_union_wanted)
+    attempt.is_dropped = drop_inner_faces(context, candidate, attempt, control);
+  else if (arranged.is_changed && arranged.left.empty())
+    attempt.told.counts.cells = count_cells(arranged, control);
+}
+
+/// Arranges triangles with the plane tolerance as the distance, and with shares of it as long as something is wrong.
+ArrangingAttempt arrange_best(const SolidContext& context, const Candidate& candidate, RunControl& control) {
+  std::optional<ArrangingAttempt> best;
+  for (std::optional<double> share = 1; share;) {
+    ArrangingAttempt attempt;
+    attempt.arranged = arrange(candidate.positions.items(), candidate.assembled.faces.items(), context.plane_tolerance,
+                               control, *share);
+    attempt.fault = fault_of(attempt.arranged, context.plane_tolerance);
+    // What has a fault is judged only if nothing better is found.
+    if (attempt.fault == ArrangementFault::kNone) judge(context, candidate, attempt, control);
+    share = next_share(*share, attempt.fault);
+    if (!best || attempt.is_better_than(*best)) best = std::move(attempt);
+  }
+  judge(context, candidate, *best, control);
+  return *std::move(best);
+}
+
 std::optional<Replaced> arrange_proven(const SolidContext& context, const Candidate& candidate, const Verdict& verdict,
                                        ArrangedFaces& told, RunControl& control) {
-  Arrangement arranged =
-      arrange(candidate.positions.items(), candidate.assembled.faces.items(), context.plane_tolerance, control);
-  if (arranged.is_given_up) told.reason_in_vain = "too many faces cross or touch too many others";
-  if (arranged.faces.empty()) return std::nullopt;
-  if (!are_different(arranged.positions, control)) {
-    told.reason_in_vain = "points of the curves could not be told apart";
-    return std::nullopt;
-  }
-  ArrangementProof proof{0.0, {}};
-  if (arranged.is_changed)
-    proof = prove_arrangement(
-        {candidate.positions.items(), candidate.assembled.faces.items(), arranged, context.plane_tolerance}, control);
-  if (!proof.distance) {
-    told.reason_in_vain = "the faces that were cut failed their check: " + proof.failure;
-    return std::nullopt;
-  }
+  ArrangingAttempt best = arrange_best(context, candidate, control);
+  const Arrangement& arranged = best.arranged;
+  told = std::move(best.told);
+  if (!told.reason_in_vain.empty() || !arranged.is_changed) return std::nullopt;
   const ArrangedSurface made(context.surface, context.patches, candidate, arranged, control);
-  const std::vector<std::uint8_t> is_shared =
-      count_arranged(candidate, context.patches, arranged, told.counts, control);
-  std::vector<std::uint8_t> is_dropped;
-  if (context.is_union_wanted)
-    is_dropped = drop_inner_faces(context, candidate, arranged, told, control);
-  else if (arranged.is_changed && arranged.left.empty())
-    told.counts.cells = count_cells(arranged, control);
-  if (!arranged.is_changed) return std::nullopt;
   told.counts.cut_patches = made.add_faces([&](FaceId f) { return arranged.was_cut[f.value] != 0; }, told.faces);
-  made.add_faces([&](FaceId f) { return is_shared[f.value] != 0; }, told.shared_faces);
-  if (!is_dropped.empty()) made.add_faces([&](FaceId f) { return is_dropped[f.value] != 0; }, told.dropped_faces);
+  made.add_faces([&](FaceId f) { return best.is_shared[f.value] != 0; }, told.shared_faces);
+  if (!best.is_dropped.empty())
+    made.add_faces([&](FaceId f) { return best.is_dropped[f.value] != 0; }, told.dropped_faces);
 
   Replaced replaced;
-  replaced.distance = *proof.distance + verdict.deviation;
+  replaced.distance = best.distance + verdict.deviation;
   told.distance = replaced.distance;
   told.is_done = true;
   replaced.plane_tolerance = context.plane_tolerance + kToleranceOfMoves * arranged.moved;
