@@ -49,8 +49,8 @@ struct Arrangement {
 /// Cuts triangles along their intersections. First, whatever lies within a share of `distance` of each other becomes
 /// shared, see find_contacts. What crosses then crosses at an angle, see find_crossings. Where the rounding of new
 /// points makes triangles cross again, features that are a few rounding steps apart are joined, and the triangles are
-/// cut again; that distance grows from round to round. At last, triangles thinner than half of `distance` are taken away
-/// where that makes no others intersect.
+/// cut again; how far apart they may be grows from round to round. At last, triangles thinner than half of `distance`
+/// are taken away where that makes no others intersect.
 /// Input:   triangles with an area; no two vertices with equal coordinates.
 /// Holds:   the result is the same for any number of threads. It does not depend on the order of vertices and
 ///          triangles, except for its own order.
