@@ -59,7 +59,7 @@ struct Arrangement {
 Arrangement arrange(std::span<const Vec3> positions, std::span<const Triangle> faces, double distance,
                     RunControl& control, double share = 1);
 
-/// What is wrong with an arrangement.
+/// The reason why an arrangement is not good enough.
 enum class ArrangementFault : std::uint8_t {
   kNone,
   kMovesTooFar,  ///< joins that follow on each other have moved a point by more than the distance

@@ -301,7 +301,7 @@ ArrangingAttempt arrange_best(const SolidContext& context, const Candidate& cand
     attempt.arranged = arrange(candidate.positions.items(), candidate.assembled.faces.items(), context.plane_tolerance,
                                control, *share);
     attempt.fault = fault_of(attempt.arranged, context.plane_tolerance);
-    // What has a fault is judged only if nothing better is found.
+    // An attempt with a fault is judged only if nothing better is found.
     if (attempt.fault == ArrangementFault::kNone) judge(context, candidate, attempt, control);
     share = next_share(*share, attempt.fault);
     if (!best || attempt.is_better_than(*best)) best = std::move(attempt);
