@@ -63,7 +63,7 @@ class SheetTrial {
 
   /// Returns the largest cosine of the triangles' angles before the change.
   double cosine_before() const { return cosine_before_; }
-  /// Returns that after the change.
+  /// Returns the largest cosine of the triangles' angles after the change.
   double cosine_after() const { return cosine_after_; }
   /// Returns how many witnesses were looked at.
   std::uint64_t steps() const { return steps_; }

@@ -37,20 +37,21 @@ constexpr int kMaxRounds = 6;
 constexpr double kFirstSteps = 4, kRoundFactor = 16;
 /// These distances stay below this share of how far points may move.
 constexpr double kShareOfRounds = 0.125;
-/// Rounds end if the pairs that intersect are more than one for so many triangles: then features straddle the distance.
-constexpr std::size_t kFacesPerPair = 16;
+/// Rounds end if the pairs that intersect are more than a few, and more than one for so many triangles: then features
+/// straddle the distance.
+constexpr std::size_t kFacesPerPair = 16, kFewPairs = 64;
 /// Flaps are thin up to so many distances of contacts.
 constexpr double kThinFlap = 8;
 /// Triangles are thin below this share of how far points may move. They are taken away in so many passes at most.
 constexpr double kThin = 0.5;
 constexpr int kMaxThinPasses = 16;
-/// Contacts leave fewer than so many pairs of triangles that cross for each triangle of the input, and some always, or
-/// they have made more of them than there were.
+/// If more pairs of triangles cross after contacts than so many for each triangle of the input, and some always, they
+/// are compared with those that crossed before.
 constexpr std::size_t kPairsPerFace = 4, kPairsAlways = 1 << 10;
 /// These are smaller shares of the distance within which features are joined. With the first one, joins that follow on
 /// each other move points less far. With the second one, few features straddle the distance. With the last one, nothing
-/// is joined but what rounding has parted.
-constexpr double kLessDistance = 0.5, kFewStraddle = 0x1p-4, kRoundingAlone = 0x1p-16;
+/// is joined at first but what rounding has parted, and thin triangles stay.
+constexpr double kLessDistance = 0.5, kFewStraddle = 0x1p-4, kMinDistance = 0x1p-16;
 /// A rounding of how far points have moved.
 constexpr double kRoundingOfMoves = 1 + 0x1p-30;
 
@@ -81,10 +82,9 @@ class Arranging {
     result.is_changed = is_changed_;
     active_.clear();
     if (!find_intersecting(result.left)) return give_up(result);
-    const std::size_t many = kPairsPerFace * input_faces_.size() + kPairsAlways;
-    if (distance_ > kRoundingAlone * limit_ && result.left.size() > many) return give_up(result);
+    if (have_contacts_made_pairs(result.left.size())) return give_up(result);
     if (!cut_until_nothing_crosses(result)) return give_up(result);
-    if (result.is_changed) join_thin(result);
+    if (result.is_changed && distance_ > kMinDistance * limit_) join_thin(result);
     drop_flaps(result.left);
     finish(result);
     return result;
@@ -96,6 +96,16 @@ class Arranging {
     none.is_given_up = true;
     none.rounds = so_far.rounds;
     return none;
+  }
+
+  /// Returns whether contacts have made many more triangles cross than crossed before.
+  bool have_contacts_made_pairs(std::size_t pairs) const {
+    if (pairs <= kPairsPerFace * input_faces_.size() + kPairsAlways) return false;
+    Arranging before(input_positions_, input_faces_, 0, 0, control_);
+    before.start();
+    before.join_copies();
+    std::vector<std::pair<FaceId, FaceId>> crossing;
+    return before.find_intersecting(crossing) && pairs > kMaxWorse * crossing.size();
   }
 
   /// Cuts faces along the pairs that intersect. Where rounding makes new pairs, near points are joined, and so on.
@@ -115,7 +125,7 @@ class Arranging {
         left_of_best = result.left;
       }
       const bool is_too_much = soup_.faces.size() > kMaxGrowth * best->faces.size() ||
-                               result.left.size() > soup_.faces.size() / kFacesPerPair;
+                               result.left.size() > std::max(kFewPairs, soup_.faces.size() / kFacesPerPair);
       if (round == kMaxRounds || is_too_much || result.left.size() > kMaxWorse * left_of_best.size()) break;
       ++result.rounds;
       activate(result.left);
@@ -296,6 +306,7 @@ class Arranging {
   /// Makes shared what is within a distance.
   /// Output: false if that is too much.
   bool join_contacts(double distance) {
+    largest_distance_ = std::max(largest_distance_, distance);
     std::size_t least = std::numeric_limits<std::size_t>::max();
     for (int pass = 0; pass < kMaxPasses; ++pass, distance *= kShareOfPass) {
       control_.check_and_move();
@@ -361,7 +372,8 @@ class Arranging {
     for (EdgeId e(0); e.value < edges.count(); ++e.value)
       left[e.value] = static_cast<std::uint32_t>(edges.half_edges(e).size());
     const auto drop_if_flap = [&](FaceId f) {
-      if (is_flap[f.value] != 0 || !is_balanced(f.value) || smallest_height(corners(f.value)) > kThinFlap * distance_)
+      if (is_flap[f.value] != 0 || !is_balanced(f.value) ||
+          smallest_height(corners(f.value)) > kThinFlap * largest_distance_)
         return;
       for (std::size_t k = 0; k < 3; ++k)
         if (left[edges.of(f, k).value] == 1) is_flap[f.value] = 1;
@@ -487,7 +499,7 @@ class Arranging {
     for (const double of_block : largest) moved = std::max(moved, of_block);
     for (std::size_t f = 0; f < is_there.size(); ++f) {
       if (is_there[f] != 0) continue;
-      moved = std::max(moved, smallest_height(corners_of_input(FaceId(f))) + distance_);
+      moved = std::max(moved, smallest_height(corners_of_input(FaceId(f))) + largest_distance_);
     }
     return moved;
   }
@@ -499,6 +511,7 @@ class Arranging {
   RunControl& control_;
   int exponent_ = 0;                   ///< the soup's coordinates are the input's times 2^-exponent_
   double distance_ = 0, limit_ = 0;    ///< lengths in the soup's unit
+  double largest_distance_ = 0;        ///< within which features were joined
   std::vector<std::uint32_t> vertex_;  ///< by vertex of the soup: that of the input; new vertices follow
   Soup soup_;
   std::vector<Flap> flaps_;           ///< with corners of the soup
@@ -509,9 +522,9 @@ class Arranging {
 }  // namespace
 
 std::optional<double> next_share(double share, ArrangementFault fault) {
-  if (fault == ArrangementFault::kNone || share <= kRoundingAlone) return std::nullopt;
-  if (fault == ArrangementFault::kTooMuch) return kRoundingAlone;
-  if (share <= kFewStraddle) return fault == ArrangementFault::kFails ? std::optional(kRoundingAlone) : std::nullopt;
+  if (fault == ArrangementFault::kNone || share <= kMinDistance) return std::nullopt;
+  if (fault == ArrangementFault::kTooMuch) return kMinDistance;
+  if (share <= kFewStraddle) return fault == ArrangementFault::kFails ? std::optional(kMinDistance) : std::nullopt;
   return fault == ArrangementFault::kMovesTooFar && share > kLessDistance ? kLessDistance : kFewStraddle;
 }
 

@@ -183,7 +183,8 @@ class PlaneCut {
 
   /// Flips edges of flat triangles where that makes the smallest height of the two triangles larger. Points on one
   /// line are rounded, so that a triangle between three of them has hardly any height, and its long side passes the
-  /// middle point. If the triangle beyond that side has a smaller angle, the Delaunay property keeps both.
+  /// middle point. If the triangle beyond that side has a smaller angle, the Delaunay property keeps both. The list of
+  /// all heights, the smallest first, grows with each flip, so flips end.
   void flip_flat_triangles() {
     std::vector<std::uint32_t> flat;
     const auto add_if_flat = [&](std::uint32_t t) {
@@ -206,8 +207,12 @@ class PlaneCut {
         if (!is_convex || std::min(height(d, c, a), height(c, d, b)) <= std::min(height(a, b, c), height(b, a, d)))
           continue;
         mesh_.flip(h);
-        add_if_flat(h / 3);
-        add_if_flat(twin / 3);
+        // The triangles beside may be flipped now, too.
+        for (const std::uint32_t first : {3 * (h / 3), 3 * (twin / 3)})
+          for (std::uint32_t g = first; g < first + 3; ++g) {
+            add_if_flat(g / 3);
+            if (mesh_.twin(g) != kNoHalfEdge) add_if_flat(mesh_.twin(g) / 3);
+          }
         break;
       }
     }

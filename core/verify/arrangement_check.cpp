@@ -14,6 +14,7 @@
 #include "core/geometry/intersections/self_intersections.h"
 #include "core/geometry/shells/winding_number.h"
 #include "core/geometry/triangles/distances.h"
+#include "core/verify/near_faces/near_faces.h"
 
 namespace remesh {
 namespace {
@@ -87,11 +88,28 @@ class ArrangementTest {
     group_pieces();
     if (const char* fault = find_fault_of_pieces()) return fails(fault);
     if (!do_faces_meet_as_told()) return fails("faces meet that should not");
-    return {scale_.back(distance_ + kRoundingOfProof), {}};
+    const double lost = distance_of_incomplete();
+    if (!(lost <= kReachOfJoins * claim_.distance)) return fails("what is left of a triangle is too far from it");
+    return {std::max(scale_.back(distance_ + kRoundingOfProof), lost), {}};
   }
 
  private:
   static ArrangementProof fails(const char* why) { return {{}, why}; }
+
+  /// Bounds how far the points of triangles are from the faces that stay, if pieces of these triangles are missing.
+  double distance_of_incomplete() const {
+    std::vector<Triangle> incomplete;
+    StopCheck check(control_);
+    for (std::size_t f = 0; f < is_incomplete_.size(); ++f) {
+      check();
+      if (is_incomplete_[f] != 0) incomplete.push_back(claim_.faces_before[f]);
+    }
+    if (incomplete.empty()) return 0;
+    if (after_.faces.empty()) return HUGE_VAL;
+    return verification::distance_from({claim_.positions_before, incomplete}, {after_.positions, after_.faces}, {},
+                                       control_)
+        .bound;
+  }
 
   bool is_well_formed() const {
     const std::size_t before = claim_.faces_before.size();
@@ -151,6 +169,7 @@ class ArrangementTest {
     FaceId of;
     Triangle corners;
     bool may_be_turned;  ///< it belongs to a face that is told to intersect another one
+    bool is_there;       ///< false: it was dropped as a flap
   };
 
   void group_pieces() {
@@ -159,16 +178,16 @@ class ArrangementTest {
       for (const FaceId face : {f, g})
         if (face.value < is_left.size()) is_left[face.value] = 1;
     StopCheck check(control_);
-    const auto add = [&](const Triangle& t, const Cover& cover, bool may_be_turned) {
-      pieces_.push_back({cover.face, cover.is_reversed ? Triangle{t[0], t[2], t[1]} : t, may_be_turned});
+    const auto add = [&](const Triangle& t, const Cover& cover, bool may_be_turned, bool is_there) {
+      pieces_.push_back({cover.face, cover.is_reversed ? Triangle{t[0], t[2], t[1]} : t, may_be_turned, is_there});
     };
     control_.memory().ask_for<Piece>(after_.covers.size());
     for (std::size_t f = 0; f < after_.faces.size(); ++f) {
       check();
-      for (const Cover& cover : after_.covers_of(f)) add(after_.faces[f], cover, is_left[f] != 0);
+      for (const Cover& cover : after_.covers_of(f)) add(after_.faces[f], cover, is_left[f] != 0, true);
     }
     for (const Flap& flap : after_.flaps)
-      for (const Cover& cover : flap.covers) add(flap.corners, cover, false);
+      for (const Cover& cover : flap.covers) add(flap.corners, cover, false, false);
     of_face_ = group_by(
         pieces_.size(), claim_.faces_before.size(), [&](std::uint32_t i) { return pieces_[i].of.value; }, control_);
   }
@@ -180,6 +199,7 @@ class ArrangementTest {
   };
 
   const char* find_fault_of_pieces() {
+    is_incomplete_.assign(claim_.faces_before.size(), 0);
     const auto blocks = map_blocks<Tested>(claim_.faces_before.size(), kTrianglesPerTest, control_,
                                            [&](std::size_t f, std::size_t end) {
                                              Tested tested;
@@ -195,14 +215,14 @@ class ArrangementTest {
     return nullptr;
   }
 
-  void test_pieces(std::size_t f, std::vector<VertexPair>& edges, Tested& tested) const {
+  void test_pieces(std::size_t f, std::vector<VertexPair>& edges, Tested& tested) {
     const Corners3 triangle = corners_of(claim_.faces_before[f], before_);
     const double height = height_of(triangle);
     const bool is_thin = height <= kThinReaches * reach_;
     const auto mine = of_face_[f];
     if (mine.empty()) {
       if (!is_thin) tested.fault = "a triangle has no pieces";
-      tested.distance = std::max(tested.distance, height + scale_(claim_.distance));
+      is_incomplete_[f] = 1;
       return;
     }
     const double allowed = scale_(after_.moved) + kRoundingOfProof;
@@ -213,6 +233,7 @@ class ArrangementTest {
     for (const std::uint32_t i : mine) {
       const Piece& piece = pieces_[i];
       const Corners3 corners = corners_of(piece.corners, places_);
+      if (!piece.is_there) is_incomplete_[f] = 1;
       for (const Vec3& p : corners) {
         const double away = norm(p - nearest_on_triangle(p, triangle));
         if (!(away <= allowed)) tested.fault = "a corner has moved too far";
@@ -224,22 +245,27 @@ class ArrangementTest {
       twice_sum += seen;
       for (std::size_t k = 0; k < 3; ++k) edges.push_back({piece.corners[k], piece.corners[(k + 1) % 3]});
     }
-    const double off = test_outline(triangle, edges, is_thin, tested);
+    const Outline outline = test_outline(triangle, edges, is_thin, tested);
     // Where the outline is off, so are the areas. Rounding adds up over the pieces.
     const double missing = std::fabs(norm(twice_area) - twice_sum);
     const double slack = static_cast<double>(mine.size() + 4) * kRoundingOfProof;
-    if (!is_thin && !(missing <= 2 * (off + slack) * longest_side_of(triangle) * 3 + slack))
+    if (!is_thin && !(missing <= 2 * (outline.off + slack) * longest_side_of(triangle) * 3 + slack))
       tested.fault = "the pieces of a triangle do not have its area";
-    // Points near the outline are near a point of it that a piece has.
+    // Points near the outline are near a point of it that a piece has, unless a sharp corner is missing.
     constexpr double kNearOutline = 3;
-    tested.distance = std::max(tested.distance, kNearOutline * off + (is_thin && missing > slack ? height : 0));
+    if (outline.missing > kNearOutline * outline.off + slack || (is_thin && missing > slack)) is_incomplete_[f] = 1;
+    tested.distance = std::max(tested.distance, 2 * kNearOutline * outline.off + slack);
   }
 
+  struct Outline {
+    double off = 0;      ///< how far the edges are from the sides of the triangle at most
+    double missing = 0;  ///< by how much they are shorter or longer than a side at most
+  };
+
   /// Tests that the edges, after those in opposite directions have cancelled, run along the sides of a triangle once.
-  /// Output: how far they are from the sides at most.
-  double test_outline(const Corners3& triangle, std::vector<VertexPair>& edges, bool is_thin, Tested& tested) const {
+  Outline test_outline(const Corners3& triangle, std::vector<VertexPair>& edges, bool is_thin, Tested& tested) const {
     std::sort(edges.begin(), edges.end());
-    double off = 0;
+    Outline outline;
     std::array<double, 3> covered{0, 0, 0};
     for (std::size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
       while (end < edges.size() && edges[end] == edges[begin]) ++end;
@@ -258,7 +284,7 @@ class ArrangementTest {
         away = std::min(away, farthest);
       }
       if (!(away <= reach_)) tested.fault = "the pieces of a triangle have an edge inside it";
-      off = std::max(off, away);
+      outline.off = std::max(outline.off, away);
       covered[side] += dot(q - p, normalized(triangle[(side + 1) % 3] - triangle[side]));
     }
     // The sharper a corner is, the longer its sides are within reach of each other, and may have become one.
@@ -267,10 +293,13 @@ class ArrangementTest {
       const Vec3 &p = triangle[corner], &q = triangle[(corner + 1) % 3], &r = triangle[(corner + 2) % 3];
       return kThinReaches * reach_ * norm(q - p) * norm(r - p) / twice_area;
     };
-    for (std::size_t k = 0; k < 3 && !is_thin; ++k)
-      if (!(std::fabs(covered[k] - norm(triangle[(k + 1) % 3] - triangle[k])) <= tip(k) + tip((k + 1) % 3)))
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double missing = std::fabs(covered[k] - norm(triangle[(k + 1) % 3] - triangle[k]));
+      outline.missing = std::max(outline.missing, missing);
+      if (!is_thin && !(missing <= tip(k) + tip((k + 1) % 3)))
         tested.fault = "the pieces of a triangle do not reach along its sides";
-    return off;
+    }
+    return outline;
   }
 
   bool do_faces_meet_as_told() const {
@@ -301,7 +330,8 @@ class ArrangementTest {
   const double reach_;
   std::vector<Vec3> before_, places_;  ///< scaled; the flaps' own vertices are behind the others
   std::vector<Piece> pieces_;
-  Grouping of_face_;  ///< the pieces by triangle before
+  Grouping of_face_;                         ///< the pieces by triangle before
+  std::vector<std::uint8_t> is_incomplete_;  ///< by triangle before: pieces of it are missing
   double distance_ = 0;
 };
 

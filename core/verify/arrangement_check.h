@@ -40,7 +40,8 @@ struct ArrangementProof {
 ///   to the pairs that are told to intersect.
 /// - No corner of a piece is further from the triangle than the arrangement says.
 /// - A triangle without pieces is hardly higher than a contact is wide. So is each dropped flap, which covers as much
-///   from one side as from the other.
+///   from one side as from the other. Where pieces of a triangle are missing, all of its points are nearer to the faces
+///   that stay than some contacts are wide, see verification::distance_from.
 /// - No two faces have the same corners, and none meet but in common corners and edges, except for the pairs that are
 ///   told.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`; kOutOfMemory - see MemoryBound.

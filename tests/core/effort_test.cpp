@@ -182,7 +182,7 @@ TEST(effort, where_gaps_ask_for_far_more_than_is_allowed_sizes_are_as_coarse_as_
   EXPECT_GE(listed(result.report), too_long) << listed_in_words(result.report);
 }
 
-// Beside a face this long the area of all others is 0, and no size can be found from that.
+// With coordinates this large the areas of all triangles are 0, and no size can be found from that.
 TEST(effort, an_area_that_is_lost_beside_a_long_face_does_not_repeat_attempts_for_ever) {
   const PolygonMesh square =
       shapes::from_lists({{-.5, -5e149, -.5}, {.5, -5e149, -.5}, {.5, 5e149, -.5}, {-.5, 5e149, -.5}}, {{0, 1, 2, 3}});

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <numbers>
 #include <optional>
@@ -15,6 +16,7 @@
 #include "core/geometry/intersections/self_intersections.h"
 #include "tests/solids/solid_measures.h"
 #include "tests/solids/solid_rows.h"
+#include "tests/support/cgal_space.h"
 #include "tests/support/hostile_solids.h"
 #include "tests/support/random.h"
 #include "tests/support/remeshed.h"
@@ -114,27 +116,73 @@ PolygonMesh block_of_moved_cubes(std::uint64_t seed) {
 }
 
 TEST(solid_stage, parts_that_are_off_by_about_the_tolerance_become_one_closed_surface) {
+  double least_area = HUGE_VAL;
   for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     SCOPED_TRACE(seed);
     const Result result = remeshed(block_of_moved_cubes(seed), repairing(true));
     ASSERT_TRUE(result.report.solids);
     EXPECT_EQ(result.report.solids->left, 0u);
+    EXPECT_LE(result.report.solids->moved, result.report.first_plane_tolerance * (1 + 1e-9));
     RunControl control;
-    EXPECT_TRUE(
-        self_intersections(result.mesh.positions.items(), result.mesh.faces.items(), {}, SearchLimits(1000), control)
-            .pairs.empty());
+    const SelfIntersections found =
+        self_intersections(result.mesh.positions.items(), result.mesh.faces.items(), {}, SearchLimits(1000), control);
+    EXPECT_TRUE(found.is_complete);
+    EXPECT_TRUE(found.pairs.empty());
     const Measures measures = measures_of(result.mesh);
     EXPECT_EQ(measures.other_edges, 0u);
-    EXPECT_NEAR(measures.volume, 8, 8 * 24 * 1e-8);
+    // Both the cubes' faces, of an area of 48, and the points may be off by the tolerance.
+    EXPECT_NEAR(measures.volume, 8, 2 * 48 * result.report.first_plane_tolerance);
+    // Where all cubes are joined, the area is 24.
+    least_area = std::min(least_area, measures.area);
   }
+  EXPECT_NEAR(least_area, 24, 1e-6);
 }
+
+/// Needles with both of their sides, side by side and through each other, so that joins leave thin faces with an edge
+/// of their own, one behind the other.
+PolygonMesh needles_with_both_sides(std::uint64_t seed, double width) {
+  Random random(seed);
+  const auto place = [&](double x) {
+    return Vec3{x + random.uniform(-.01, .01), random.uniform(-width, width), random.uniform(-width, width)};
+  };
+  std::vector<PolygonMesh> needles;
+  for (int i = 0; i < 4; ++i) {
+    const std::vector<Vec3> corners{place(0), place(1), place(random.integer(0, 2) / 2.)};
+    needles.push_back(shapes::from_lists(corners, {{0, 1, 2}, {2, 1, 0}}));
+  }
+  return as_one(needles);
+}
+
+TEST(solid_stage, no_part_of_a_needle_is_lost_beyond_the_told_distance) {
+  int cut = 0;
+  for (const double width : {1e-6, 1e-7, 1e-8})
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+      SCOPED_TRACE(std::to_string(width) + ", " + std::to_string(seed));
+      const PolygonMesh mesh = needles_with_both_sides(seed, width);
+      const Result result = remeshed(mesh, repairing(false));
+      cut += result.report.solids ? 1 : 0;
+      const double told = result.report.distance_bound->input_to_output;
+      for (const Vec3& p : mesh.positions.items()) {
+        double nearest = HUGE_VAL;
+        for (const Triangle& t : result.mesh.faces)
+          nearest = std::min(
+              nearest, cgal_squared_distance(
+                           p, {result.mesh.positions[t[0]], result.mesh.positions[t[1]], result.mesh.positions[t[2]]}));
+        EXPECT_LE(std::sqrt(nearest), told * (1 + 1e-9) + 1e-15);
+      }
+    }
+  EXPECT_GT(cut, 10);
+}
+
+/// Stands for the block of moved cubes among the numbers of rows.
+constexpr int kMovedCubes = 0;
 
 TEST(solid_stage, results_are_the_same_for_any_number_of_workers) {
   // There may be more workers than processors.
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, 8);
-  for (const int number : {2, 13, 18, 19}) {
+  for (const int number : {2, 13, 18, 19, kMovedCubes}) {
     SCOPED_TRACE(number);
-    const PolygonMesh mesh = turned(number);
+    const PolygonMesh mesh = number == kMovedCubes ? block_of_moved_cubes(2) : turned(number);
     for (const bool is_union : {false, true}) {
       const auto with = [&](int workers) {
         tbb::task_arena arena(workers);

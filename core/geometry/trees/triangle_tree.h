@@ -75,7 +75,8 @@ class TriangleTree {
   template <class Visit>
   void visit_meeting_leaves(const Box3& box, std::size_t first, const Visit& visit) const;
 
-  /// Computes a value for each node by joining those of its slots.
+  /// Computes a value for each node: `join` of the values of_slot(i) of the triangles below the node, where i is the
+  /// place of a triangle in the order of the tree.
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
   template <class Value, class OfSlot, class Join>
   std::vector<Value> joined(const OfSlot& of_slot, const Join& join, RunControl& control) const;

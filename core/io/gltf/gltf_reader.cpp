@@ -141,7 +141,9 @@ class GltfReader {
       result.up_axis = "y";
     }
     record_dropped(
-        "normals, colours, points, lines, skins and the like of glTF were dropped; number of primitives that had them",
+        "normals, colours, points, lines, skins and other data of glTF that is no surface were dropped; `count` "
+        "primitives "
+        "had some",
         dropped_, result.diagnostics);
     return result;
   }
@@ -305,7 +307,7 @@ class GltfReader {
       return vertex < points.count ? static_cast<std::int64_t>(base + vertex) : -1;
     };
     const std::uint64_t faces = mode == 4 ? n / 3 : n < 3 ? 0 : n - 2;
-    if (mode == 4 && n % 3 != 0) throw gltf_error("triangles whose number of corners is no multiple of 3");
+    if (mode == 4 && n % 3 != 0) throw gltf_error("a list of triangles whose number of indices is no multiple of 3");
     if (faces > limits_.max_faces - builder_.mesh().face_count())
       throw too_large_error(Place::byte(0), "faces", limits_.max_faces);
     const auto material = number_of(member(primitive, "material"));

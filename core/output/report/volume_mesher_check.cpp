@@ -206,7 +206,7 @@ class Examination {
     }
   }
 
-  /// Returns whether a face lies between two closed cells that hang together, so that it may face either way.
+  /// Returns whether there is a closed cell on both sides of a face. Such a face is a wall and may face either way.
   bool is_between_cells(FaceId f) const {
     return !volumes_.empty() && volumes_[cells_.of_side[2 * std::size_t{f.value}]] > 0 &&
            volumes_[cells_.of_side[2 * std::size_t{f.value} + 1]] > 0;

@@ -675,10 +675,12 @@ Error Attempts::failure(const Outcome& outcome) const {
     if (is_unresolved(surface(), f)) return unresolved(surface(), f);
     if (!first.is_valid()) first = surface().covered(f).front();
   }
+  const std::string reason = outcome.reason.empty() ? "the result failed its own check" : outcome.reason;
+  if (!first.is_valid())
+    return Error(Code::kVerificationFailed, Stage::kVerify, "no result passes verification: " + reason);
   return Error(Code::kVerificationFailed, Stage::kVerify,
                "face " + std::to_string(first.value) +
-                   " could not be reproduced in a result that passes verification: " +
-                   (outcome.reason.empty() ? "the result failed its own check" : outcome.reason))
+                   " could not be reproduced in a result that passes verification: " + reason)
       .at_element(first.value);
 }
 

@@ -190,8 +190,8 @@ struct ArrangingAttempt {
   bool is_better_than(const ArrangingAttempt& other) const {
     const auto faults = [](const ArrangingAttempt& a) {
       const bool is_in_vain = a.arranged.is_given_up || !a.told.reason_in_vain.empty();
-      return std::tuple(is_in_vain, a.arranged.left.size(), !a.told.union_in_vain.empty(),
-                        a.fault != ArrangementFault::kNone);
+      return std::tuple(is_in_vain, a.arranged.left.size(), a.fault == ArrangementFault::kMovesTooFar,
+                        !a.told.union_in_vain.empty());
     };
     return faults(*this) < faults(other);
   }
@@ -226,7 +226,7 @@ std::vector<std::uint8_t> drop_inner_faces(const SolidContext& context, const Ca
       control);
   if (!fault.empty()) {
     told.union_in_vain = "the check of the union failed: " + fault;
-    attempt.fault = std::max(attempt.fault, ArrangementFault::kFails);
+    if (arranged.is_changed) attempt.fault = ArrangementFault::kFails;
     return {};
   }
   told.counts.dropped = found.dropped;
@@ -276,7 +276,7 @@ void judge(const SolidContext& context, const Candidate& candidate, ArrangingAtt
   Arrangement& arranged = attempt.arranged;
   const auto fail = [&](std::string reason) {
     attempt.told.reason_in_vain = std::move(reason);
-    attempt.fault = std::max(attempt.fault, ArrangementFault::kFails);
+    if (!arranged.is_given_up) attempt.fault = ArrangementFault::kFails;
   };
   if (arranged.is_given_up) return fail("too many faces cross or touch too many others");
   if (!are_different(arranged.positions, control)) return fail("points of the curves could not be told apart");
@@ -294,20 +294,24 @@ void judge(const SolidContext& context, const Candidate& candidate, ArrangingAtt
 }
 
 /// Arranges triangles with the plane tolerance as the distance, and with shares of it as long as something is wrong.
+/// Output: the best arrangement that passes its check, or one that does not if all fail.
 ArrangingAttempt arrange_best(const SolidContext& context, const Candidate& candidate, RunControl& control) {
-  std::optional<ArrangingAttempt> best;
+  std::vector<ArrangingAttempt> attempts;
   for (std::optional<double> share = 1; share;) {
-    ArrangingAttempt attempt;
+    ArrangingAttempt& attempt = attempts.emplace_back();
     attempt.arranged = arrange(candidate.positions.items(), candidate.assembled.faces.items(), context.plane_tolerance,
                                control, *share);
     attempt.fault = fault_of(attempt.arranged, context.plane_tolerance);
     // An attempt with a fault is judged only if nothing better is found.
     if (attempt.fault == ArrangementFault::kNone) judge(context, candidate, attempt, control);
     share = next_share(*share, attempt.fault);
-    if (!best || attempt.is_better_than(*best)) best = std::move(attempt);
   }
-  judge(context, candidate, *best, control);
-  return *std::move(best);
+  for (;;) {
+    const auto best = std::min_element(attempts.begin(), attempts.end(),
+                                       [](const auto& a, const auto& b) { return a.is_better_than(b); });
+    if (best->is_judged) return std::move(*best);
+    judge(context, candidate, *best, control);
+  }
 }
 
 std::optional<Replaced> arrange_proven(const SolidContext& context, const Candidate& candidate, const Verdict& verdict,

@@ -41,12 +41,12 @@ struct SolidContext {
 
 /// Makes the triangles of a surface's patches one conforming surface: those that cross are cut along their curves, and
 /// those that lie on each other within the plane tolerance become one (see arrange). First it is proven that the
-/// triangles are the surface.
+/// triangles are the surface. Where that moves points too far, or fails its check, smaller distances are tried.
 /// Input:   a candidate that has been triangulated without failures, and no more. It is empty afterwards.
 /// Output:  nothing, if nothing meets, or nothing was proven; `told` says why. Otherwise the new surface. Its faces
 ///          have the sources of the faces of which they are pieces.
 /// Errors:  kCancelled, kTimeout - through `control`; kOutOfMemory - see MemoryBound.
-/// Cost:    that of a check and of arrange.
+/// Cost:    that of a check, and of arranging and checking what was arranged up to four times.
 std::optional<Replaced> arranged_surface(const SolidContext& context, Candidate& candidate, ArrangedFaces& told,
                                          Stopwatch& watch, RunControl& control);
 

@@ -94,7 +94,11 @@ std::string about_faces(const Decisions& now, const Outcome& outcome) {
       return "about " + whole(facts.predicted) + " faces are predicted, at most " + allowed;
     case Outcome::End::kTooManyMade:
       if (facts.max_faces == Goals::kNoLimit && !facts.is_min_edge_automatic) return "the number of faces has no limit";
-      return "stopped while refining: about " + whole(facts.predicted) + " faces are predicted, at most " + allowed;
+      if (facts.predicted <= static_cast<double>(facts.expected_limit()))
+        return "stopped while refining: more faces were made than the " + limit +
+               (facts.is_min_edge_automatic ? " that are in proportion to the input" : " that are allowed") +
+               "; about " + whole(facts.predicted) + " had been predicted";
+      return "stopped: about " + whole(facts.predicted) + " faces are predicted, at most " + allowed;
     case Outcome::End::kGapsTooFine:
       return "narrow gaps would need far more faces than the " + limit + " that are allowed";
     default: break;
@@ -104,7 +108,7 @@ std::string about_faces(const Decisions& now, const Outcome& outcome) {
   if (*outcome.faces > facts.expected_limit()) return faces + ", at most " + allowed;
   if (outcome.are_angles_worse) return faces + ", with smaller angles than before refinement";
   if (!now.refinement.budget && facts.is_min_edge_automatic)
-    return faces + ", no worse angles: acceptable, but a smaller min_edge_length may leave more";
+    return faces + ", no worse angles: would do if its check passes, but a smaller min_edge_length may refine more";
   return faces + ", at most " + allowed;
 }
 
@@ -115,7 +119,7 @@ std::string about_failures(const Outcome& outcome) {
                      : outcome.is_whole_wrong
                          ? "the check failed for the result as a whole: " + outcome.reason
                          : "the check failed at " + counted(outcome.failed.size(), "patch", "patches") +
-                               (outcome.failed.size() > 1 ? ", first at " : ": ") + outcome.reason;
+                               (outcome.failed.size() > 1 ? ", the first failure: " : ": ") + outcome.reason;
   if (!outcome.faults.empty())
     text += "; the cause may be " + counted(outcome.faults.size(), "curved patch", "curved patches") + " there";
   return text;

@@ -36,8 +36,8 @@ struct Partition {
 };
 
 /// Splits a surface into patches, as in sections 2 to 4 of J. Vermaak, The Surface Remeshing Module in ChiTech, 2018.
-/// Input:   `plane_tolerance` is in model units. `regions` are those of an earlier partition, or empty. Faces that the
-///          rungs have taken out of their region get a new one.
+/// Input:   `plane_tolerance` is in model units. `regions` are those of an earlier partition, or empty. Faces with a
+///          rung, which are to be divided more finely because an attempt has failed, have no region and get a new one.
 /// Output:  the partition, and the `regions` of all faces.
 /// Holds:   the result is the same for any number of threads.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.

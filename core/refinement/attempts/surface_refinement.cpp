@@ -181,7 +181,7 @@ RefinementAttempt SurfaceRefinement::refine(const PatchedSurface& on, const Refi
       prediction.expected > kFarTooMany * static_cast<double>(goals.max_faces)) {
     attempt.coarsest = equilateral_edge(area_of(on.surface, triangulated.meshes, control_) /
                                         (kEvenShare * static_cast<double>(goals.max_faces)));
-    // Beside very long faces, the area of all others may be 0.
+    // Beside coordinates that are very large, the areas of all triangles may be 0.
     if (attempt.coarsest > 0) {
       attempt.end = RefinementAttempt::End::kGapsTooFine;
       return attempt;

@@ -62,7 +62,7 @@ struct RefinementAttempt {
   /// Why triangles were left as they are, whatever they miss.
   bool is_by_budget = false, is_by_effort = false, is_cut_short = false;
   std::uint64_t size_steps = 0;  ///< those that the search for gaps took from which sizes were found
-  /// More triangles than these should not be spent on results that fail the check, if that is known.
+  /// The most triangles that should be spent on results that fail the check; empty if no limit is known.
   std::optional<std::uint64_t> max_in_vain;
 };
 

@@ -30,8 +30,8 @@ enum class UnrefinedReason : std::uint8_t {
   kEffort,
   /// The triangle met the bounds until its vertices were rounded to coordinates that the output format can hold.
   kOutputRounding,
-  /// The triangle belongs to a surface of no kind that was made coarser. The surface tolerance, or an edge that stays,
-  /// allows no better one.
+  /// The triangle belongs to a free-form surface that was made coarser. The surface tolerance, or an edge that stays,
+  /// allows no better triangle.
   kSurfaceTolerance,
 };
 inline constexpr int kUnrefinedReasonCount = 9;

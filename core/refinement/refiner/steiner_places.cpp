@@ -36,8 +36,8 @@ Vec2 SteinerPlaces::off_centre(const TriangleJudge::Shape& shape) const {
   return sizes_.chart().on_grid(middle + height * across);
 }
 
-/// Returns the number of triangles between p and the edges of a rim that meet the bound on angles. If it is at most
-/// `count_to_beat`, the result may be any smaller number, too.
+/// Returns how many of the triangles between p and a rim's edges meet the bound on angles. If these are not more than
+/// `count_to_beat`, the result is some number that is not more than it either.
 int SteinerPlaces::count_good(std::span<const DelaunayMesh::RimEdge> rim, Vec2 p, int count_to_beat) const {
   int possible = static_cast<int>(rim.size());
   for (const DelaunayMesh::RimEdge& e : rim) {

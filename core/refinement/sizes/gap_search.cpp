@@ -611,7 +611,8 @@ bool GapSearch::Index::look_from_all(std::size_t count, WorkBound& work, const S
   return items.empty();
 }
 
-/// Searches from the corners of some patches, and lowers `least`.
+/// Searches for gaps from the corners of the block's patches, and lowers `least` to the narrowest gap that is found.
+/// Output: the steps that this took, and the patches for which they were too few.
 GapSearch::Index::Looked GapSearch::Index::look_at_corners(const Block& patches, SharedLeast& least,
                                                            RunControl& control) const {
   double best = patches.known;

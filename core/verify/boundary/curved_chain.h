@@ -16,7 +16,8 @@ struct PatchGap {
   PatchId patch;
   /// For a curved patch: the max distance of the nearest points on its surface, if both chains are followed at once.
   double on_surface = 0;
-  /// For a curved patch: the max distance of the chains themselves, where the surface turns too fast for `on_surface`.
+  /// For a curved patch: the max distance of the two chains from each other near a pole or an apex, where the surface
+  /// turns too fast for `on_surface`.
   double near_pole = 0;
   double off_plane = 0;  ///< for a plane: the max distance of the chains along its normal
 };

@@ -491,16 +491,19 @@ TEST(arrangement, parts_that_are_off_by_a_fifth_of_the_tolerance_are_joined_as_i
 
 TEST(arrangement, what_went_wrong_says_with_which_share_of_the_distance_to_go_on) {
   using Fault = ArrangementFault;
-  const std::optional<double> nothing, half = 0.5, sixteenth = 0x1p-4, rounding = 0x1p-16;
+  const std::optional<double> nothing, half = 0.5, sixteenth = 0x1p-4, smallest = 0x1p-16;
   const struct {
     double share;
     Fault fault;
     std::optional<double> next;
-  } rows[] = {
-      {1, Fault::kNone, nothing},          {1, Fault::kMovesTooFar, half},         {1, Fault::kFails, sixteenth},
-      {1, Fault::kTooMuch, rounding},      {0.5, Fault::kMovesTooFar, sixteenth},  {0.5, Fault::kFails, sixteenth},
-      {0.5, Fault::kTooMuch, rounding},    {0x1p-4, Fault::kMovesTooFar, nothing}, {0x1p-4, Fault::kFails, rounding},
-      {0x1p-4, Fault::kTooMuch, rounding}, {0x1p-16, Fault::kFails, nothing},      {0x1p-16, Fault::kTooMuch, nothing}};
+  } rows[] = {{1, Fault::kNone, nothing},        {1, Fault::kMovesTooFar, half},
+              {1, Fault::kFails, sixteenth},     {1, Fault::kTooMuch, smallest},
+              {0.5, Fault::kNone, nothing},      {0.5, Fault::kMovesTooFar, sixteenth},
+              {0.5, Fault::kFails, sixteenth},   {0.5, Fault::kTooMuch, smallest},
+              {0x1p-4, Fault::kNone, nothing},   {0x1p-4, Fault::kMovesTooFar, nothing},
+              {0x1p-4, Fault::kFails, smallest}, {0x1p-4, Fault::kTooMuch, smallest},
+              {0x1p-16, Fault::kNone, nothing},  {0x1p-16, Fault::kMovesTooFar, nothing},
+              {0x1p-16, Fault::kFails, nothing}, {0x1p-16, Fault::kTooMuch, nothing}};
   for (const auto& row : rows)
     EXPECT_EQ(next_share(row.share, row.fault), row.next) << row.share << ' ' << static_cast<int>(row.fault);
 }
