@@ -272,7 +272,7 @@ std::vector<std::uint8_t> count_arranged(const Candidate& candidate, const Patch
 
 /// Checks what was arranged, and drops what a union does not need.
 void judge(const SolidContext& context, const Candidate& candidate, ArrangingAttempt& attempt, RunControl& control) {
-  if (std::exchange(attempt.is_judged, true)) return;
+  attempt.is_judged = true;
   Arrangement& arranged = attempt.arranged;
   const auto fail = [&](std::string reason) {
     attempt.told.reason_in_vain = std::move(reason);
