@@ -280,6 +280,7 @@ void judge(const SolidContext& context, const Candidate& candidate, ArrangingAtt
   };
   if (arranged.is_given_up) return fail("too many faces cross or touch too many others");
   if (!are_different(arranged.positions, control)) return fail("points of the curves could not be told apart");
+  if (arranged.left.size() > arranged.curves) return fail("more triangles would intersect than did before");
   if (arranged.is_changed) {
     const ArrangementProof proof = prove_arrangement(
         {candidate.positions.items(), candidate.assembled.faces.items(), arranged, context.plane_tolerance}, control);
