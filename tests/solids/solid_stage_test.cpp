@@ -8,12 +8,16 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <fstream>
+#include <iterator>
 #include <numbers>
 #include <optional>
 #include <set>
+#include <string>
 #include <vector>
 
 #include "core/geometry/intersections/self_intersections.h"
+#include "core/io/obj/obj.h"
 #include "tests/solids/solid_measures.h"
 #include "tests/solids/solid_rows.h"
 #include "tests/support/cgal_space.h"
@@ -21,6 +25,7 @@
 #include "tests/support/random.h"
 #include "tests/support/remeshed.h"
 #include "tests/support/shapes.h"
+#include "tests/support/shared_meshes.h"
 #include "tests/support/time_to_stop.h"
 
 namespace remesh {
@@ -93,6 +98,20 @@ TEST(solid_stage, faces_of_hostile_families_are_cut_or_it_is_told_that_they_are_
     EXPECT_EQ(pairs_by_cgal(result.mesh, 1), 0u);
   }
   EXPECT_GE(cut, 6u);
+}
+
+TEST(solid_stage, faces_stay_where_cuts_would_make_more_of_them_intersect) {
+  // The part is 10 wide and 1e10 high, so that the plane tolerance is larger than its width.
+  const std::string name = "reports/slow/32f70258bb.obj";
+  if (!test::has_shared_mesh(name)) return;
+  std::ifstream file(test::shared_meshes_folder() / name);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  RunControl control;
+  const Result result = remeshed(read_obj(text, {}, control).mesh, repairing(false));
+  EXPECT_FALSE(result.report.solids);
+  EXPECT_TRUE(std::any_of(result.report.diagnostics.begin(), result.report.diagnostics.end(), [](const Diagnostic& d) {
+    return d.code == DiagnosticCode::kCutIntersections && d.count == 0;
+  }));
 }
 
 /// Eight cubes in a block, turned, each of them moved by about the plane tolerance, so that some of their faces are
