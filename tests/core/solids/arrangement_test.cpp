@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <set>
@@ -486,6 +487,30 @@ TEST(arrangement, parts_that_are_off_by_a_fifth_of_the_tolerance_are_joined_as_i
       expect_no_intersection(arranged, control);
       EXPECT_EQ(arranged.faces.size(), faces);
     }
+  }
+}
+
+// The points of a curve are rounded, so three of them are the corners of a flat triangle. Of these cubes, none of whose
+// faces are joined, some would have such a triangle that passes the middle one of its corners with its long side.
+TEST(arrangement, rounded_points_of_a_curve_leave_no_triangles_that_cross) {
+  RunControl control;
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    const auto direction = [&] {
+      const Vec3 v{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+      return (1 / norm(v)) * v;
+    };
+    const Vec3 axis = direction();
+    const double angle = random.uniform(0, 360), tolerance = 1e-9 * 3 * std::sqrt(3);
+    Triangles input;
+    for (int i = 0; i < 27; ++i) {
+      const PolygonMesh cube = shapes::moved(shapes::box({1, 1, 1}), {i % 3 + 0., i / 3 % 3 + 0., i / 9 + 0.});
+      input.add(shapes::moved(shapes::rotated(cube, axis, angle), tolerance * direction()));
+    }
+    const Arrangement arranged = arrange(input.positions, input.faces, tolerance, control, 0x1p-16);
+    expect_no_intersection(arranged, control);
+    EXPECT_GT(arranged.curves, 100u);
   }
 }
 
