@@ -50,7 +50,7 @@ struct Arrangement {
 /// shared, see find_contacts. What crosses then crosses at an angle, see find_crossings. Where the rounding of new
 /// points makes triangles cross again, features that are a few rounding steps apart are joined, and the triangles are
 /// cut again; how far apart they may be grows from round to round. At last, triangles thinner than half of `distance`
-/// are taken away where that makes no others intersect.
+/// are taken away where that makes no others intersect, but for the smallest share.
 /// Input:   triangles with an area; no two vertices with equal coordinates; the share, above 0 and at most 1.
 /// Output:  points may have moved by more than `distance`, and triangles may still intersect, see fault_of.
 /// Holds:   the result is the same for any number of threads. It does not depend on the order of vertices and
@@ -60,7 +60,7 @@ struct Arrangement {
 Arrangement arrange(std::span<const Vec3> positions, std::span<const Triangle> faces, double distance,
                     RunControl& control, double share = 1);
 
-/// The reason why an arrangement is not good enough, from the least to the greatest.
+/// The reason why an arrangement is not good enough.
 enum class ArrangementFault : std::uint8_t {
   kNone,
   kMovesTooFar,  ///< joins that follow on each other have moved a point by more than the distance

@@ -141,9 +141,8 @@ class GltfReader {
       result.up_axis = "y";
     }
     record_dropped(
-        "normals, colours, points, lines, skins and other data of glTF that is no surface were dropped; `count` "
-        "primitives "
-        "had some",
+        "normals, colours, points, lines, skins and other data that is no surface were dropped; number of primitives "
+        "that had some",
         dropped_, result.diagnostics);
     return result;
   }
