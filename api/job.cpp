@@ -152,6 +152,16 @@ std::string write_mesh_answer(Format format, const Result& result, const Writing
   return body;
 }
 
+std::vector<std::string> report_document(const Report& report, const RequestOptions& options, ReportKind kind,
+                                         const StageTimes& times, RunControl& control) {
+  constexpr std::size_t kPiece = std::size_t{1} << 20;
+  JsonWriter json(kPiece);
+  write_report(json, report, options, kind, times, control);
+  std::vector<std::string> pieces = json.take_pieces();
+  pieces.back() += '\n';
+  return pieces;
+}
+
 }  // namespace
 
 WriterInput writer_input(const Result& result, const std::vector<std::string>& comments, const Writing& writing) {
@@ -235,16 +245,12 @@ ComparedMesh read_compared(Job job, const Limits& limits, RunControl& control) {
   return {std::move(input.read.mesh), input.read_ms};
 }
 
-std::string report_document(const RemeshAnswer& answer, RunControl& control) {
-  JsonWriter json;
-  write_report(json, answer.report, answer.options, ReportKind::kRemesh, answer.times, control);
-  return json.take() + "\n";
+std::vector<std::string> report_document(const RemeshAnswer& answer, RunControl& control) {
+  return report_document(answer.report, answer.options, ReportKind::kRemesh, answer.times, control);
 }
 
-std::string report_document(const AnalysisAnswer& answer, RunControl& control) {
-  JsonWriter json;
-  write_report(json, answer.report, answer.options, ReportKind::kAnalysis, answer.times, control);
-  return json.take() + "\n";
+std::vector<std::string> report_document(const AnalysisAnswer& answer, RunControl& control) {
+  return report_document(answer.report, answer.options, ReportKind::kAnalysis, answer.times, control);
 }
 
 }  // namespace remesh::api

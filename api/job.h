@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "api/negotiation.h"
 #include "api/operations.h"
@@ -79,8 +80,8 @@ Remeshed remesh_for_job(Job job, const Limits& limits, Purpose purpose, RunContr
 RemeshAnswer run_remesh_job(Job job, const Limits& limits, RunControl& control);
 AnalysisAnswer run_analyze_job(Job job, const Limits& limits, RunControl& control);
 
-/// Writes the report alone as a JSON document.
-std::string report_document(const RemeshAnswer& answer, RunControl& control);
-std::string report_document(const AnalysisAnswer& answer, RunControl& control);
+/// Writes the report alone as a JSON document, in pieces.
+std::vector<std::string> report_document(const RemeshAnswer& answer, RunControl& control);
+std::vector<std::string> report_document(const AnalysisAnswer& answer, RunControl& control);
 
 }  // namespace remesh::api

@@ -7,6 +7,12 @@
 namespace remesh::api {
 
 void JsonWriter::separate() {
+  if (out_.size() >= piece_) {
+    in_pieces_ += out_.size();
+    pieces_.push_back(std::move(out_));
+    out_.clear();
+    out_.reserve(piece_ + piece_ / 16);
+  }
   if (needs_comma_) out_ += ',';
   needs_comma_ = true;
 }

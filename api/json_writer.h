@@ -2,11 +2,14 @@
 /// memory of its bytes.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 namespace remesh::api {
 
@@ -15,6 +18,11 @@ namespace remesh::api {
 ///        the same double, or null if it is not finite.
 class JsonWriter {
  public:
+  JsonWriter() = default;
+  /// Input: `piece` - the text is kept in pieces of about so many bytes. Where memory is nearly full, a large text fits
+  ///        between other things only in pieces.
+  explicit JsonWriter(std::size_t piece) : piece_(piece) {}
+
   void begin_object() { open('{'); }
   void end_object() { close('}'); }
   void begin_array() { open('['); }
@@ -83,10 +91,18 @@ class JsonWriter {
     list(name, items, [&](const auto& item) { object([&] { write(item); }); });
   }
 
-  void reserve(std::size_t bytes) { out_.reserve(bytes); }
-  std::size_t size() const { return out_.size(); }
-  std::size_t capacity() const { return out_.capacity(); }
+  /// Pieces need no more memory than their own.
+  void reserve(std::size_t bytes) {
+    if (piece_ == kWhole) out_.reserve(bytes);
+  }
+  std::size_t size() const { return in_pieces_ + out_.size(); }
+  std::size_t capacity() const { return in_pieces_ + out_.capacity(); }
+  /// Moves out the text, if it is not kept in pieces.
   std::string take() { return std::move(out_); }
+  std::vector<std::string> take_pieces() {
+    pieces_.push_back(std::move(out_));
+    return std::move(pieces_);
+  }
 
  private:
   void open(char bracket);
@@ -95,8 +111,13 @@ class JsonWriter {
   void separate();
   void quote(std::string_view text);
 
+  static constexpr std::size_t kWhole = std::numeric_limits<std::size_t>::max();
+
   std::string out_;
   bool needs_comma_ = false;
+  std::size_t piece_ = kWhole;
+  std::vector<std::string> pieces_;  ///< before `out_`
+  std::size_t in_pieces_ = 0;        ///< their bytes
 };
 
 }  // namespace remesh::api

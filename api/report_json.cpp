@@ -236,8 +236,8 @@ void write_patches(JsonWriter& json, const std::vector<PatchSummary>& patches, c
     write_point(json, "normal", patch.normal);
     json.member("offset", patch.offset);
     json.member("area", patch.area);
-    json.member("input_faces", patch.input_faces);
-    json.member("output_faces", patch.output_faces);
+    json.member("input_faces", std::uint64_t{patch.input_faces});
+    json.member("output_faces", std::uint64_t{patch.output_faces});
     json.member("loops", std::uint64_t{patch.loops});
     json.member("essential_vertices", std::uint64_t{patch.essential_vertices});
     json.member("status", status_name(patch.status));

@@ -10,6 +10,7 @@
 #include <cstring>
 #include <filesystem>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "core/base/parallel.h"
@@ -67,7 +68,7 @@ std::size_t read_blocks(int fd, off_t from, std::span<char> bytes, const std::st
   return all;
 }
 
-bool write_all(int fd, std::string_view content) {
+bool write_piece(int fd, std::string_view content) {
   while (!content.empty()) {
     const ssize_t written = ::write(fd, content.data(), content.size());
     if (written < 0 && errno == EINTR) continue;
@@ -75,6 +76,12 @@ bool write_all(int fd, std::string_view content) {
     content.remove_prefix(static_cast<std::size_t>(written));
   }
   return true;
+}
+
+using Pieces = std::span<const std::string_view>;
+
+bool write_all(int fd, Pieces pieces) {
+  return std::all_of(pieces.begin(), pieces.end(), [&](std::string_view piece) { return write_piece(fd, piece); });
 }
 
 /// The permissions that a new file of an ordinary program would get.
@@ -91,7 +98,7 @@ std::filesystem::path replaced_by_writing(const std::string& path, bool exists) 
   return no_link ? std::filesystem::path(path) : target;
 }
 
-void replace_file(const std::string& target, std::string_view content, mode_t mode) {
+void replace_file(const std::string& target, Pieces content, mode_t mode) {
   std::string temporary = target + ".XXXXXX";
   Descriptor file(::mkstemp(temporary.data()));
   if (file.get() < 0) fail(target);
@@ -102,6 +109,21 @@ void replace_file(const std::string& target, std::string_view content, mode_t mo
   ::unlink(temporary.c_str());
   errno = error;
   fail(target);
+}
+
+void write_pieces(const std::string& path, Pieces content) {
+  if (path == "-") {
+    if (!write_all(STDOUT_FILENO, content)) fail("standard output");
+    return;
+  }
+  struct stat status {};
+  const bool exists = ::stat(path.c_str(), &status) == 0;
+  if (exists && !S_ISREG(status.st_mode)) {
+    Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
+    if (file.get() < 0 || !write_all(file.get(), content) || !file.close()) fail(path);
+    return;
+  }
+  replace_file(replaced_by_writing(path, exists).string(), content, exists ? status.st_mode & 07777 : default_mode());
 }
 
 }  // namespace
@@ -147,19 +169,10 @@ FileContent read_file(const std::string& path, const RunControl& control) {
   return FileContent::read(file.get(), path, control);
 }
 
-void write_file(const std::string& path, std::string_view content) {
-  if (path == "-") {
-    if (!write_all(STDOUT_FILENO, content)) fail("standard output");
-    return;
-  }
-  struct stat status {};
-  const bool exists = ::stat(path.c_str(), &status) == 0;
-  if (exists && !S_ISREG(status.st_mode)) {
-    Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
-    if (file.get() < 0 || !write_all(file.get(), content) || !file.close()) fail(path);
-    return;
-  }
-  replace_file(replaced_by_writing(path, exists).string(), content, exists ? status.st_mode & 07777 : default_mode());
+void write_file(const std::string& path, std::string_view content) { write_pieces(path, {&content, 1}); }
+
+void write_file(const std::string& path, std::span<const std::string> pieces) {
+  write_pieces(path, std::vector<std::string_view>(pieces.begin(), pieces.end()));
 }
 
 void check_writable(const std::string& path) {
@@ -188,7 +201,7 @@ Draft::~Draft() {
 }
 
 void Draft::append(std::string_view text) {
-  if (fd_ >= 0) (void)write_all(fd_, text);
+  if (fd_ >= 0) (void)write_piece(fd_, text);
 }
 
 }  // namespace remesh::cli

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -45,6 +46,7 @@ FileContent read_file(const std::string& path, const RunControl& control);
 /// one. A target that is not an ordinary file, such as /dev/null or a pipe, is written directly.
 /// Errors: FileError; no temporary file is left behind.
 void write_file(const std::string& path, std::string_view content);
+void write_file(const std::string& path, std::span<const std::string> pieces);
 
 /// Checks that write_file can write to a path, before much work is done.
 /// Errors: FileError - the folder is missing or not writable, or the path is a folder itself.

@@ -409,7 +409,7 @@ void remesh_one(const Arguments& arguments, api::Job job, RunControl& control) {
   if (arguments.is_traced) job.trace = [](const std::string& line) { std::cerr << "remesh: " + line + "\n"; };
 
   api::RemeshAnswer answer;
-  std::string report;
+  std::vector<std::string> report;
   {
     const ProgressBar progress(follow(control), !arguments.is_quiet);
     answer = api::run_remesh_job(std::move(job), limits_for(arguments.workers), control);
@@ -433,7 +433,7 @@ void analyze_one(const Arguments& arguments, api::Job job, RunControl& control) 
   job.release_mesh = [&] { mesh.release(); };
 
   api::AnalysisAnswer answer;
-  std::string report;
+  std::vector<std::string> report;
   {
     const ProgressBar progress(follow(control), !arguments.is_quiet);
     answer = api::run_analyze_job(std::move(job), limits_for(arguments.workers), control);

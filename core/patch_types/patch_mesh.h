@@ -3,11 +3,11 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <memory>
 #include <set>
 #include <utility>
 
 #include "core/base/ids.h"
+#include "core/base/rare.h"
 #include "core/base/vec.h"
 #include "core/patch_types/patch_reason.h"
 #include "core/triangulation/inline_vector.h"
@@ -18,27 +18,15 @@ namespace remesh {
 /// Edges of a triangulation, by their ends. Most sets are empty and hold no memory.
 class EdgeSet {
  public:
-  EdgeSet() = default;
-  EdgeSet(const EdgeSet& other) : ends_(other.ends_ ? std::make_unique<Ends>(*other.ends_) : nullptr) {}
-  EdgeSet(EdgeSet&&) = default;
-  EdgeSet& operator=(EdgeSet other) {
-    ends_ = std::move(other.ends_);
-    return *this;
-  }
-
   bool empty() const { return !ends_ || ends_->empty(); }
   bool has(std::uint32_t a, std::uint32_t b) const { return ends_ && ends_->count(std::minmax(a, b)) != 0; }
-  void insert(std::uint32_t a, std::uint32_t b) {
-    if (!ends_) ends_ = std::make_unique<Ends>();
-    ends_->insert(std::minmax(a, b));
-  }
+  void insert(std::uint32_t a, std::uint32_t b) { ends_.get().insert(std::minmax(a, b)); }
   void erase(std::uint32_t a, std::uint32_t b) {
     if (ends_) ends_->erase(std::minmax(a, b));
   }
 
  private:
-  using Ends = std::set<std::pair<std::uint32_t, std::uint32_t>>;
-  std::unique_ptr<Ends> ends_;
+  Rare<std::set<std::pair<std::uint32_t, std::uint32_t>>> ends_;
 };
 
 /// A triangulated patch, in the plane of its chart (patch_chart.h). If there is no triangulation, `reason`

@@ -85,7 +85,8 @@ class InlineVector {
   }
 
  private:
-  bool is_inline() const { return capacity_ == kInline; }
+  bool is_inline() const { return data_ == inline_data(); }
+  const T* inline_data() const { return reinterpret_cast<const T*>(inline_); }
   T* inline_data() { return reinterpret_cast<T*>(inline_); }
   void release() {
     if (!is_inline()) std::allocator<T>().deallocate(data_, capacity_);

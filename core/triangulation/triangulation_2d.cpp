@@ -15,27 +15,28 @@ void Triangulation2d::flip(std::uint32_t h) {
 
   set_triangle(h, d, c, a);
   set_triangle(g, c, d, b);
-  twin_[h] = g;
-  twin_[g] = h;
+  join(h, g);
   join(h_next, ca, ca_bound);
   join(h_prev, ad, ad_bound);
   join(g_next, db, db_bound);
   join(g_prev, bc, bc_bound);
-  if (!edge_at_.empty()) {
-    edge_at_[d] = h;
-    edge_at_[c] = g;
-    edge_at_[a] = h_prev;
-    edge_at_[b] = g_prev;
+  if (edge_at_) {
+    std::vector<std::uint32_t>& edge_at = *edge_at_;
+    edge_at[d] = h;
+    edge_at[c] = g;
+    edge_at[a] = h_prev;
+    edge_at[b] = g_prev;
   }
 }
 
 void Triangulation2d::index_points(std::size_t points) {
-  edge_at_.assign(points, kNoHalfEdge);
-  for (std::uint32_t h = 0; h < half_edge_count(); ++h) edge_at_[corner_[h]] = h;
+  std::vector<std::uint32_t>& edge_at = edge_at_.get();
+  edge_at.assign(points, kNoHalfEdge);
+  for (std::uint32_t h = 0; h < half_edge_count(); ++h) edge_at[from(h)] = h;
 }
 
 void Triangulation2d::compact(const std::vector<std::uint8_t>& keep) {
-  edge_at_.clear();
+  edge_at_.reset();
   const std::uint32_t n = triangle_count();
   std::vector<std::uint32_t> new_triangle(n, kNone);
   std::uint32_t left = 0;
@@ -45,10 +46,10 @@ void Triangulation2d::compact(const std::vector<std::uint8_t>& keep) {
     if (!keep[t]) continue;
     for (std::uint32_t k = 0; k < 3; ++k) {
       const std::uint32_t old_twin = twin(3 * t + k);
-      const std::uint32_t bit = twin_[3 * t + k] & kConstraint;
+      const std::uint32_t bit = half_edges_[3 * t + k].twin & kConstraint;
       const bool lives = old_twin != kNoHalfEdge && keep[old_twin / 3];
-      corner_[3 * new_triangle[t] + k] = corner_[3 * t + k];
-      twin_[3 * new_triangle[t] + k] = (lives ? 3 * new_triangle[old_twin / 3] + old_twin % 3 : kNoHalfEdge) | bit;
+      half_edges_[3 * new_triangle[t] + k] = {
+          from(3 * t + k), (lives ? 3 * new_triangle[old_twin / 3] + old_twin % 3 : kNoHalfEdge) | bit};
     }
   }
   resize(left);

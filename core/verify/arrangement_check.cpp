@@ -457,19 +457,22 @@ class UnionTest {
     constexpr double kThird = 1.0 / 3;
     const Vec3 middle = kThird * (corners[0] + corners[1] + corners[2]);
     // In the plane of a triangle, its solid angle is the mean of those on both sides, which is 0.
-    double between = winding.at(middle);
+    double own = 0;
     std::int32_t step = 0;
     for (const Cover& cover : after_.covers_of(of)) {
       const std::int32_t weight = claim_.weights[cover.face.value];
       const Triangle& t = claim_.faces_before[cover.face.value];
       const Triangle counted = weight > 0 ? t : Triangle{t[0], t[2], t[1]};
-      between -= std::abs(weight) * solid_angle(corners_of(counted, before_), middle) / (4 * std::numbers::pi);
+      own += std::abs(weight) * solid_angle(corners_of(counted, before_), middle) / (4 * std::numbers::pi);
       step += cover.is_reversed ? -weight : weight;
     }
+    // The number in front of the face is whole. Where it seems not to be, it is computed again with more care.
     constexpr double kSure = 0.25;
-    const double before = between - 0.5 * step, behind = between + 0.5 * step;
+    double before = 0.5;
+    for (double far = 2; far <= 32 && std::fabs(before - std::round(before)) > kSure; far *= 4)
+      before = winding.at(middle, far) - own - 0.5 * step;
     if (std::fabs(before - std::round(before)) > kSure) return false;
-    const bool is_before = before > 0.5, is_behind = behind > 0.5;
+    const bool is_before = before > 0.5, is_behind = before + step > 0.5;
     bool is_right = true;
     for (const std::uint32_t f : sheet) {
       const bool is_along = is_along_[f] == is_along_[of];

@@ -5,8 +5,11 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <nlohmann/json.hpp>
 #include <random>
+#include <string>
+#include <vector>
 
 namespace remesh::api {
 namespace {
@@ -55,6 +58,21 @@ TEST(json_writer, numbers_are_short_and_read_back_to_the_same_bits) {
     const double back = nlohmann::json::parse(number(value)).get<double>();
     EXPECT_EQ(std::bit_cast<std::uint64_t>(back), std::bit_cast<std::uint64_t>(value));
   }
+}
+
+TEST(json_writer, pieces_are_the_text_in_their_order) {
+  const auto write = [](JsonWriter& json) {
+    std::vector<std::uint64_t> numbers(1000);
+    std::iota(numbers.begin(), numbers.end(), 0U);
+    json.object([&] { json.values("numbers", numbers); });
+  };
+  JsonWriter whole, in_pieces(64);
+  write(whole);
+  write(in_pieces);
+  EXPECT_EQ(in_pieces.size(), whole.size());
+  const std::vector<std::string> pieces = in_pieces.take_pieces();
+  EXPECT_EQ(std::accumulate(pieces.begin(), pieces.end(), std::string()), whole.take());
+  for (const std::string& piece : pieces) EXPECT_LT(piece.size(), 80u);
 }
 
 TEST(json_writer, what_is_not_finite_is_null) {

@@ -350,7 +350,9 @@ class Judge {
 std::vector<Objection> judge(const PolygonMesh& input, const api::RemeshAnswer& answer) {
   try {
     RunControl control;
-    test::expect_finite_json(api::report_document(answer, control));
+    std::string report;
+    for (const std::string& piece : api::report_document(answer, control)) report += piece;
+    test::expect_finite_json(report);
     const WrittenMesh written = test::read_written(answer.format, answer.body);
     return Judge(input, answer, written).objections();
   } catch (const std::runtime_error& error) {

@@ -88,7 +88,7 @@ struct Part {
 class Cull {
  public:
   Cull(const PatchedFaces& surface, RunControl& control)
-      : surface_(surface), control_(control), count_(surface.normals.size()), places_(surface.normals.size()) {
+      : surface_(surface), control_(control), count_(surface.normals.size()) {
     // The scale is a power of two, so that scaling is exact. Nothing overflows, whatever the coordinates' magnitude.
     int exponent = 0;
     std::frexp(largest_coordinate(surface.positions, control), &exponent);
@@ -96,17 +96,18 @@ class Cull {
   }
 
   void run() {
-    find_places();
+    count_faces();
     // All faces of small patches are tested against each other in any case, so here they are compared with large
     // patches only.
     std::vector<PatchId> all, large;
     StopCheck check(control_);
-    for (std::uint32_t p = 0; p < places_.size(); ++p) {
+    for (std::uint32_t p = 0; p < count_.size(); ++p) {
       check();
-      all.push_back(PatchId(p));
       if (!has_few(PatchId(p))) large.push_back(PatchId(p));
     }
-    if (large.empty()) all.clear();
+    if (large.empty()) return compare_all();
+    for (std::uint32_t p = 0; p < count_.size(); ++p) all.push_back(PatchId(p));
+    find_places();
     const TriangleTree tree_of_all = tree_of(boxes_of_patches(all)), tree_of_large = tree_of(boxes_of_patches(large));
     const std::size_t most_parts = kManyParts + kMaxPartsPerFace * surface_.face_count();
     const std::size_t most_looks = kManyParts + kMaxLooksPerFace * surface_.face_count();
@@ -144,11 +145,8 @@ class Cull {
           return near;
         });
     // The order in which blocks are counted does not decide whether the counts exceed the limits.
-    if (are_too_many(parts.load(std::memory_order_relaxed), looks.load(std::memory_order_relaxed))) {
-      faces_.resize(surface_.face_count());
-      std::iota(faces_.begin(), faces_.end(), 0u);
-      return;
-    }
+    if (are_too_many(parts.load(std::memory_order_relaxed), looks.load(std::memory_order_relaxed)))
+      return compare_all();
     parts_.reserve(parts.load(std::memory_order_relaxed));
     for (Near& near : found) {
       faces_.insert(faces_.end(), near.faces.begin(), near.faces.end());
@@ -158,6 +156,8 @@ class Cull {
       }
       near = {};
     }
+    std::vector<SharedPlace>().swap(places_);
+    std::vector<Box3>().swap(boxes_of_runs_);
   }
 
   /// The whole faces, which are tested against all other whole faces.
@@ -190,6 +190,12 @@ class Cull {
     std::deque<Part> parts;  ///< a deque, because there may be millions, and none is moved when more are added
     std::size_t looks = 0;   ///< number of patches that were tested
   };
+
+  /// All faces are tested against all others.
+  void compare_all() {
+    faces_.resize(surface_.face_count());
+    std::iota(faces_.begin(), faces_.end(), 0u);
+  }
 
   bool has_few(PatchId p) const { return count_[p.value].load(std::memory_order_relaxed) <= kFewFaces; }
   Vec3 corner(std::size_t f, int i) const { return scale_ * surface_.positions[surface_.corners[3 * f + i].value]; }
@@ -246,14 +252,24 @@ class Cull {
     return {dot(n, corner(f, 0)), dot(n, corner(f, 1)), dot(n, corner(f, 2))};
   }
 
-  /// Finds the places of all patches, and counts the faces of each.
+  void count_faces() {
+    for_blocks(surface_.face_count(), kPatchBlock, control_, [&](std::size_t begin, std::size_t end) {
+      while (begin < end) {
+        const std::size_t run_end = end_of_run(begin, end);
+        count_[surface_.patch[begin].value].fetch_add(static_cast<std::uint32_t>(run_end - begin),
+                                                      std::memory_order_relaxed);
+        begin = run_end;
+      }
+    });
+  }
+
   void find_places() {
+    places_ = std::vector<SharedPlace>(count_.size());
     boxes_of_runs_.resize(surface_.face_count() / kRun + 1);
     for_blocks(surface_.face_count(), kPatchBlock, control_, [&](std::size_t begin, std::size_t end) {
       while (begin < end) {
         const PatchId p = surface_.patch[begin];
         const std::size_t first = begin, run_end = end_of_run(begin, std::min(end, begin + kRun));
-        count_[p.value].fetch_add(static_cast<std::uint32_t>(run_end - begin), std::memory_order_relaxed);
         const Vec3 normal = surface_.normals[p.value];
         Place place;
         for (; begin < run_end; ++begin)

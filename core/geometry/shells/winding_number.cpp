@@ -11,9 +11,6 @@
 namespace remesh {
 namespace {
 
-/// A node counts as one small face if its distance is at least this many times its own radius.
-constexpr double kFar = 2;
-
 /// The largest distance of a point to any point of the box.
 double reach(const Vec3& p, const Box3& box) {
   const auto along = [&](int axis) { return std::max(p[axis] - box.min[axis], box.max[axis] - p[axis]); };
@@ -50,7 +47,7 @@ double solid_angle(const Corners3& triangle, const Vec3& p) {
   return 2 * std::atan2(dot(a, cross(b, c)), 1 + dot(a, b) + dot(b, c) + dot(c, a));
 }
 
-double WindingNumber::at(const Vec3& p) const {
+double WindingNumber::at(const Vec3& p, double far) const {
   StopCheck check(control_);
   double sum = 0;
   std::array<std::size_t, 2 * SlotTree::kMaxLevels> stack;
@@ -63,7 +60,7 @@ double WindingNumber::at(const Vec3& p) const {
     if (!(node.twice_sizes > 0)) continue;
     const Vec3 centre = (1 / node.twice_sizes) * node.moment, way = centre - p;
     const double distance = norm(way);
-    if (distance > kFar * reach(centre, node.box)) {
+    if (distance > far * reach(centre, node.box)) {
       sum += dot((0.5 / distance) * node.twice_area, (1 / distance) * normalized(way));
       continue;
     }

@@ -68,7 +68,7 @@ constexpr std::size_t kBlock = 4096;
 
 TriangleTree::TriangleTree(std::span<const Vec3> positions, std::span<const Triangle> faces, RunControl& control,
                            std::span<const std::uint32_t> groups, Split split)
-    : slots_(faces.size()), face_(faces.size()), slot_box_(faces.size()) {
+    : slots_(faces.size()), face_(faces.size()) {
   if (faces.empty()) {
     node_box_.assign(1, Box3());
     return;
@@ -101,6 +101,7 @@ TriangleTree::TriangleTree(std::span<const Vec3> positions, std::span<const Tria
           progress.add(node.size());
         });
   }
+  slot_box_.resize(size());
   for_blocks(size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t slot = begin; slot < end; ++slot) {
       slot_box_[slot] = box_of(faces[face_[slot].value], positions);

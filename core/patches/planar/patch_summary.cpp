@@ -67,7 +67,7 @@ class Summariser {
     const std::size_t vertices = essential_.are_on_loops ? on_rim : count_essential(p), inside = vertices - on_rim;
     s.essential_vertices = static_cast<std::uint32_t>(vertices);
     const auto triangles = static_cast<std::int64_t>(corners + 2 * inside + 2ull * s.loops) - 4;
-    s.output_faces = static_cast<std::uint64_t>(std::max<std::int64_t>(1, triangles));
+    s.output_faces = static_cast<std::uint32_t>(std::max<std::int64_t>(1, triangles));
     return s;
   }
 

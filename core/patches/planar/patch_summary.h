@@ -20,14 +20,14 @@ struct PatchSummary {
   Vec3 normal;        ///< unit length
   double offset = 0;  ///< normal . x = offset for points x of the plane
   double area = 0;
-  std::uint64_t input_faces = 0;
-  std::uint64_t output_faces = 0;
+  double deviation = 0;  ///< largest distance of an input vertex of the patch from its plane
+  double bound = 0;      ///< proven distance between input and output of the patch, both ways, in model units
+  std::uint32_t input_faces = 0;
+  std::uint32_t output_faces = 0;
   std::uint32_t loops = 0;
   std::uint32_t essential_vertices = 0;
   PatchStatus status = PatchStatus::kRemeshed;
   PatchReason reason = PatchReason::kNone;
-  double deviation = 0;  ///< largest distance of an input vertex of the patch from its plane
-  double bound = 0;      ///< proven distance between input and output of the patch, both ways, in model units
 };
 
 struct PatchSummaries {

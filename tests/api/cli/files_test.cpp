@@ -8,7 +8,9 @@
 
 #include <filesystem>
 #include <fstream>
+#include <string>
 #include <thread>
+#include <vector>
 
 #include "core/base/error.h"
 #include "tests/support/temporary_folder.h"
@@ -101,6 +103,11 @@ TEST_F(files, a_new_file_has_its_content_and_the_permissions_of_any_other) {
   ASSERT_EQ(::stat(folder_.path("out").c_str(), &status), 0);
   EXPECT_EQ(status.st_mode & 07777, 0640u);
   EXPECT_EQ(folder_.entry_count(), 1u);
+}
+
+TEST_F(files, pieces_are_one_file) {
+  write_file(folder_.path("out"), std::vector<std::string>{"a", "", "bc\n", "d"});
+  EXPECT_EQ(folder_.read("out"), "abc\nd");
 }
 
 TEST_F(files, whoever_reads_the_old_file_reads_it_to_its_end) {

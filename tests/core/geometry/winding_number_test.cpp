@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"
 
@@ -36,6 +40,29 @@ TEST(winding_number, it_is_the_part_of_all_directions_that_is_covered) {
     EXPECT_NEAR(winding_number(shapes::scaled(open, 0x1p240), {0x1p240, 0x1p240, 0x1p240}),
                 static_cast<double>(sides) / 6, 1e-9);
   }
+}
+
+TEST(winding_number, among_many_shells_it_is_as_near_to_a_whole_number_as_is_asked) {
+  Random random(base_seed(37));
+  PolygonMesh balls;
+  std::vector<Vec3> centres;
+  for (int i = 0; i < 200; ++i) {
+    centres.push_back({random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(-2, 2)});
+    balls = shapes::joined(balls, shapes::moved(shapes::sphere(3), centres.back()));
+  }
+  const TriangleMesh triangles = shapes::as_triangles(balls);
+  RunControl control;
+  const WindingNumber winding(triangles.positions.items(), triangles.faces.items(), control);
+  double largest = 0;
+  for (int i = 0; i < 200; ++i) {
+    const Vec3 p{random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(-2, 2)};
+    const auto is_near_a_surface = [&](const Vec3& centre) { return std::fabs(norm(p - centre) - 0.99) < 0.011; };
+    if (std::any_of(centres.begin(), centres.end(), is_near_a_surface)) continue;
+    const auto around = std::count_if(centres.begin(), centres.end(), [&](const Vec3& c) { return norm(p - c) < 1; });
+    largest = std::max(largest, std::fabs(winding.at(p) - static_cast<double>(around)));
+    EXPECT_NEAR(winding.at(p, 32), static_cast<double>(around), 1e-3);
+  }
+  EXPECT_GT(largest, 0.01) << "the surfaces are too simple for a test";
 }
 
 }  // namespace
