@@ -35,9 +35,9 @@ def measure_organic(bench, table):
 def works_on(bench, path, has_peer):
     unrefined = ["--refine", "false"]
     works = {
-        "remesh, one core": lambda: bench.remesh(path, *unrefined, workers=1),
-        "remesh, two cores": lambda: bench.remesh(path, *unrefined),
-        "remesh, two cores, 25 degrees": lambda: bench.remesh(path),
+        "remesh, one core": lambda: bench.remesh_alone(path, *unrefined, workers=1),
+        "remesh, two cores": lambda: bench.remesh_alone(path, *unrefined),
+        "remesh, two cores, 25 degrees": lambda: bench.remesh_alone(path),
     }
     if has_peer:
         works[CGAL] = lambda: bench.run(bench.program("coarse_peer"), "planes", path, bench.folder / "planes.obj")

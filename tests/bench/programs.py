@@ -65,10 +65,14 @@ class Bench:
     def remesh(self, path, *options, workers=WORKERS, output="out.obj", program=None):
         """The command line, with its report."""
         report = self.folder / "report.json"
-        run = self.run(program or self.program("remesh"), path, "-o", self.folder / output, "--report", report,
-                       "--workers", str(workers), *options)
+        run = self.remesh_alone(path, "--report", report, *options, workers=workers, output=output, program=program)
         run.report = json.loads(report.read_bytes())
         return run
+
+    def remesh_alone(self, path, *options, workers=WORKERS, output="out.obj", program=None):
+        """The command line without a report, which has a line for each patch and peers do not have."""
+        return self.run(program or self.program("remesh"), path, "-o", self.folder / output, "--workers", str(workers),
+                        *options)
 
     def by_turns(self, works, times=1):
         """The results of all works, by their names. They take turns, so that all see the same moods of the machine.
