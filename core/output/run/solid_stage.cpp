@@ -182,7 +182,8 @@ struct ArrangingAttempt {
   Arrangement arranged;
   ArrangementFault fault = ArrangementFault::kNone;
   bool is_judged = false;
-  double distance = 0;  ///< proven
+  double moved_too_far = 0;  ///< how far points have moved, if that is further than they may
+  double distance = 0;       ///< proven
   ArrangedFaces told;
   std::vector<std::uint8_t> is_shared;   ///< by triangle of the candidate: pieces of it lie on others
   std::vector<std::uint8_t> is_dropped;  ///< likewise: pieces of it were dropped or turned over; empty if none were
@@ -190,8 +191,7 @@ struct ArrangingAttempt {
   bool is_better_than(const ArrangingAttempt& other) const {
     const auto faults = [](const ArrangingAttempt& a) {
       const bool is_in_vain = a.arranged.is_given_up || !a.told.reason_in_vain.empty();
-      return std::tuple(is_in_vain, a.arranged.left.size(), a.fault == ArrangementFault::kMovesTooFar,
-                        !a.told.union_in_vain.empty());
+      return std::tuple(is_in_vain, a.arranged.left.size(), !a.told.union_in_vain.empty(), a.moved_too_far);
     };
     return faults(*this) < faults(other);
   }
@@ -303,6 +303,7 @@ ArrangingAttempt arrange_best(const SolidContext& context, const Candidate& cand
     attempt.arranged = arrange(candidate.positions.items(), candidate.assembled.faces.items(), context.plane_tolerance,
                                control, *share);
     attempt.fault = fault_of(attempt.arranged, context.plane_tolerance);
+    if (attempt.fault == ArrangementFault::kMovesTooFar) attempt.moved_too_far = attempt.arranged.moved;
     // An attempt with a fault is judged only if nothing better is found.
     if (attempt.fault == ArrangementFault::kNone) judge(context, candidate, attempt, control);
     share = next_share(*share, attempt.fault);
