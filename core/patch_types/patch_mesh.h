@@ -7,10 +7,10 @@
 #include <utility>
 
 #include "core/base/ids.h"
-#include "core/base/rare.h"
 #include "core/base/vec.h"
 #include "core/patch_types/patch_reason.h"
 #include "core/triangulation/inline_vector.h"
+#include "core/triangulation/rare.h"
 #include "core/triangulation/triangulation_2d.h"
 
 namespace remesh {

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/base/rare.h"
 #include "core/triangulation/inline_vector.h"
+#include "core/triangulation/rare.h"
 
 namespace remesh {
 
