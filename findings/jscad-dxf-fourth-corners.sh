@@ -3,9 +3,9 @@
 # whether there is a fourth corner by its x alone, and takes zero for none. So a quadrilateral whose fourth corner lies
 # at x = 0 becomes a triangle of the first three corners, and the other half of it is gone. A box that begins at x = 0,
 # as most parts do that were drawn from the origin, has holes on up to five of its six sides, and which sides have them
-# depends on the corner from which each face was written. The same box, moved by 10 along x, is read rightly. Moved along
-# y it is not. There is no error and no warning, and both outputs, "geometry" and the default "script", have the holes.
-# A remesher then gets an open surface, and the volume is anything.
+# depends on the corner from which each face was written. The same box, moved by 10 along x, is read rightly. Moved
+# along y it is not. There is no error and no warning, and both outputs, "geometry" and the default "script", have the
+# holes. A remesher then gets an open surface, and the volume is anything.
 #
 # Autodesk's reference of DXF has the codes 13, 23 and 33 of a 3DFACE as x, y and z of the fourth corner, which equals
 # the third one where only three were entered. So a fourth corner at x = 0 is a number like any other. The page of the
@@ -22,8 +22,8 @@
 #   at x = 0, as a script: corners 4 3 3 4 3 4, volume 25, surface 46.5
 #
 # This script installs these packages in a temporary folder, reads the files, and fails if the behaviour is no longer
-# so. It ends with 77 if the packages cannot be had. It needs node and npm, and changes nothing outside of the folder but
-# npm's cache.
+# so. It ends with 77 if the packages cannot be had. It needs node and npm, and changes nothing outside of the folder
+# but npm's cache.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

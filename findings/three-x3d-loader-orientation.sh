@@ -1,18 +1,18 @@
 #!/usr/bin/env bash
 # three-x3d-loader 0.4.0 reads the faces of an X3D file (IndexedFaceSet) for three.js. It turns all of them inside out,
-# unless the file says ccw="TRUE" in capital letters, which is not how X3D's XML files have it. Where a file says nothing
-# of ccw, or says ccw="true", which means the same, a closed part has the negative of its volume. A file that says
-# ccw="false" comes out the same way, so the two orientations cannot be told apart.
+# unless the file says ccw="TRUE" in capital letters, which is not how X3D's XML files have it. Where a file says
+# nothing of ccw, or says ccw="true", which means the same, a closed part has the negative of its volume. A file that
+# says ccw="false" comes out the same way, so the two orientations cannot be told apart.
 #
 # The last face is left out unless a -1 stands behind it, so that a closed part is open. A part that is there again
-# elsewhere (USE) is an empty mesh there. And IndexedTriangleSet, which is how X3D has a mesh of triangles, is nothing at
-# all. There is no error and no warning in any of these cases.
+# elsewhere (USE) is an empty mesh there. And IndexedTriangleSet, which is how X3D has a mesh of triangles, is nothing
+# at all. There is no error and no warning in any of these cases.
 #
 # X3D's standard (ISO/IEC 19775-1) has TRUE as the default of ccw, which means that the corners of a face run
-# counter-clockwise as seen from outside. It lets the last face be followed by a -1 or not, and has a node with USE stand
-# for the node of that name with all that is in it. The XML encoding (ISO/IEC 19776-1) has true and false in small
-# letters. The order of the corners matters to whoever remeshes: it tells what is inside, so a volume mesher fills the
-# outside or refuses, and offsets go the wrong way.
+# counter-clockwise as seen from outside. It lets the last face be followed by a -1 or not, and has a node with USE
+# stand for the node of that name with all that is in it. The XML encoding (ISO/IEC 19776-1) has true and false in
+# small letters. The order of the corners matters to whoever remeshes: it tells what is inside, so a volume mesher
+# fills the outside or refuses, and offsets go the wrong way.
 #
 # Seen with npm's three-x3d-loader 0.4.0 and three 0.82.1, the one that it was developed with, for a tetrahedron of the
 # volume 1000 whose corners run counter-clockwise as seen from outside:
@@ -25,8 +25,8 @@
 #   IndexedTriangleSet: 0 facets, volume 0
 #
 # This script installs these packages in a temporary folder, reads the files, and fails if the behaviour is no longer
-# so. It ends with 77 if the packages cannot be had. It needs node and npm, and changes nothing outside of the folder but
-# npm's cache.
+# so. It ends with 77 if the packages cannot be had. It needs node and npm, and changes nothing outside of the folder
+# but npm's cache.
 set -euo pipefail
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT

@@ -14,9 +14,13 @@
 #include <vector>
 
 #include "core/base/error.h"
+#include "core/mending/edges/holes.h"
+#include "core/mending/weld/weld.h"
 #include "core/remesh.h"
+#include "tests/support/hostile_families.h"
 #include "tests/support/remeshed.h"
 #include "tests/support/shapes.h"
+#include "tests/support/time_limit.h"
 #include "tests/support/unrefined_options.h"
 
 namespace remesh {
@@ -351,6 +355,27 @@ TEST(hole_closing, a_closed_part_is_the_same_with_and_without) {
   EXPECT_EQ(with.mesh.faces.size(), without.mesh.faces.size());
   EXPECT_EQ(closed_holes(with.report), 0u);
   EXPECT_THAT(open_boundary_text(with.report), Not(HasSubstr("loops")));
+}
+
+TEST(hole_closing, sheets_in_boxes_of_each_other_do_not_take_quadratic_time) {
+  const auto time_of = [](std::size_t sheets) {
+    RunControl control;
+    const PolygonMesh mesh = hostile::family("askew_stack").make(sheets);
+    std::vector<Diagnostic> diagnostics;
+    Surface surface = weld(mesh, {}, diagnostics, control);
+    const Adjacency edges(surface.vertex_count(), surface.face_begin, surface.corners, control);
+    Advice left;
+    const test::Seconds start = test::processor_time();
+    HoleRules rules;
+    rules.mend = MendMode::kYes;
+    rules.diagonal = 10;
+    EXPECT_FALSE(close_holes(surface, edges, {}, rules, diagnostics, left, control));
+    EXPECT_THAT(left.text, HasSubstr("4 edges"));
+    return test::processor_time() - start;
+  };
+  // In proportion to n log n, it is 22 times; in proportion to the square, 256 times.
+  const test::Seconds of_few = time_of(4'000);
+  test::expect_best_within(70 * of_few / test::kSlowdown, [&] { return time_of(64'000); });
 }
 
 }  // namespace

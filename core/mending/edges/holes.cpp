@@ -1,6 +1,7 @@
 #include "core/mending/edges/holes.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <map>
@@ -117,14 +118,18 @@ class HoleTest {
     return found.is_complete;
   }
 
-  /// Returns the faces that are near the triangles over holes and may meet them.
+  /// Returns the faces that are near the triangles over holes and may meet them. These are all faces if boxes tell too
+  /// few of them apart, as in a stack of sheets that are askew to the axes.
   std::vector<FaceId> near_faces(const std::vector<Triangle>& triangles, const std::vector<std::uint32_t>& hole_of) {
-    constexpr std::size_t kFacesPerBlock = 4096;
+    constexpr std::size_t kFacesPerBlock = 4096, kMaxLooksPerFace = 256;
+    const std::size_t most_looks = kMaxLooksPerFace * (surface_.face_count() + kFacesPerBlock);
+    std::atomic<std::size_t> looks{0};
+    const auto are_too_many = [&] { return looks.load(std::memory_order_relaxed) > most_looks; };
     const TriangleTree tree(surface_.local.items(), triangles, control_, hole_of);
     const auto hole_of_slot = [&](std::size_t slot) { return hole_of[tree.face(slot).value]; };
     const auto only = [](std::uint32_t a, std::uint32_t b) { return a == b ? a : kNone; };
     const std::vector<std::uint32_t> hole_of_node = tree.joined<std::uint32_t>(hole_of_slot, only, control_);
-    return select_ids<FaceId>(surface_.face_count(), kFacesPerBlock, control_, [&](std::size_t f) {
+    const auto is_near_a_hole = [&](std::size_t f) {
       const auto corners = surface_.face(FaceId(f));
       Box3 box;
       for (const VertexId v : corners) box.add(surface_.local[v]);
@@ -136,16 +141,30 @@ class HoleTest {
         last = hole;
         return is_last_clear;
       };
-      std::size_t looks = 0;
+      std::size_t looks_here = 0;
+      const auto look = [&] {
+        if (++looks_here % kFacesPerBlock == 0) control_.check_and_move();
+      };
       tree.visit_meeting(
-          box, 0, [&](std::size_t node) { return is_clear(hole_of_node[node]); },
+          box, 0,
+          [&](std::size_t node) {
+            look();
+            return is_clear(hole_of_node[node]);
+          },
           [&](std::size_t slot) {
-            if (++looks % kFacesPerBlock == 0) control_.check_and_move();
+            look();
             is_near = !is_clear(hole_of_slot(slot));
-            return !is_near;
+            return !is_near && looks_here <= most_looks;
           });
+      looks.fetch_add(looks_here, std::memory_order_relaxed);
       return is_near;
-    });
+    };
+    auto near = select_ids<FaceId>(surface_.face_count(), kFacesPerBlock, control_,
+                                   [&](std::size_t f) { return are_too_many() || is_near_a_hole(f); });
+    // The order in which faces are looked at does not decide whether there are too many looks.
+    if (are_too_many())
+      near = select_ids<FaceId>(surface_.face_count(), kFacesPerBlock, control_, [](std::size_t) { return true; });
+    return near;
   }
 
   /// Returns whether a face is clearly apart from the plane of a hole, or stands on an edge or a vertex of the hole's
