@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -412,32 +413,43 @@ ShellNesting::Link ShellNesting::nearest(const Vec3& p, double tie, std::uint32_
 }
 
 /// The other nests that cross this one, ascending: an edge of theirs passes through a face of this nest's first shell,
-/// or the other way round. Touching does not count.
+/// or the other way round. Touching does not count. Where the boxes of faces separate too few of them, as around a
+/// common apex, all nests whose boxes meet this one's count.
 std::vector<std::uint32_t> ShellNesting::crossed_by(std::uint32_t nest) const {
   const auto faces = (*faces_)[nests_[nest].shells[0]];
-  constexpr std::size_t kFacesPerBlock = 256;
+  constexpr std::size_t kFacesPerBlock = 256, kMaxLooksPerFace = 256, kMaxLooksPerFaceOfTree = 32;
+  const std::size_t most_looks = kMaxLooksPerFace * faces.size() + kMaxLooksPerFaceOfTree * faces_of_tree_.size();
+  std::atomic<std::size_t> looks{0};
+  const auto are_too_many = [&] { return looks.load(std::memory_order_relaxed) > most_looks; };
   std::vector<std::uint32_t> crossed;
   for (const std::vector<std::uint32_t>&of_block : map_blocks<std::vector<std::uint32_t>>(
            faces.size(), kFacesPerBlock, control_, [&](std::size_t begin, std::size_t end) {
              std::vector<std::uint32_t> found;
-             std::size_t looks = 0;
-             for (std::size_t i = begin; i < end; ++i) {
+             for (std::size_t i = begin; i < end && !are_too_many(); ++i) {
                const Corners3 s = corners3(faces[i]);
                Box3 box;
                for (const Vec3& p : s) box.add(p);
+               std::size_t looks_here = 0;
                tree_->visit_meeting(box, 0, [&](std::size_t slot) {
-                 if (++looks % kTrianglesBetweenChecks == 0) control_.check_and_move();
+                 if (++looks_here % kTrianglesBetweenChecks == 0) control_.check_and_move();
                  const auto [f, other] = faces_of_tree_[tree_->face(slot).value];
                  if (other == nest || (!found.empty() && found.back() == other)) return true;
                  const Corners3 t = corners3(f);
                  if (passes_through(s, t) || passes_through(t, s)) found.push_back(other);
                  return true;
                });
+               looks.fetch_add(looks_here, std::memory_order_relaxed);
              }
              sort_out(found);
              return found;
            }))
     crossed.insert(crossed.end(), of_block.begin(), of_block.end());
+  // The order in which faces are looked at does not decide whether there are too many looks.
+  if (are_too_many()) {
+    crossed.clear();
+    for (std::uint32_t other = 0; other < boxes_.size(); ++other)
+      if (other != nest && do_meet(boxes_[other], boxes_[nest])) crossed.push_back(other);
+  }
   sort_out(crossed);
   return crossed;
 }

@@ -28,7 +28,8 @@ namespace remesh {
 /// Cost:    O(n) for n faces if no shell's box lies in the box of another shell. Otherwise a tree of the faces takes
 ///          O(n log n). Each shell whose box lies in another one's box then takes time in proportion to the number of
 ///          faces on the way from it to the nearest shell that does not lie in it. If that nearest shell crosses a
-///          third one, the faces on the way to the nearest larger shell may be added.
+///          third one, the faces on the way to the nearest larger shell may be added. To find out whether a shell
+///          crosses others takes a bounded number of looks for each face.
 class ShellNesting {
  public:
   /// The shells in one place. There is one in nearly all cases, and several if shells coincide.
@@ -44,7 +45,7 @@ class ShellNesting {
   const std::vector<Nest>& nests() const { return nests_; }
   /// Returns whether a shell crosses the one around it, or crosses another shell whose box contains half of this
   /// shell's box or more. Then it cannot be decided in which shell it lies. Touching does not count as crossing, and
-  /// coinciding shells do not cross.
+  /// coinciding shells do not cross. If that would take too long to find out, the place is in doubt.
   bool is_place_in_doubt(std::uint32_t shell) const;
 
  private:

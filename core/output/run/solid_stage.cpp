@@ -11,6 +11,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/error.h"
 #include "core/base/number_text.h"
 #include "core/base/stoppable.h"
 #include "core/base/union_find.h"
@@ -294,25 +295,51 @@ void judge(const SolidContext& context, const Candidate& candidate, ArrangingAtt
     attempt.told.counts.cells = count_cells(arranged, control);
 }
 
+/// Calls `work`, and returns false if it needs more memory than the run may take.
+template <class Work>
+bool fits_in_memory(const Work& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    if (error.code != Code::kOutOfMemory) throw;
+    return false;
+  }
+  return true;
+}
+
 /// Arranges triangles with the plane tolerance as the distance, and with shares of it as long as something is wrong.
 /// Output: the best arrangement that passes its check, or one that does not if all fail.
 ArrangingAttempt arrange_best(const SolidContext& context, const Candidate& candidate, RunControl& control) {
   std::vector<ArrangingAttempt> attempts;
+  const auto give_up = [](ArrangingAttempt& attempt) {
+    attempt = {};
+    attempt.arranged.is_given_up = attempt.is_judged = true;
+    attempt.fault = ArrangementFault::kTooMuch;
+    attempt.told.reason_in_vain = "that would need more memory than is allowed for a mesh of this size";
+  };
+  const auto judge_if_it_fits = [&](ArrangingAttempt& attempt) {
+    if (!fits_in_memory([&] { judge(context, candidate, attempt, control); })) give_up(attempt);
+  };
   for (std::optional<double> share = 1; share;) {
     ArrangingAttempt& attempt = attempts.emplace_back();
-    attempt.arranged = arrange(candidate.positions.items(), candidate.assembled.faces.items(), context.plane_tolerance,
-                               control, *share);
+    const bool fits = fits_in_memory([&] {
+      attempt.arranged = arrange(candidate.positions.items(), candidate.assembled.faces.items(),
+                                 context.plane_tolerance, control, *share);
+    });
+    if (!fits) give_up(attempt);
     attempt.fault = fault_of(attempt.arranged, context.plane_tolerance);
     if (attempt.fault == ArrangementFault::kMovesTooFar) attempt.moved_too_far = attempt.arranged.moved;
     // An attempt with a fault is judged only if nothing better is found.
-    if (attempt.fault == ArrangementFault::kNone) judge(context, candidate, attempt, control);
-    share = next_share(*share, attempt.fault);
+    if (attempt.fault == ArrangementFault::kNone) judge_if_it_fits(attempt);
+    // A smaller distance hardly needs less memory.
+    const bool was_memory_lacking = attempt.is_judged && attempt.arranged.is_given_up;
+    share = was_memory_lacking ? std::nullopt : next_share(*share, attempt.fault);
   }
   for (;;) {
     const auto best = std::min_element(attempts.begin(), attempts.end(),
                                        [](const auto& a, const auto& b) { return a.is_better_than(b); });
     if (best->is_judged) return std::move(*best);
-    judge(context, candidate, *best, control);
+    judge_if_it_fits(*best);
   }
 }
 
