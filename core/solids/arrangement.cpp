@@ -81,11 +81,11 @@ class Arranging {
     if (!join_contacts(distance_)) return give_up(result);
     result.is_changed = is_changed_;
     active_.clear();
-    if (!find_intersecting(result.left)) return give_up(result);
+    if (!are_all_apart_ && !find_intersecting(result.left)) return give_up(result);
     if (have_contacts_made_pairs(result.left.size())) return give_up(result);
     if (!cut_until_nothing_crosses(result)) return give_up(result);
     if (result.is_changed && distance_ > kMinDistance * limit_) join_thin(result);
-    drop_flaps(result.left);
+    if (result.is_changed) drop_flaps(result.left);
     finish(result);
     return result;
   }
@@ -313,6 +313,7 @@ class Arranging {
       const SoupEdges edges(soup_, control_);
       std::optional<CutPlan> plan = find_contacts(soup_, edges, distance, active_, control_);
       if (!plan) return false;
+      are_all_apart_ = plan->are_all_apart;
       // Contacts become fewer in the end, or they are made by joining others, and would go on for ever.
       if (plan->is_empty() || plan->size() / kMaxGrowthOfContacts >= least) return true;
       least = std::min(least, plan->size());
@@ -517,6 +518,7 @@ class Arranging {
   std::vector<Flap> flaps_;           ///< with corners of the soup
   std::vector<std::uint8_t> active_;  ///< by face: it may have contacts; empty: all may
   bool is_changed_ = false;
+  bool are_all_apart_ = false;  ///< it is known that no two faces meet
 };
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <map>
 #include <tuple>
@@ -11,6 +12,7 @@
 #include "core/base/stoppable.h"
 #include "core/geometry/intersections/pair_search.h"
 #include "core/geometry/triangles/distances.h"
+#include "core/geometry/triangles/triangle_intersection.h"
 #include "core/solids/active_faces.h"
 
 namespace remesh {
@@ -122,9 +124,10 @@ class ContactSearch {
 
   std::optional<CutPlan> run() {
     if (!find_near()) return std::nullopt;
-    if (near_.empty()) return CutPlan{};
-    find_features();
     CutPlan plan;
+    plan.are_all_apart = near_.empty() && active_.empty() && !do_any_intersect_;
+    if (near_.empty()) return plan;
+    find_features();
     join_vertices(plan);
     put_on_edges(plan);
     sides_.emplace(soup_, edges_, plan, control_);
@@ -178,13 +181,34 @@ class ContactSearch {
     return search.goes_on();
   }
 
-  /// Returns whether two faces surely have no contact, since they turn away from each other at their common side.
+  /// Returns whether two faces surely neither intersect nor have a contact, but for what they share.
   bool are_clearly_apart(const Triangle& f, const Triangle& g) const {
     VertexId shared[3];
     std::size_t count = 0;
     for (const VertexId v : f)
       if (has_corner(g, v)) shared[count++] = v;
-    if (count != 2) return false;
+    if (count < 2) return does_plane_part(f, g, count == 1 ? shared[0] : VertexId());
+    return count == 2 && do_turn_away(f, g, shared);
+  }
+
+  /// Returns whether a plane parts two faces and is far from both, but for the corner that they may share.
+  bool does_plane_part(const Triangle& f, const Triangle& g, VertexId shared) const {
+    // More than the rounding of what is computed here.
+    constexpr double kRounding = 32 * kSoupRoundingStep;
+    Vec3 way;
+    for (std::size_t k = 0; k < 3; ++k) way = way + (at(g[k]) - at(f[k]));
+    const double gap = (distance_ + kRounding) * norm(way);
+    const Vec3& origin = at(shared.is_valid() ? shared : f[0]);
+    double end_of_f = -HUGE_VAL, begin_of_g = HUGE_VAL;
+    for (const VertexId v : f)
+      if (v != shared) end_of_f = std::max(end_of_f, dot(way, at(v) - origin));
+    for (const VertexId v : g)
+      if (v != shared) begin_of_g = std::min(begin_of_g, dot(way, at(v) - origin));
+    return shared.is_valid() ? end_of_f < -gap && begin_of_g > gap : begin_of_g - end_of_f > gap;
+  }
+
+  /// Returns whether two faces turn away from each other at their common side.
+  bool do_turn_away(const Triangle& f, const Triangle& g, const VertexId (&shared)[3]) const {
     const auto apex = [&](const Triangle& t) {
       return *std::find_if(t.begin(), t.end(), [&](VertexId v) { return v != shared[0] && v != shared[1]; });
     };
@@ -203,9 +227,11 @@ class ContactSearch {
 
   bool are_near(FaceId f, FaceId g) const {
     const Triangle &s = soup_.faces[f.value], &t = soup_.faces[g.value];
+    if (are_clearly_apart(s, t)) return false;
+    if (!do_any_intersect_.load(std::memory_order_relaxed) && do_intersect(s, t, soup_.positions))
+      do_any_intersect_.store(true, std::memory_order_relaxed);
     const bool is_any_shared = has_corner(t, s[0]) || has_corner(t, s[1]) || has_corner(t, s[2]);
     if (!is_any_shared) return norm(shortest_way(corners(f), corners(g))) <= distance_;
-    if (are_clearly_apart(s, t)) return false;
     Contacts found;
     compare(f, g, found);
     return !found.vertices.empty() || !found.on_edges.empty() || !found.passing.empty() || !found.in_faces.empty();
@@ -419,8 +445,9 @@ class ContactSearch {
   const double distance_;
   const std::span<const std::uint8_t> active_;
   RunControl& control_;
-  FacePairs near_;             ///< ascending
-  std::vector<FaceId> faces_;  ///< those of near_, ascending
+  mutable std::atomic<bool> do_any_intersect_ = false;  ///< some faces that were compared do
+  FacePairs near_;                                      ///< ascending
+  std::vector<FaceId> faces_;                           ///< those of near_, ascending
   Contacts contacts_;
   std::optional<CutSides> sides_;
 };

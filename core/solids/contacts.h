@@ -19,8 +19,9 @@ namespace remesh {
 /// - a piece of an edge with both ends on a face becomes an edge of this face;
 /// - two faces that have points in common, not all near one line, are triangulated together.
 /// Input:   `active` is empty, or says which faces count. A contact needs at least one of these.
-/// Output:  the plan, which is empty if nothing is near anything else; new points are appended to the soup's positions.
-///          Nothing, if too many faces are near each other.
+/// Output:  the plan, which is empty if nothing is near anything else; then are_all_apart is set, unless faces
+///          intersect or some are not active. New points are appended to the soup's positions. Nothing, if too many
+///          faces are near each other.
 /// Holds:   every contact is decided once, for all faces that it concerns. The result depends on places and on the
 ///          numbers of vertices and faces, and not on threads.
 /// Errors:  kOutOfMemory - see MemoryBound; kCancelled, kTimeout - asked to stop through `control`.

@@ -29,6 +29,7 @@ struct CutPlan {
   std::vector<std::pair<FaceId, VertexId>> in_faces;
   std::vector<Constraint> constraints;
   std::vector<std::pair<FaceId, FaceId>> in_one_plane;  ///< faces that lie on each other and get the same triangles
+  bool are_all_apart = false;  ///< it is known that no two faces meet anywhere but in what they share
 
   bool is_empty() const {
     return image.empty() && on_edges.empty() && in_faces.empty() && constraints.empty() && in_one_plane.empty();

@@ -8,6 +8,7 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <limits>
 #include <set>
 #include <string>
 #include <string_view>
@@ -214,8 +215,27 @@ int print_pairs(const std::string& path) {
   return 0;
 }
 
+/// Writes the parts of each row to an OBJ file in a folder, and prints the file's name and the number of cells.
+int write_rows(const std::string& folder) {
+  for (const SolidRow& row : solid_rows()) {
+    const std::string name = "row_" + std::to_string(row.number) + ".obj";
+    std::ofstream file(folder + "/" + name);
+    file.precision(std::numeric_limits<double>::max_digits10);
+    const PolygonMesh mesh = as_one(row.parts);
+    for (const Vec3& p : mesh.positions) file << "v " << p.x << ' ' << p.y << ' ' << p.z << '\n';
+    for (FaceId f(0); f.value < mesh.face_count(); ++f.value) {
+      file << 'f';
+      for (const VertexId v : mesh.face(f)) file << ' ' << v.value + 1;
+      file << '\n';
+    }
+    std::printf("%s %zu\n", name.c_str(), row.cells.size());
+  }
+  return 0;
+}
+
 int run(int argc, char** argv) {
   if (argc == 3 && std::string_view(argv[1]) == "--pairs-of") return print_pairs(argv[2]);
+  if (argc == 3 && std::string_view(argv[1]) == "--write") return write_rows(argv[2]);
   bool is_short = false;
   std::set<int> only;
   std::string_view way;

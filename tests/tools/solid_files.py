@@ -5,6 +5,9 @@ For each file and for both repairs, without refinement and with the preset for v
 that still intersect, by the project's own test and by CGAL's; what the report says hinders a volume mesher; and whether
 TetGen (-p; for a union -pY as well), Gmsh and Netgen fill the result. What is left is told for each file; only errors
 of the program fail, and pairs that are left without the report telling of them.
+
+With --rows, the rows of the table of solids take the place of files: their unions by preset=volume have to be filled by
+TetGen, Gmsh and Netgen, and TetGen has to find as many regions in the arrangements of some rows as these have cells.
 """
 
 import json
@@ -40,6 +43,7 @@ MESHERS = {
     "gmsh": volume_check.gmsh,
     "netgen": volume_check.netgen,
 }
+ROWS_WITH_REGIONS = {*range(1, 9), 13, 14, 15}
 OF_UNIONS = ("tetgen -pY", "gmsh", "netgen")  # an arrangement may have walls between cells, which these do not take
 
 
@@ -92,14 +96,67 @@ def try_file(asked, path, repair, way, meshers):
     return row, "pairs are left that the report does not tell" if hidden else None
 
 
+def remeshed(asked, path, folder, options):
+    """The surface that the program makes of a file."""
+    command = [asked.remesh, str(path), "-o", str(folder / "out.obj"), "-q", *options]
+    code, output = volume_check.run(command, folder, asked.time_limit)
+    if code != 0:
+        raise volume_check.ToolFailed(output.strip().splitlines()[-1])
+    return surface_files.read_surface(folder / "out.obj")
+
+
+def regions_of(surface, folder, seconds):
+    """The number of regions that TetGen tells apart."""
+    volume_check.tetgen("-pA")(surface, folder, seconds)
+    with open(folder / "part.1.ele", encoding="ascii") as lines:
+        rows = [line.split() for line in lines if not line.startswith("#")]
+    return len({row[5] for row in rows[1:] if row})
+
+
+def try_rows(asked):
+    """Fills the unions of all rows, and counts regions. Output: what is wrong."""
+    table, faults = [["row", "faces", *OF_UNIONS, "regions", "cells"]], []
+    with tempfile.TemporaryDirectory(prefix="solid-rows-") as name:
+        folder = pathlib.Path(name)
+        written = subprocess.run([asked.pairs, "--write", name], capture_output=True, text=True, check=True)
+        for line in written.stdout.splitlines():
+            file, cells = line.split()
+            number = int(file[4:-4])
+            row = [file[:-4]] + [""] * 6
+            try:
+                surface = remeshed(asked, folder / file, folder, ["--repair", "+union", "--preset", "volume"])
+                row[1] = str(len(surface.faces))
+                for i, mesher in enumerate(OF_UNIONS):
+                    row[2 + i] = fill(mesher, surface, folder, asked.time_limit)
+                if number in ROWS_WITH_REGIONS:
+                    walls = ["--repair", "+self_intersections", "--refine", "false"]
+                    arranged = remeshed(asked, folder / file, folder, walls)
+                    row[5:] = [str(regions_of(arranged, folder, asked.time_limit)), cells]
+            except volume_check.ToolFailed as failure:
+                faults.append(f"{file}: {failure}")
+            faults += [f"{file}, {m}: {r}" for m, r in zip(OF_UNIONS, row[2:]) if not r.isdigit()]
+            if row[5] != row[6]:
+                faults.append(f"{file}: {row[5]} regions instead of {row[6]}")
+            say(" | ".join(row))
+            table.append(row)
+    tool.print_table(table)
+    return faults
+
+
 def main(arguments):
     parser = tool.make_parser(__doc__, [])
     parser.add_argument("paths", nargs="*", metavar="PATH", help="files or folders; without any, those of issue 63")
     parser.add_argument("--pairs", default="build/release/solids_table", help="the program that counts pairs")
+    parser.add_argument("--rows", action="store_true", help="the rows of the table of solids instead of files")
     parser.add_argument("--way", choices=list(WAYS), action="append", help="by default all")
     asked = tool.parse(parser, arguments, [], [SHARED / name for name in CORPUS if (SHARED / name).exists()])
     asked.pairs = str(pathlib.Path(asked.pairs).resolve())
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))
+    if asked.rows:
+        faults = try_rows(asked)
+        for fault in faults:
+            print(f"FAILED: {fault}")
+        return 1 if faults else 0
     meshers = [name for name in MESHERS if name != "netgen" or volume_check.has_netgen()]
     table = [["file", "repair", "way", "faces", "pairs", "by CGAL", "moved", "obstacles", *MESHERS]]
     faults = []

@@ -130,10 +130,8 @@ Outcome Attempts::attempt(const Decisions& decisions, const Effort& effort) {
     }
   // Section 5 of the 2018 report, for every patch: projection, lexicographic triangulation, flips, recovery of the
   // loops, carving. Vertices that were moved to keep a volume have changed the triangles.
-  if (!is_triangulated_ || products_->joined.outside)
-    triangulate();
-  else
-    products_->candidate.undo_refinement();
+  if (products_->joined.outside) products_->candidate.clear();
+  triangulate();
   outcome.end = make_result(decisions, effort, outcome);
   return outcome;
 }
@@ -224,8 +222,6 @@ void Attempts::make_surface(const Decisions& decisions) {
 /// Output: how the attempt ends if another one has to begin before; empty if the patches are there.
 std::optional<Outcome::End> Attempts::make_patches(const Decisions& decisions, Outcome& outcome) {
   RunProducts& made = *products_;
-  made.candidate.clear();
-  is_triangulated_ = false;
   divided_for_.reset();
   const PatchSet before =
       made.joined.curved() != nullptr ? std::move(made.joined.facets) : std::move(made.partition.patches);
@@ -238,7 +234,6 @@ std::optional<Outcome::End> Attempts::make_patches(const Decisions& decisions, O
   const Repair& repair = options().repair;
   if ((repair.self_intersections || repair.make_union) && !decisions.details.is_arranging_done) {
     triangulate();
-    is_triangulated_ = false;
     is_cut_later = !find_failed_patches(made.candidate.triangulated.meshes).empty();
     if (!is_cut_later) {
       outcome.is_arranged = arrange_faces();
@@ -255,7 +250,6 @@ std::optional<Outcome::End> Attempts::make_patches(const Decisions& decisions, O
                                   decisions.details.replaced.size() < kMaxDetailPasses;
   if (are_details_wanted) {
     triangulate();
-    is_triangulated_ = false;
     if (find_failed_patches(made.candidate.triangulated.meshes).empty()) {
       if (remove_details(decisions.mending.keep_verbatim)) {
         replaced_for_.push_back(decisions.rungs);
@@ -274,12 +268,15 @@ std::optional<Outcome::End> Attempts::make_patches(const Decisions& decisions, O
     outcome.is_coarsening_in_vain = true;
   }
   join(decisions.curved);
+  // Triangles of facets stay if no facets were joined.
+  if (made.joined.curved() != nullptr) made.candidate.clear();
   divided_for_ = Division{decisions.rungs, decisions.curved};
   return std::nullopt;
 }
 
 void Attempts::divide_by(const FaceRungs& rungs) {
   RunProducts& made = *products_;
+  made.candidate.clear();
   rungs_ =
       SurfaceRungs(surface(), made.adjacency(), made.prepared.without_area, rungs, options().keep_boundary_vertices);
   if (!rungs.are_any()) {
@@ -338,6 +335,7 @@ bool Attempts::remove_details(const FaceMarks& kept) {
 
 void Attempts::replace_surface(Replaced&& replaced) {
   RunProducts& made = *products_;
+  made.candidate.clear();
   made.spent.add(replaced);
   made.prepared.change([&](Surface& surface) {
     surface = std::move(replaced.surface);
@@ -408,15 +406,18 @@ void Attempts::join(const CurvedChoices& choices) {
   made.refinement.emplace(goals_, curved, control());
 }
 
+/// Triangulates the patches, or brings their triangles back as they were before refinement.
 void Attempts::triangulate() {
   RunProducts& made = *products_;
   made.watch.enter(Stage::kTriangulation);
-  made.candidate.clear();
-  const std::optional<CurvedBoundaries> boundaries = made.joined.boundaries();
-  made.candidate.triangulated = mesh_patches(
-      made.with_cuts(), made.adjacency(), patches(), made.partition.loops, made.partition.essential,
-      {options().reference_axis, options().reference_direction}, control(), boundaries ? &*boundaries : nullptr);
-  is_triangulated_ = true;
+  if (made.candidate.is_triangulated()) {
+    made.candidate.undo_refinement();
+  } else {
+    const std::optional<CurvedBoundaries> boundaries = made.joined.boundaries();
+    made.candidate.triangulated = mesh_patches(
+        made.with_cuts(), made.adjacency(), patches(), made.partition.loops, made.partition.essential,
+        {options().reference_axis, options().reference_direction}, control(), boundaries ? &*boundaries : nullptr);
+  }
   count_output();
 }
 
@@ -458,9 +459,7 @@ Outcome::End Attempts::make_result(const Decisions& decisions, const Effort& eff
       effort.is_in_vain(outcome.facts.expected_limit()))
     return Outcome::End::kWorkInVain;
   // No edge inside a patch may be the edge of another patch. (If refinement is tried again, this changes nothing.)
-  if (!made.candidate.has_chords)
-    made.candidate.has_chords =
-        !flip_chords(made.candidate.triangulated.meshes, made.with_cuts().vertex_count(), control());
+  made.candidate.flip_chords(made.with_cuts().vertex_count(), control());
   // All patches together: improve angles and sizes, and resolve the remaining conflicts between patches.
   if (const auto end = refine(choices, effort, outcome)) return *end;
   outcome.compared = made.joined.compare(

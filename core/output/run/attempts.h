@@ -102,7 +102,6 @@ class Attempts {
   bool is_recognised_ = false;
   SurfaceRungs rungs_;
   RefinementAttempt refined_;  ///< the last refinement, which is in the candidate
-  bool is_triangulated_ = false;
 };
 
 }  // namespace remesh

@@ -43,13 +43,27 @@ Candidate::~Candidate() { free_in_parallel(triangulated.meshes.items()); }
 
 void Candidate::clear() {
   free_in_parallel(triangulated.meshes.items());
-  has_chords = false;
+  has_chords = are_chords_flipped = false;
   forget_refinement();
+}
+
+void Candidate::flip_chords(std::size_t vertex_end, RunControl& control) {
+  if (has_chords) return;
+  const FlippedChords flipped = remesh::flip_chords(triangulated.meshes, vertex_end, control);
+  has_chords = flipped.are_any_left;
+  are_chords_flipped = are_chords_flipped || flipped.are_any;
 }
 
 void Candidate::undo_refinement() {
   refinement.before.exchange_with(triangulated.meshes);
   forget_refinement();
+}
+
+void Candidate::undo_assembly() {
+  if (are_chords_flipped)
+    clear();
+  else
+    forget_refinement();
 }
 
 void Candidate::forget_refinement() {
@@ -177,17 +191,21 @@ Verdict check(Candidate& candidate, const CheckedAgainst& against, RunControl& c
   return verification.finish();
 }
 
-Verdict check_triangles(Candidate& candidate, const CheckedAgainst& against, Stopwatch& watch, RunControl& control) {
+void assemble_triangles(Candidate& candidate, const CheckedAgainst& against, Stopwatch& watch, RunControl& control) {
   watch.enter(Stage::kAssembly);
   TriangulatedPatches& triangulated = candidate.triangulated;
   Refinement& refinement = candidate.refinement;
-  candidate.has_chords = !flip_chords(triangulated.meshes, against.surface.vertex_count(), control);
+  candidate.flip_chords(against.surface.vertex_count(), control);
   if (candidate.has_chords) {
     split_chords(against.surface, triangulated, refinement, {}, UnrefinedReason::kSizeFloor, control);
     lift_new_vertices(against.surface, against.patches, triangulated, refinement.first_inner, against.plane_tolerance,
                       refinement.new_positions, control);
   }
   assemble(candidate, against.surface, nullptr, control);
+}
+
+Verdict check_triangles(Candidate& candidate, const CheckedAgainst& against, Stopwatch& watch, RunControl& control) {
+  assemble_triangles(candidate, against, watch, control);
   watch.enter(Stage::kVerify);
   return check(candidate, against, control);
 }

@@ -29,7 +29,8 @@ namespace remesh {
 /// The triangles of all patches, first as separate meshes and then as one mesh.
 struct Candidate {
   TriangulatedPatches triangulated;
-  bool has_chords = false;  ///< some edges inside patches are also edges of others, and flips do not help
+  bool has_chords = false;          ///< some edges inside patches are also edges of others, and flips do not help
+  bool are_chords_flipped = false;  ///< the meshes are not as they were triangulated
   Refinement refinement;
   Assembled assembled;
   IdVector<VertexId, Vec3> positions;  ///< those of `assembled`
@@ -43,10 +44,17 @@ struct Candidate {
   Candidate(const Candidate&) = delete;
   Candidate& operator=(const Candidate&) = delete;
 
+  /// Flips edges inside patches that are also edges of others (see flip_chords), unless that was in vain before.
+  void flip_chords(std::size_t vertex_end, RunControl& control);
   /// Removes all triangles, so that it can take those of another attempt.
   void clear();
+  /// Returns whether there are triangles.
+  bool is_triangulated() const { return !triangulated.meshes.empty(); }
   /// Removes what was made of the patches' triangles, and brings these back as they were before refinement.
   void undo_refinement();
+  /// Removes what was made of the patches' triangles, which were not refined. If edges of them were changed for the
+  /// sake of chords, the triangles go as well.
+  void undo_assembly();
 
  private:
   void forget_refinement();
@@ -111,9 +119,13 @@ struct CheckedAgainst {
 ///        added to its list.
 Verdict check(Candidate& candidate, const CheckedAgainst& against, RunControl& control);
 
+/// Makes one mesh of patches that were triangulated and not refined.
+/// Input: a candidate that has been triangulated without failures, and no more.
+void assemble_triangles(Candidate& candidate, const CheckedAgainst& against, Stopwatch& watch, RunControl& control);
+
 /// Makes one mesh of patches that were triangulated and not refined, and checks it. So a stage can take these triangles
 /// for the surface.
-/// Input: a candidate that has been triangulated without failures, and no more.
+/// Input: as above.
 Verdict check_triangles(Candidate& candidate, const CheckedAgainst& against, Stopwatch& watch, RunControl& control);
 
 /// The pairs of patches that intersect in the input.

@@ -280,7 +280,7 @@ std::optional<Replaced> without_details(const DetailContext& context, Candidate&
   watch.enter(Stage::kWeld);
   std::optional<Replaced> replaced;
   if (verdict.all_true()) replaced = remove(context, candidate, verdict, limits, removed, control);
-  candidate.clear();
+  candidate.undo_assembly();
   return replaced;
 }
 

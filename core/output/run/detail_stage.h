@@ -61,7 +61,8 @@ struct DetailContext {
 
 /// Makes the triangles of a surface's patches, without the details among them, another surface. So details are looked
 /// for where they matter: between vertices that would stay. First it is proven that the triangles are the surface.
-/// Input:   a candidate that has been triangulated without failures, and no more. It is empty afterwards.
+/// Input:   a candidate that has been triangulated without failures, and no more. If nothing is done, its
+///          triangles stay, unless edges of them were changed for the sake of chords.
 /// Output:  nothing, if nothing was removed or proven. Otherwise the new surface. Its faces have the sources of the
 ///          faces under them, and the first face of each patch covers all input faces that the patch covered. What was
 ///          removed is added to `removed`.

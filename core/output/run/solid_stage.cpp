@@ -209,9 +209,9 @@ std::vector<std::uint8_t> drop_inner_faces(const SolidContext& context, const Ca
     return {};
   }
   const std::span<const Triangle> faces = candidate.assembled.faces.items();
-  const IdVector<FaceId, FaceId> source =
-      face_source(context.surface, context.patches, candidate.triangulated, control);
-  const BodyLabels labels = labels_of_sources(context.labels, source.items(), control);
+  const BodyLabels labels =
+      labels_of_result(labels_of_patches(context.labels, context.surface, context.patches, control),
+                       candidate.assembled.face_patch.items(), control);
   const std::vector<Vec3> scaled = scaled_for_predicates(candidate.positions.items(), control);
   const auto begins = triangle_begins(faces.size(), control);
   const Adjacency edges(scaled.size(), begins, corners_of(faces), control);
@@ -343,12 +343,11 @@ ArrangingAttempt arrange_best(const SolidContext& context, const Candidate& cand
   }
 }
 
-std::optional<Replaced> arrange_proven(const SolidContext& context, const Candidate& candidate, const Verdict& verdict,
-                                       ArrangedFaces& told, RunControl& control) {
-  ArrangingAttempt best = arrange_best(context, candidate, control);
+/// Makes the surface of triangles that were arranged, and tells what has changed.
+/// Input: the verdict on the triangles as they were.
+Replaced made_of(const ArrangingAttempt& best, const SolidContext& context, const Candidate& candidate,
+                 const Verdict& verdict, ArrangedFaces& told, RunControl& control) {
   const Arrangement& arranged = best.arranged;
-  told = std::move(best.told);
-  if (!told.reason_in_vain.empty() || !arranged.is_changed) return std::nullopt;
   const ArrangedSurface made(context.surface, context.patches, candidate, arranged, control);
   told.counts.cut_patches = made.add_faces([&](FaceId f) { return arranged.was_cut[f.value] != 0; }, told.faces);
   made.add_faces([&](FaceId f) { return best.is_shared[f.value] != 0; }, told.shared_faces);
@@ -370,22 +369,27 @@ std::optional<Replaced> arrange_proven(const SolidContext& context, const Candid
 
 std::optional<Replaced> arranged_surface(const SolidContext& context, Candidate& candidate, ArrangedFaces& told,
                                          Stopwatch& watch, RunControl& control) {
-  told = {};
   // Intersections are what is looked for here, so they prove nothing against the triangles.
   const InputIntersections unknown{{}, false};
-  const Verdict verdict = check_triangles(
-      candidate,
-      {context.input, context.surface, context.patches, unknown, context.plane_tolerance, context.weld_tolerance},
-      watch, control);
+  const CheckedAgainst against{context.input, context.surface,         context.patches,
+                               unknown,       context.plane_tolerance, context.weld_tolerance};
+  assemble_triangles(candidate, against, watch, control);
   watch.enter(Stage::kWeld);
-  std::optional<Replaced> replaced;
-  if (verdict.all_true())
-    replaced = arrange_proven(context, candidate, verdict, told, control);
-  else
-    told.reason_in_vain = "the triangles between the vertices that stay failed their check: " +
-                          (verdict.failures.empty() ? std::string("no reason is known") : verdict.failures.front());
-  candidate.clear();
-  return replaced;
+  ArrangingAttempt best = arrange_best(context, candidate, control);
+  told = std::move(best.told);
+  if (!told.reason_in_vain.empty() || !best.arranged.is_changed) {
+    candidate.undo_assembly();
+    return std::nullopt;
+  }
+  watch.enter(Stage::kVerify);
+  const Verdict verdict = check(candidate, against, control);
+  watch.enter(Stage::kWeld);
+  if (verdict.all_true()) return made_of(best, context, candidate, verdict, told, control);
+  told = {};
+  told.reason_in_vain = "the triangles between the vertices that stay failed their check: " +
+                        (verdict.failures.empty() ? std::string("no reason is known") : verdict.failures.front());
+  candidate.undo_assembly();
+  return std::nullopt;
 }
 
 void report_arrangement(const ArrangedFaces& told, std::vector<Diagnostic>& diagnostics) {

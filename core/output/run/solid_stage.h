@@ -40,9 +40,11 @@ struct SolidContext {
 };
 
 /// Makes the triangles of a surface's patches one conforming surface: those that cross are cut along their curves, and
-/// those that lie on each other within the plane tolerance become one (see arrange). First it is proven that the
-/// triangles are the surface. Where that moves points too far, or fails its check, smaller distances are tried.
-/// Input:   a candidate that has been triangulated without failures, and no more. It is empty afterwards.
+/// those that lie on each other within the plane tolerance become one (see arrange). Where that moves points too
+/// far, or fails its check, smaller distances are tried. If anything has changed, it is proven at last that the
+/// triangles were the surface.
+/// Input:   a candidate that has been triangulated without failures, and no more. If nothing is done, its
+///          triangles stay, unless edges of them were changed for the sake of chords.
 /// Output:  nothing, if nothing meets, or nothing was proven; `told` says why. Otherwise the new surface. Its faces
 ///          have the sources of the faces of which they are pieces.
 /// Errors:  kCancelled, kTimeout - through `control`; kOutOfMemory - see MemoryBound.

@@ -204,10 +204,10 @@ std::vector<Chord> find_chords(const PatchMeshes& meshes, std::size_t vertex_end
   return chords_of(all, control);
 }
 
-bool flip_chords(PatchMeshes& meshes, std::size_t vertex_end, RunControl& control) {
+FlippedChords flip_chords(PatchMeshes& meshes, std::size_t vertex_end, RunControl& control) {
   if (std::all_of(meshes.begin(), meshes.end(), [](const PatchMesh& patch) { return patch.reserved.empty(); }) &&
       find_chords(meshes, vertex_end, control).empty())
-    return true;
+    return {};
   // A flip may make new chords. It may also remove an edge because of which another edge was constrained. Such changes
   // may go on forever, so the number of passes is limited.
   constexpr int kMaxPasses = 8;
@@ -223,11 +223,11 @@ bool flip_chords(PatchMeshes& meshes, std::size_t vertex_end, RunControl& contro
       is_settled = !release_reserved(patch, is_wanted, control) && is_settled;
     }
     const std::vector<Chord> chords = chords_of(uses, control);
-    if (is_settled && chords.empty()) return true;
-    if (pass == kMaxPasses) return false;
+    if (is_settled && chords.empty()) return {true, false};
+    if (pass == kMaxPasses) return {true, true};
     if (!is_settled) continue;
     const auto flip_one = [&](PatchId p, std::uint32_t h) { return flip_away(meshes[p], h, uses, control); };
-    if (!for_chords(meshes, chords, control, flip_one)) return false;
+    if (!for_chords(meshes, chords, control, flip_one)) return {true, true};
   }
 }
 

@@ -22,6 +22,12 @@ struct Chord {
   std::uint32_t half_edge;
 };
 
+/// Says what became of the chords of a surface.
+struct FlippedChords {
+  bool are_any = false;       ///< some edges were flipped or constrained
+  bool are_any_left = false;  ///< flips do not help everywhere
+};
+
 /// Finds the chords among the edges whose two ends are vertices below `vertex_end`. The other vertices lie inside a
 /// single patch, so no other patch can share an edge at them.
 /// Output: Sorted ascending by the edges' vertices, then by patch.
@@ -30,8 +36,7 @@ std::vector<Chord> find_chords(const PatchMeshes& meshes, std::size_t vertex_end
 
 /// Flips each chord whose quadrilateral is strictly convex, unless some patch uses the new edge already. The new
 /// edge is constrained, so that later flips do not undo it.
-/// Output: True if no chord is left.
-bool flip_chords(PatchMeshes& meshes, std::size_t vertex_end, RunControl& control);
+FlippedChords flip_chords(PatchMeshes& meshes, std::size_t vertex_end, RunControl& control);
 
 /// Puts a point into the middle of each chord and makes the triangles around it Delaunay. One point may remove several
 /// chords. A chord without room for a point stays. If there are any chords, no edge is constrained for the sake of a

@@ -51,7 +51,9 @@ void expect_no_shared_chord(const PatchMeshes& meshes) {
   }
 }
 
-bool flip(StageChain& chain) { return flip_chords(chain.meshes, chain.surface.vertex_count(), chain.control); }
+bool flip(StageChain& chain) {
+  return !flip_chords(chain.meshes, chain.surface.vertex_count(), chain.control).are_any_left;
+}
 void split(StageChain& chain) {
   split_chords(
       chain.triangulated, chain.surface.vertex_count(), [](PatchId) {}, chain.control);

@@ -348,6 +348,33 @@ TEST(arrangement, nothing_changes_where_nothing_meets) {
   EXPECT_EQ(arranged.faces.size(), input.faces.size());
 }
 
+TEST(arrangement, two_triangles_stay_only_if_they_are_apart_by_cgal) {
+  RunControl control;
+  Random random(6306);
+  int stayed = 0, changed = 0;
+  for (int i = 0; i < 6000; ++i) {
+    // Small integers make triangles that touch, lie in one plane or have corners on one line.
+    const bool is_on_grid = i % 2 == 0;
+    const auto coordinate = [&] { return is_on_grid ? random.integer(0, 3) + 0.0 : random.uniform(0, 1); };
+    const std::uint32_t shared = static_cast<std::uint32_t>(i / 2 % 3);
+    Triangles input;
+    for (std::uint32_t v = 0; v < 6 - shared; ++v)
+      input.positions.push_back({coordinate(), coordinate(), coordinate()});
+    input.faces = {{VertexId(0), VertexId(1), VertexId(2)},
+                   {VertexId(shared > 0 ? 0 : 3), VertexId(shared > 1 ? 1 : 4 - shared), VertexId(5 - shared)}};
+    const CgalIntersection test(input.positions);
+    const std::set<Vec3> different(input.positions.begin(), input.positions.end());
+    if (different.size() < input.positions.size() || !test.has_area(input.faces[0]) || !test.has_area(input.faces[1]))
+      continue;
+    const bool do_meet = test(input.faces[0], input.faces[1]);
+    const Arrangement arranged = arrange(input.positions, input.faces, input.tolerance(), control);
+    EXPECT_EQ(arranged.is_changed, do_meet) << "case " << i;
+    ++(arranged.is_changed ? changed : stayed);
+  }
+  EXPECT_GT(stayed, 1000);
+  EXPECT_GT(changed, 1000);
+}
+
 /// A convex solid, as polygons.
 using Faces3 = std::vector<std::vector<Vec3>>;
 
