@@ -9,6 +9,7 @@
 #include <functional>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <set>
 #include <string>
 #include <string_view>
@@ -217,8 +218,11 @@ int print_pairs(const std::string& path) {
 
 /// Writes the parts of each row to an OBJ file in a folder, and prints the file's name and the number of cells.
 int write_rows(const std::string& folder) {
+  std::map<int, int> with_number;
   for (const SolidRow& row : solid_rows()) {
-    const std::string name = "row_" + std::to_string(row.number) + ".obj";
+    const int before = with_number[row.number]++;
+    const std::string name =
+        "row_" + std::to_string(row.number) + (before > 0 ? "_" + std::to_string(before + 1) : "") + ".obj";
     std::ofstream file(folder + "/" + name);
     file.precision(std::numeric_limits<double>::max_digits10);
     const PolygonMesh mesh = as_one(row.parts);

@@ -121,7 +121,7 @@ def try_rows(asked):
         written = subprocess.run([asked.pairs, "--write", name], capture_output=True, text=True, check=True)
         for line in written.stdout.splitlines():
             file, cells = line.split()
-            number = int(file[4:-4])
+            number = int(file[4:-4].split("_")[0])
             row = [file[:-4]] + [""] * 6
             try:
                 surface = remeshed(asked, folder / file, folder, ["--repair", "+union", "--preset", "volume"])
