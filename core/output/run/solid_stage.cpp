@@ -370,7 +370,7 @@ Replaced made_of(const ArrangingAttempt& best, const SolidContext& context, cons
 std::optional<Replaced> arranged_surface(const SolidContext& context, Candidate& candidate, ArrangedFaces& told,
                                          Stopwatch& watch, RunControl& control) {
   // Intersections are what is looked for here, so they prove nothing against the triangles.
-  const InputIntersections unknown{{}, false};
+  const InputIntersections unknown{{}, false, false};
   const CheckedAgainst against{context.input, context.surface,         context.patches,
                                unknown,       context.plane_tolerance, context.weld_tolerance};
   assemble_triangles(candidate, against, watch, control);

@@ -14,31 +14,26 @@ namespace {
 /// A surface is believed only with this many facets besides the first two.
 constexpr std::size_t kMinNeighbours = 2;
 
-/// Two triangles with a common edge, from its start: the end of the edge, the other corners of both triangles, and the
-/// far corners of their neighbours.
-class TrianglePair {
+/// Two facets with a common edge, and the facets around them. Places are seen from the start of the edge.
+class FacetPair {
  public:
-  /// Output: nothing if some facet is no triangle.
-  static std::optional<TrianglePair> of(const FacetGraph& graph, const SurfaceSeed& seed) {
-    TrianglePair pair;
-    const Vec3 &a = graph.position(graph.vertex(seed.side)), &b = graph.position(graph.vertex(seed.end_side));
-    pair.edge_ = b - a;
+  /// Output: nothing if there are many facets around the two.
+  static std::optional<FacetPair> of(const FacetGraph& graph, const SurfaceSeed& seed) {
+    FacetPair pair(graph, graph.vertex(seed.side), graph.vertex(seed.end_side));
     const std::array<PatchId, 2> facets{seed.facet, graph.beyond(seed.side)};
     for (std::size_t i = 0; i < 2; ++i) {
-      if (!is_triangle(graph, facets[i])) return std::nullopt;
+      pair.take_apex(i, facets[i]);
+      if (graph.corner_count(facets[i]) > 3) pair.add_around(facets[i], pair.polygons_, pair.polygon_count_);
       for (std::uint32_t s = graph.sides_begin(facets[i]); s < graph.sides_end(facets[i]); ++s) {
-        const Vec3 &from = graph.position(graph.vertex(s)), &to = graph.position(graph.end_vertex(s));
-        if (from != a && from != b) pair.apex_[i] = from - a;
         const PatchId q = graph.beyond(s);
-        if (!q.is_valid() || q == facets[1 - i]) continue;
-        if (!is_triangle(graph, q)) return std::nullopt;
-        for (std::uint32_t t = graph.sides_begin(q); t < graph.sides_end(q); ++t)
-          if (const Vec3& far = graph.position(graph.vertex(t)); far != from && far != to)
-            pair.far_[pair.far_count_++] = far - a;
+        if (!q.is_valid() || q == facets[1 - i] || !graph.may_be_curved(q)) continue;
+        if (!pair.add_around(q, pair.around_, pair.around_count_)) return std::nullopt;
       }
     }
     return pair;
   }
+
+  bool has_polygon() const { return polygon_count_ > 0; }
 
   bool has_sphere(double allowed) const {
     const Vec3 &u = edge_, &v = apex_[0], &w = apex_[1];
@@ -63,10 +58,18 @@ class TrianglePair {
         bound(std::sqrt(norm_squared(centre)), allowed));
   }
 
-  /// The edge is a ruling, and the apex is one of its ends.
-  bool has_cone(bool is_at_end, double allowed) const {
-    const Vec3 apex = is_at_end ? edge_ : Vec3{};
-    const Vec3 u = normalized(is_at_end ? -edge_ : edge_);
+  /// The edge is a ruling, and the apex is where it meets the next ones.
+  bool has_cone(double allowed) const {
+    const ConeApexes apexes = guess_apexes(corners(0), corners(1), {}, edge_);
+    for (std::size_t i = 0; i < apexes.count; ++i)
+      if (has_cone_at(apexes.at[i], allowed)) return true;
+    return false;
+  }
+
+ private:
+  bool has_cone_at(double t, double allowed) const {
+    const Vec3 apex = t * edge_;
+    const Vec3 u = normalized((t < 0.5 ? edge_ : Vec3{}) - apex);
     const Vec3 v = normalized(apex_[0] - apex), w = normalized(apex_[1] - apex);
     Vec3 axis = normalized(cross(v - u, w - u));
     if (dot(axis, u) < 0) axis = -axis;
@@ -80,40 +83,86 @@ class TrianglePair {
         allowed);
   }
 
- private:
-  static bool is_triangle(const FacetGraph& graph, PatchId p) {
-    return graph.may_be_seed(p) && graph.corner_count(p) == 3 && graph.sides_end(p) - graph.sides_begin(p) == 3;
+  FacetPair(const FacetGraph& graph, VertexId start, VertexId end)
+      : graph_(graph), start_(start), end_(end), origin_(graph.position(start)), edge_(graph.position(end) - origin_) {}
+
+  std::span<const Vec3> corners(std::size_t i) const { return std::span(corners_[i]).first(corner_count_[i]); }
+
+  /// Takes the corner that is farthest from the edge, as the guesses do, and all corners if they are few.
+  void take_apex(std::size_t i, PatchId p) {
+    double farthest = -1;
+    for (std::uint32_t s = graph_.sides_begin(p); s < graph_.sides_end(p); ++s) {
+      const VertexId v = graph_.vertex(s);
+      if (!graph_.is_corner(s)) continue;
+      const Vec3 way = graph_.position(v) - origin_;
+      if (graph_.corner_count(p) <= kMaxOfGuess) corners_[i][corner_count_[i]++] = way;
+      if (v == start_ || v == end_) continue;
+      const double distance = norm_squared(cross(way, edge_));
+      if (!(distance > farthest)) continue;
+      farthest = distance;
+      apexes_[i] = v;
+      apex_[i] = way;
+    }
+  }
+
+  template <std::size_t Max>
+  bool add_around(PatchId q, std::array<PatchId, Max>& facets, std::size_t& count) {
+    if (count == Max) return false;
+    facets[count++] = q;
+    return true;
   }
 
   /// Returns the bound on the difference of squares, |q - centre|^2 - radius^2, for points that are near a circle or a
   /// sphere.
   static double bound(double radius, double allowed) { return allowed * (2 * radius + allowed); }
 
+  /// A measure that is no number proves nothing.
   template <class Measure>
-  bool are_enough(const Measure& measure, double bound) const {
-    std::size_t near = 0;
-    // A measure that is no number proves nothing.
-    for (std::size_t i = 0; i < far_count_; ++i)
-      if (!(std::fabs(measure(far_[i])) > bound)) ++near;
-    return near >= kMinNeighbours;
+  bool is_near(PatchId p, const Measure& measure, double bound) const {
+    for (std::uint32_t s = graph_.sides_begin(p); s < graph_.sides_end(p); ++s) {
+      const VertexId v = graph_.vertex(s);
+      if (!graph_.is_corner(s) || v == start_ || v == end_ || v == apexes_[0] || v == apexes_[1]) continue;
+      if (std::fabs(measure(graph_.position(v) - origin_)) > bound) return false;
+    }
+    return true;
   }
 
-  Vec3 edge_;
+  template <class Measure>
+  bool are_enough(const Measure& measure, double bound) const {
+    for (std::size_t i = 0; i < polygon_count_; ++i)
+      if (!is_near(polygons_[i], measure, bound)) return false;
+    // At the end of a strip of polygons there is one neighbour, behind which the next one may be.
+    const std::size_t wanted = has_polygon() ? std::min(kMinNeighbours, around_count_) : kMinNeighbours;
+    std::size_t near = 0;
+    for (std::size_t i = 0; i < around_count_ && near < wanted; ++i)
+      if (is_near(around_[i], measure, bound)) ++near;
+    return near >= wanted;
+  }
+
+  const FacetGraph& graph_;
+  VertexId start_, end_;
+  static constexpr std::size_t kMaxOfGuess = 4;
+  std::array<VertexId, 2> apexes_;
+  std::array<std::array<Vec3, kMaxOfGuess>, 2> corners_;
+  std::array<std::size_t, 2> corner_count_{};
+  Vec3 origin_, edge_;
   std::array<Vec3, 2> apex_;
-  std::array<Vec3, 4> far_;
-  std::size_t far_count_ = 0;
+  std::array<PatchId, 2> polygons_;
+  std::array<PatchId, 16> around_;
+  std::size_t polygon_count_ = 0, around_count_ = 0;
 };
 
 }  // namespace
 
 SurfaceKinds kinds_that_may_begin(const FacetGraph& graph, const SurfaceSeed& seed, double tolerance) {
-  const std::optional<TrianglePair> pair = TrianglePair::of(graph, seed);
+  const std::optional<FacetPair> pair = FacetPair::of(graph, seed);
   if (!pair) return SurfaceKinds::all();
-  const double twice = 2 * kFirstSlack * tolerance;
+  // Of more than four corners, the guess is a mean.
+  const double twice = 2 * kFirstSlack * tolerance, wide = (pair->has_polygon() ? 2 : 1) * twice;
   SurfaceKinds kinds = SurfaceKinds::none();
-  if (pair->has_sphere(twice)) kinds.add(SurfaceKind::kSphere);
+  if (pair->has_sphere(wide)) kinds.add(SurfaceKind::kSphere);
   if (pair->has_cylinder(twice)) kinds.add(SurfaceKind::kCylinder);
-  if (pair->has_cone(false, twice) || pair->has_cone(true, twice)) kinds.add(SurfaceKind::kCone);
+  if (pair->has_cone(wide)) kinds.add(SurfaceKind::kCone);
   return kinds;
 }
 

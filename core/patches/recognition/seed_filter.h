@@ -11,11 +11,11 @@
 
 namespace remesh {
 
-/// Returns the kinds of those surfaces that SeedGuesses makes of two triangles and that pass near the corners of two of
+/// Returns the kinds of those surfaces that SeedGuesses makes of two facets and that pass near the corners of two of
 /// their neighbours. On scans there are few, and the test takes a fraction of the time of a guess.
 /// Input:  a seed, and the tolerance of growths from it. The test allows twice the slack of these, since its surfaces
 ///         differ from the guesses by rounding.
-/// Output: all kinds if a facet that the test would have to look at is no triangle.
+/// Output: all kinds if there are many facets around the two.
 SurfaceKinds kinds_that_may_begin(const FacetGraph& graph, const SurfaceSeed& seed, double tolerance);
 
 /// Returns whether a surface passes through enough facets around two facets to be believed, claimed or not. Otherwise

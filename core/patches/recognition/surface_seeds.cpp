@@ -81,6 +81,28 @@ void SeedQueue::sort_to(std::size_t end) {
   sorted_ = end;
 }
 
+ConeApexes guess_apexes(std::span<const Vec3> first, std::span<const Vec3> second, const Vec3& a, const Vec3& b) {
+  const auto apex_of = [&](std::span<const Vec3> facet) -> std::optional<double> {
+    if (facet.size() != 4) return std::nullopt;
+    std::array<Vec3, 4> others;
+    std::size_t count = 0;
+    for (const Vec3& p : facet)
+      if (p != a && p != b) others[count++] = p;
+    return count == 2 ? meeting_of(a, b, others[0], others[1]) : std::nullopt;
+  };
+  const std::optional<double> s = apex_of(first), t = apex_of(second);
+  if (s && t) {
+    const double mean = 0.5 * (*s + *t);
+    // If the edge is a ruling, both facets give the same apex. The relative error grows with the distance.
+    if (std::fabs(*s - *t) < 0.2 * (1 + std::fabs(mean)) && std::fabs(mean) < kMaxApex) return {{mean, 0}, 1};
+  } else if (s || t) {
+    if (std::fabs(s ? *s : *t) < kMaxApex) return {{s ? *s : *t, 0}, 1};
+  } else if (first.size() == 3 && second.size() == 3) {
+    return {{0, 1}, 2};
+  }
+  return {};
+}
+
 const std::vector<AnalyticSurface>& SeedGuesses::of(const SurfaceSeed& seed) {
   guesses_.clear();
   first_.clear();
@@ -120,26 +142,8 @@ void SeedGuesses::guess_cones(const Vec3& a, const Vec3& b) {
     if (!(angle > 1e-9) || !(std::fabs(cosine) > 1e-9)) return;
     guesses_.push_back({SurfaceKind::kCone, apex, axis, 0, 0, angle});
   };
-  // The apex is where the edge meets the next ruling of a facet. It may be a corner of a triangle.
-  const auto apex_of = [&](std::span<const Vec3> facet) -> std::optional<double> {
-    if (facet.size() != 4) return std::nullopt;
-    std::array<Vec3, 4> others;
-    std::size_t count = 0;
-    for (const Vec3& p : facet)
-      if (p != a && p != b) others[count++] = p;
-    return count == 2 ? meeting_of(a, b, others[0], others[1]) : std::nullopt;
-  };
-  const std::optional<double> s = apex_of(first_), t = apex_of(second_);
-  if (s && t) {
-    const double mean = 0.5 * (*s + *t);
-    // If the edge is a ruling, both facets give the same apex. The relative error grows with the distance.
-    if (std::fabs(*s - *t) < 0.2 * (1 + std::fabs(mean)) && std::fabs(mean) < kMaxApex) guess_with_apex(mean);
-  } else if (s || t) {
-    if (std::fabs(s ? *s : *t) < kMaxApex) guess_with_apex(s ? *s : *t);
-  } else if (first_.size() == 3 && second_.size() == 3) {
-    guess_with_apex(0);
-    guess_with_apex(1);
-  }
+  const ConeApexes apexes = guess_apexes(first_, second_, a, b);
+  for (std::size_t i = 0; i < apexes.count; ++i) guess_with_apex(apexes.at[i]);
 }
 
 }  // namespace remesh

@@ -1,8 +1,10 @@
 /// First guesses of surfaces from two facets that meet in an edge.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -119,6 +121,17 @@ class SeedQueue {
   const RunControl& control_;
   std::size_t sorted_ = 0, next_ = 0;
 };
+
+/// Where the apexes of cones may be for which an edge is a ruling, as multiples of the way from its start to its end.
+struct ConeApexes {
+  std::array<double, 2> at{};
+  std::size_t count = 0;
+};
+
+/// Guesses apexes of cones on two facets with a common edge from a to b: where the edge meets the next ruling of a
+/// facet with four corners. Between two triangles, either end of the edge may be the apex.
+/// Input: the corners of the two facets.
+ConeApexes guess_apexes(std::span<const Vec3> first, std::span<const Vec3> second, const Vec3& a, const Vec3& b);
 
 /// Guesses the surfaces of two facets.
 class SeedGuesses {

@@ -35,6 +35,7 @@ struct RefinementClaim {
 struct InputIntersections {
   std::vector<std::pair<PatchId, PatchId>> patches;
   bool is_complete = true;  ///< false: there are so many intersections that some pairs may be missing
+  bool are_told = true;     ///< false: if they are not all known, those of the output need not be listed
 
   bool has(PatchId p, PatchId q) const {
     return std::binary_search(patches.begin(), patches.end(), std::pair(std::min(p, q), std::max(p, q)));
