@@ -84,7 +84,7 @@ Problem to_problem(const Error& error) {
   problem.byte = error.byte;
   problem.element = error.element;
   problem.limit = error.limit;
-  // The name that was sent may be empty, which is also the name of an unknown option.
+  // An empty name is the name of an unknown option, too. So the name of an unknown option is told even if it is empty.
   if (!error.option.empty() || error.code == RequestCode::kUnknownOption) problem.option = error.option;
   if (error.code == Code::kInternal)
     problem.detail = "an internal error has occurred; the server's log has the details under this request id";

@@ -159,7 +159,9 @@ void read_form(std::string_view body, const Request& request, RunControl& contro
       parsed.job.options.add(part.name, without_line_ends(part.content));
     }
   }
-  if (mesh_name.empty()) fail_form("the form has no mesh; send it as a file with the name " + names_of_mesh());
+  if (mesh_name.empty())
+    fail_form("the form has no mesh; send the mesh as a field with the name " + names_of_mesh() +
+              " (curl -F mesh=@part.stl)");
 }
 
 /// The two meshes of a form. They refer to the body.

@@ -233,8 +233,9 @@ const std::array<OptionSpec, 36> kTable = in_groups<36>({{
      .type = OptionType::kChoice,
      .field = FormatField{},
      .group = OptionGroup::kResult,
-     .help = "the format of the result; auto: what the Accept header or the name of the file asks for, otherwise the "
-             "format of the input",
+     .help =
+         "the format of the result; auto: what the Accept header or the name of the output file asks for, otherwise "
+         "the format of the input",
      .unset = "auto",
      .example = "json"},
     {.name = "label",

@@ -39,8 +39,8 @@ Result remesh_surface(const PolygonMesh& input, const Options& options, const Ru
 /// Holds:   the report is the same for any number of workers, apart from the times.
 /// Errors:  kEmptyMesh, kInvalidMesh - see prepare; kInvalidOption - see check_options; kCancelled, kTimeout - asked to
 ///          stop through `control`.
-/// Cost:    O(n log n) in the input's corners, and for small surfaces that of remesh_surface, which is a part of the
-///          stage "refinement".
+/// Cost:    O(n log n) in the input's corners. A small surface also costs what remesh_surface costs; the report counts
+///          that time in the stage "refinement".
 Report analyze_surface(const PolygonMesh& input, const Options& options, const RunSettings& settings,
                        RunControl& control, std::vector<Diagnostic> diagnostics = {});
 

@@ -81,7 +81,7 @@ std::string missed(const Report& report) {
                     list_counts(report.unrefined, [](const Unrefined& u) { return unrefined_name(u.reason); }));
   if (!report.volume_obstacles.empty())
     parts.push_back(
-        "a volume mesher will refuse this: " +
+        "a volume mesher will refuse the result, because of " +
         list_counts(report.volume_obstacles, [](const VolumeObstacle& o) { return diagnostic_name(o.code); }));
   std::string text;
   for (const std::string& part : parts) text.append(text.empty() ? "" : "; ").append(part);

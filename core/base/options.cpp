@@ -33,7 +33,7 @@ constexpr std::array<NumberOption, 20> kNumberOptions{{
     {"feature_angle_deg", &Options::feature_angle_deg, {.minimum = 0, .maximum = 180}},
     {"surface_tolerance", &Options::surface_tolerance, kNotNegative},
     {"surface_tolerance_fraction", &Options::surface_tolerance_fraction, kNotNegative},
-    // A full turn of fewer edges has no inside.
+    // A polygon needs at least three edges to enclose an area.
     {"elements_per_circle", &Options::elements_per_circle, {.minimum = 3, .maximum = 1000}},
     {"normal_tolerance", &Options::normal_tolerance, {.minimum = 0, .maximum = 0.5}},
     {"weld_tolerance", &Options::weld_tolerance, kNotNegative},

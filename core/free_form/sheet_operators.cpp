@@ -214,8 +214,8 @@ void SheetPart::commit_join(VertexId from, VertexId to, const Vec3& place) {
   record_change(to);
 }
 
-/// Returns whether the chain witnesses are near the chain edge from `to` to `far` that is to replace the edges at
-/// `from`.
+/// Returns whether the points that stand for the input's chain (its witnesses) are within the tolerance of the edge
+/// from `to` to `far`, which is to replace the two edges of the chain at `from`.
 bool SheetPart::are_chain_witnesses_near(VertexId from, VertexId to, VertexId far) const {
   const Sheet& sheet = free_.sheet;
   const SheetWitnesses& witnesses = free_.witnesses;

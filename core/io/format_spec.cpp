@@ -124,8 +124,8 @@ constexpr ReadingProgram kOffPrograms[] = {
     {"OpenSCAD", "a closed solid", "echo 'import(\"part.off\");' > part.scad\nopenscad part.scad -o part.3mf"},
     {"CGAL", "triangles; doubles"}};
 constexpr ReadingProgram kVtuPrograms[] = {
-    {"ParaView", "all cell data; names of labels", "paraview part.vtu"},
-    {"VTK", "all cell data; names of labels",
+    {"ParaView", "all cell data; names of the boundaries", "paraview part.vtu"},
+    {"VTK", "all cell data; names of the boundaries",
      "python3 -c \"import vtk; r = vtk.vtkXMLUnstructuredGridReader(); r.SetFileName('part.vtu'); r.Update(); "
      "print(r.GetOutput())\""},
     {"meshio", "all cell data, without names", "python3 -c \"import meshio; print(meshio.read('part.vtu'))\""}};

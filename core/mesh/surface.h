@@ -57,7 +57,7 @@ struct Surface {
   FilledIdVector<VertexId, VertexId>
       vertex_source;  ///< the first input vertex with these coordinates; for a new vertex, that of a neighbour
   FilledIdVector<FaceId, FaceId> face_source;  ///< the input face from which each face came; ascending
-  /// The input faces that each face covers, if a stage has made faces that stand for others than their source.
+  /// The input faces that each face covers. Empty if each face covers only the face in `face_source`.
   CoveredFaces covers;
   /// One number per face. Between neighbours with different labels is a barrier: they never belong to one patch. Empty
   /// if there are no labels.

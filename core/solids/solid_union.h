@@ -35,8 +35,8 @@ struct Cells {
   bool are_consistent = true;
 };
 
-/// Walks around the edges to find the cells, and across the faces to find their winding numbers. Parts that do not hang
-/// together over edges are nested by a ray from each.
+/// Walks around the edges to find the cells, and across the faces to find their winding numbers. For
+/// parts of the surface that share no edge with others, a ray from each part finds the cell that contains this part.
 /// Holds:   exact for triangles that meet only in common vertices and edges. The coordinates are in the range of
 ///          orient3d. The result is the same for any number of threads.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`; kOutOfMemory - see MemoryBound.

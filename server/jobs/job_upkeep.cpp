@@ -83,7 +83,7 @@ void JobUpkeep::end_damaged() {
 void JobUpkeep::mend(const std::string& id) {
   static const std::string problem =
       problem_text(500, "internal", "the job's row in the store was damaged, so the job cannot run");
-  // A job that has ended stays as it is. Only its numbers are mended, so that it can expire.
+  // A job that has ended keeps its state and its problem. Its damaged numbers are mended, so that it can expire.
   static const std::string ends = "state NOT IN ('succeeded', 'failed', 'cancelled', 'expired')";
   static const std::string sql =
       "UPDATE remeshd_job SET memory = 0, token = 0, attempts = 1, turn = 0, version = 1, lease_ms = NULL, "

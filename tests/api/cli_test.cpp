@@ -264,7 +264,7 @@ TEST_F(cli, a_success_is_told_with_what_it_missed_and_the_option_that_helps_unle
   ASSERT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(outcome.out, "");
   EXPECT_THAT(outcome.err, StartsWith("remesh: 5 faces in, 10 out; the least angle is 45 degrees"));
-  EXPECT_THAT(outcome.err, HasSubstr("\nremesh: a volume mesher will refuse this: 4 open_boundary\n"));
+  EXPECT_THAT(outcome.err, HasSubstr("\nremesh: a volume mesher will refuse the result, because of 4 open_boundary\n"));
   EXPECT_THAT(outcome.err, HasSubstr("\nremesh: --repair +holes would close small holes\n"));
   EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 3);
   // The flags do what is said of them, and then there is nothing more to say.

@@ -30,8 +30,8 @@ inline constexpr std::array<std::array<std::uint32_t, 256>, 4> kBase64Groups = [
   return groups;
 }();
 
-/// Decodes base64 up to a number of bytes, or to the end. Behind padding, the next group of four begins a new text: VTK
-/// packs the header of an array by itself.
+/// Decodes base64 up to a number of bytes, or to the end. After padding, the next four characters begin a new base64
+/// text, because VTK encodes the header of an array separately from its values.
 inline std::string from_base64(std::string_view text, std::uint64_t max_bytes) {
   // A group has three bytes, so the last one may have two more than are wanted.
   std::string bytes(static_cast<std::size_t>(std::min<std::uint64_t>(max_bytes, text.size() / 4 * 3)) + 3, '\0');

@@ -28,11 +28,13 @@ ReadResult read_msh(std::string_view content, const ReadLimits& limits, RunContr
 /// Writes `.msh` as text, in version 2.2 or 4.1. Each patch is an elementary entity. Each boundary (boundaries.h) is a
 /// physical group of its name; a patch that belongs to several boundaries is several entities. If the surfaces of the
 /// patches are known, each face has the number of its surface in an element data section named `surface`, which Gmsh
-/// shows as a view. `comments` are in a section `$Comments`. If the surface encloses volumes, there is the name of one
-/// physical volume, and the comments have the lines of Gmsh's language that make this volume and its elementary parts.
-/// Without such lines `gmsh -3` makes no tetrahedra, and with an entity of dimension 3 in the file it refuses to.
-/// Holds:  every number is the shortest text that reads back to the same double; no name can end its line; no number
-///         stands for two physical groups. The nodes and triangles have the numbers of the vertices and faces, from 1.
+/// shows as a view. `comments` are in a section `$Comments`. If the surface encloses volumes, `$PhysicalNames` also
+/// names one physical volume, and the comments have the lines of Gmsh's language that make this volume and its
+/// elementary parts. Without these lines `gmsh -3` makes no tetrahedra. The file has no entity of dimension 3, because
+/// `gmsh -3` would then refuse to make any.
+/// Holds:  every number is the shortest text that reads back to the same double; no name contains the end of a line; no
+///         number stands for two physical groups. The nodes and triangles have the numbers of the vertices and faces,
+///         from 1.
 /// Errors: kCancelled, kTimeout - through `control`.
 /// Cost:   O(output).
 std::string write_msh(const WriterInput& input, RunControl& control);

@@ -116,7 +116,7 @@ class OffTextReader {
     return false;
   }
   void next_line() {
-    if (!find_line()) throw error("the text ends inside the head");
+    if (!find_line()) throw error("the text ends inside the header, which has the numbers of vertices and faces");
   }
   void next_line(const char* what, std::uint64_t done, std::uint64_t of) {
     builder_.tick(lines_.offset(), content_.size());

@@ -222,7 +222,8 @@ class VtkLegacyReader {
       return values;
     }
     constexpr std::size_t kMinNumber = 2;
-    if (n > content_.size() / kMinNumber + 1) throw error("the text has no room for " + std::to_string(n) + " numbers");
+    if (n > content_.size() / kMinNumber + 1)
+      throw error("the text is too short for " + std::to_string(n) + " numbers");
     values.reserve(static_cast<std::size_t>(n));
     for (std::uint64_t i = 0; i < n; ++i) {
       mesh_.tick(at_);

@@ -40,12 +40,12 @@ void VtkMesh::begin_piece(std::uint64_t points, std::uint64_t room, Place place)
   if (points > limits_.max_vertices - points_) throw too_large_error(place, "vertices", limits_.max_vertices);
   points_before_ = points_;
   points_ += points;
-  // If there were room for each of many pieces, all vertices before it would be moved for each.
+  // Memory is reserved for the first piece only: to reserve it for each piece would move all earlier vertices.
   builder_.announce(points_, 0, points_before_ == 0 ? room : 0, 0, place);
 }
 
 void VtkMesh::expect_cells(std::size_t cells, std::size_t corners) {
-  // If there were room for each of many pieces, all faces before it would be moved for each.
+  // Memory is reserved for the first piece only: to reserve it for each piece would move all earlier faces.
   if (points_before_ > 0) return;
   PolygonMesh& mesh = builder_.mesh();
   mesh.face_begin.reserve(mesh.face_begin.size() + cells);

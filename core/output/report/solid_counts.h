@@ -18,7 +18,7 @@ struct SolidCounts {
   std::optional<std::size_t> cells;
   std::size_t dropped = 0;  ///< triangles that do not bound the union
   std::size_t turned = 0;   ///< outermost closed shells that faced inwards, and were turned over for the union
-  std::size_t rounds = 0;   ///< how often rounding made new intersections, and points were joined
+  std::size_t rounds = 0;   ///< how often points were joined, because rounding had made new intersections
   std::size_t left = 0;     ///< pairs of triangles that still intersect
   double moved = 0;         ///< how far points have moved at most, in model units
 };

@@ -11,8 +11,8 @@
 
 namespace remesh {
 
-/// One kind of defect that keeps a surface from bounding a volume. `places` has the first 100: the middles of edges, of
-/// faces, or of places where two faces meet.
+/// One kind of defect that keeps a surface from bounding a volume. `places` has one point for each of the first
+/// 100 defects: the middle of the edge, of the face, or of the part where two faces cross or overlap.
 struct VolumeObstacle {
   static constexpr std::size_t kMaxPlaces = 100;
 

@@ -46,10 +46,13 @@ std::string advice(bool is_any_curved, bool is_any_free, const FreeAdvice& free)
         "remeshed as a whole";
   if (!is_any_free) return text;
   if (free.may_be_coarser) {
-    text += "; surface_tolerance (above 0) or elements_per_circle makes free regions coarser, within a proven distance";
+    text +=
+        "; surface_tolerance (above 0) or elements_per_circle makes free regions coarser, within a proven distance of "
+        "the "
+        "input";
     if (free.faces) text += " (" + elements_text() + " makes " + about(*free.faces) + " faces of them)";
   }
-  return text + "; another feature_angle_deg may let a free region be recognised";
+  return text + "; another feature_angle_deg may let a free region be recognised as a cylinder, cone, sphere or torus";
 }
 
 }  // namespace

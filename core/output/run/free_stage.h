@@ -20,14 +20,15 @@ namespace remesh {
 
 /// Tells that free faces were made coarser.
 struct Coarsening {
-  std::size_t faces_before = 0;                    ///< the number of free triangles before; 0 if nothing was made
-  std::size_t faces_after = 0;                     ///< their number afterwards
-  double tolerance = 0;                            ///< the one in force, in model units
-  double distance = 0;                             ///< between the faces before and after, in model units
-  bool is_whole = false;                           ///< whether all faces were free
-  IdVector<FaceId, SurfaceId> surface_of;          ///< the recognised surface of each face afterwards
-  IdVector<FaceId, std::uint8_t> is_new;           ///< whether each face is another one than before
-  CoarseningFault fault = CoarseningFault::kNone;  ///< why nothing was made, where that was tried
+  std::size_t faces_before = 0;            ///< the number of free triangles before; 0 if nothing was made
+  std::size_t faces_after = 0;             ///< their number afterwards
+  double tolerance = 0;                    ///< the one in force, in model units
+  double distance = 0;                     ///< between the faces before and after, in model units
+  bool is_whole = false;                   ///< whether all faces were free
+  IdVector<FaceId, SurfaceId> surface_of;  ///< the recognised surface of each face afterwards
+  IdVector<FaceId, std::uint8_t> is_new;   ///< whether the stage has made this face
+  CoarseningFault fault =
+      CoarseningFault::kNone;  ///< why nothing became coarser; kNone if something did, or nothing was tried
   bool is_done() const { return faces_before > 0; }
 };
 

@@ -14,7 +14,7 @@ std::size_t count(const FaceMarks& marks) {
   return marks.size() - static_cast<std::size_t>(std::count(marks.begin(), marks.end(), 0));
 }
 
-/// Returns how many input faces have another value. A shorter list stands for faces without any.
+/// Returns how many input faces have different values in two lists. Faces beyond the end of a list have the value T().
 template <class T>
 std::size_t count_different(const std::vector<T>& a, const std::vector<T>& b) {
   std::size_t different = 0;
@@ -52,7 +52,7 @@ void compare_curved(const CurvedChoices& now, const CurvedChoices& next, Differe
     }
     return faces;
   };
-  found.add_faces("remesh", changed_to(CurvedRung::kJoined), " as curved surfaces again");
+  found.add_faces("remesh", changed_to(CurvedRung::kJoined), " as curved surfaces, as before");
   found.add_faces("remesh", changed_to(CurvedRung::kTightened), " of curved surfaces more finely");
   found.add_faces("keep", changed_to(CurvedRung::kCoarser) + changed_to(CurvedRung::kFacet), " as flat facets");
   if (const std::size_t left = next.offsets.left.size() - now.offsets.left.size(); left > 0)
@@ -74,14 +74,14 @@ void compare_refinement(const RefinementChoices& now, const RefinementChoices& n
   if (next.part != now.part) {
     switch (next.part) {
       case RefinedPart::kAll: found.add("refine everything"); break;
-      case RefinedPart::kNothingYet: found.add("refine nothing until a result passes the check"); break;
+      case RefinedPart::kNothingYet: found.add("refine nothing until a result is verified"); break;
       case RefinedPart::kRest: found.add("refine what has never failed"); break;
       case RefinedPart::kGivenUp: found.add("refine nothing"); break;
     }
   }
   const std::size_t before = count(now.frozen), after = count(next.frozen);
-  if (after > before) found.add_faces("leave", after - before, " unrefined");
-  if (after < before) found.add_faces("refine", before - after, " again");
+  if (after > before) found.add_faces("insert no points into", after - before, "");
+  if (after < before) found.add_faces("insert points into", before - after, " after all");
 }
 
 std::string about_faces(const Decisions& now, const Outcome& outcome) {
@@ -91,14 +91,14 @@ std::string about_faces(const Decisions& now, const Outcome& outcome) {
       facts.is_min_edge_automatic ? limit + " are in proportion to the input" : limit + " are allowed";
   switch (outcome.end) {
     case Outcome::End::kMinEdgeTooShort:
-      return "about " + whole(facts.predicted) + " faces are predicted, at most " + allowed;
+      return "refinement was not begun: about " + whole(facts.predicted) + " faces are predicted, at most " + allowed;
     case Outcome::End::kTooManyMade:
       if (facts.max_faces == Goals::kNoLimit && !facts.is_min_edge_automatic) return "the number of faces has no limit";
       if (facts.predicted <= static_cast<double>(facts.expected_limit()))
-        return "stopped while refining: more faces were made than the " + limit +
+        return "refinement was stopped: more faces were made than the " + limit +
                (facts.is_min_edge_automatic ? " that are in proportion to the input" : " that are allowed") +
                "; about " + whole(facts.predicted) + " had been predicted";
-      return "stopped: about " + whole(facts.predicted) + " faces are predicted, at most " + allowed;
+      return "refinement was stopped: about " + whole(facts.predicted) + " faces are predicted, at most " + allowed;
     case Outcome::End::kGapsTooFine:
       return "narrow gaps would need far more faces than the " + limit + " that are allowed";
     default: break;
@@ -106,9 +106,9 @@ std::string about_faces(const Decisions& now, const Outcome& outcome) {
   const std::string faces = std::to_string(outcome.faces.value_or(0)) + " faces";
   if (is_off_target(facts)) return faces + ", " + number_text(*facts.over_target, 3) + " times the target";
   if (*outcome.faces > facts.expected_limit()) return faces + ", at most " + allowed;
-  if (outcome.are_angles_worse) return faces + ", with smaller angles than before refinement";
+  if (outcome.are_angles_worse) return faces + ", but the smallest angles are smaller than before refinement";
   if (!now.refinement.budget && facts.is_min_edge_automatic)
-    return faces + ", no worse angles: would do if its check passes, but a smaller min_edge_length may refine more";
+    return faces + ", acceptable and not checked yet, since a smaller min_edge_length may meet more bounds";
   return faces + ", at most " + allowed;
 }
 
@@ -117,11 +117,12 @@ std::string about_failures(const Outcome& outcome) {
                          ? counted(outcome.failed.size(), "patch", "patches") + " could not be triangulated (" +
                                std::string(reason_name(outcome.failed.front().reason)) + ")"
                      : outcome.is_whole_wrong
-                         ? "the check failed for the result as a whole: " + outcome.reason
-                         : "the check failed at " + counted(outcome.failed.size(), "patch", "patches") +
+                         ? "verification failed for the result as a whole: " + outcome.reason
+                         : "verification failed at " + counted(outcome.failed.size(), "patch", "patches") +
                                (outcome.failed.size() > 1 ? ", the first failure: " : ": ") + outcome.reason;
   if (!outcome.faults.empty())
-    text += "; the cause may be " + counted(outcome.faults.size(), "curved patch", "curved patches") + " there";
+    text += "; the cause may be " + counted(outcome.faults.size(), "curved patch", "curved patches") +
+            " at these patches or beside them";
   return text;
 }
 
@@ -130,7 +131,7 @@ std::string about_result(const Decisions& now, const Outcome& outcome) {
   if (const MinEdgeSearch& min_edge = now.refinement.min_edge; min_edge.min_edge_length() > min_edge.asked())
     text += ", min_edge_length " + number_text(min_edge.min_edge_length());
   if (const std::size_t frozen = count(now.refinement.frozen); frozen > 0)
-    text += ", " + input_faces(frozen) + " unrefined";
+    text += ", " + input_faces(frozen) + " without new points";
   return text;
 }
 
@@ -142,10 +143,11 @@ std::string shown(const Decisions& now, const Outcome& outcome) {
     case Outcome::End::kNothingCut: return "no faces were cut";
     case Outcome::End::kPatchesFailed:
     case Outcome::End::kCheckFailed: return about_failures(outcome);
-    case Outcome::End::kWorkInVain: return "too much work was spent on results that failed the check";
+    case Outcome::End::kWorkInVain: return "too much work was spent on results that failed verification";
     case Outcome::End::kFacetsCoarser:
-      return outcome.compared.coarser.empty() ? "facets that were kept need more faces than curved patches did"
-                                              : "flat facets are expected to need fewer faces than some curved patches";
+      return outcome.compared.coarser.empty()
+                 ? "facets that were kept flat need more faces than curved patches needed there before"
+                 : "in some places, flat facets are expected to need fewer faces than curved patches do";
     case Outcome::End::kOffsetsImpossible: return "curved patches have too few vertices that may move to keep volumes";
     case Outcome::End::kOffsetsChanged:
       return "the offsets of curved surfaces do not keep their volumes closely enough";

@@ -157,7 +157,7 @@ class FacetJoiner {
     for (std::size_t p = 0; p < joined_.cuts.sideways.size(); ++p) {
       if (curved().at[PatchId(p)] == kNone) continue;
       CurvedPatch& patch = curved().curved[curved().at[PatchId(p)]];
-      // The limits of tori know of this, because all circles of a torus move along it.
+      // The limits of a torus allow for this way already, because each circle on a torus moves along the torus.
       if (patch.map.shape().kind == SurfaceKind::kTorus) continue;
       const double way = kWay * joined_.cuts.sideways[PatchId(p)], tolerance = patch.limits.tolerance;
       if (way < kShortWay * tolerance || std::hypot(patch.limits.max_height, way) <= tolerance) continue;

@@ -14,10 +14,11 @@ namespace remesh {
 /// Holds:  every corner of every face of a region is within half the tolerance of the region's plane, and no face has
 ///         the opposite orientation. If a face is too thin for its normal to be meaningful (height under two
 ///         tolerances), only its corners are tested. Two triangles are not joined over their common edge if they bend
-///         there by more than the digits they are printed with explain, and by more than kUnquestionedBend, even if a
-///         plane is near enough: for four corners the bend can be tested exactly, for many it cannot. Regions are
-///         edge-connected. They do not creep along a curved surface, because all faces are tested against the one final
-///         plane. Neither the order of faces and vertices nor scaling by powers of two changes the regions.
+///         there by more than kUnquestionedBend and by more than the rounding of printed digits explains, even if one
+///         plane is within the tolerance of both. For the four corners of two triangles, this is tested exactly; for
+///         many corners, that is impossible. Regions are edge-connected. They do not creep along a curved surface,
+///         because all faces are tested against the one final plane. Neither the order of faces and vertices nor
+///         scaling by powers of two changes the regions.
 /// Cost:   O(n log n); on the caller's TBB arena. The parallel parts are islands, which are faces connected over edges
 ///         whose two faces may fit one plane.
 /// Source: J. Vermaak, The Surface Remeshing Module in ChiTech, 2018, section 2; rules.md, Coplanarity;

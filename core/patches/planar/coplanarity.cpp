@@ -5,8 +5,8 @@
 namespace remesh {
 namespace {
 
-/// The distance by which printing moves a coordinate, in steps, and a little more for the rounding of earlier
-/// computations.
+/// The largest error of a coordinate that was printed in decimal, in units of its last digit: half a unit, and a little
+/// more for the rounding of earlier computations.
 constexpr double kPrinted = 0.51;
 
 }  // namespace

@@ -9,8 +9,8 @@
 
 namespace remesh {
 
-/// The steps that all patches together may still take above their bounds (kWorkOfPatch).
-/// Holds: the steps of a patch depend on the rounds before, and not on threads.
+/// The steps of work that all patches together may still take beyond their own bounds (kWorkOfPatch).
+/// Holds: how many extra steps a patch may take depends on the rounds before, and not on threads.
 class ExtraWorkPool {
  public:
   /// Must be called before each round, with the number of its patches.

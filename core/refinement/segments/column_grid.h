@@ -12,7 +12,7 @@ namespace remesh {
 
 /// The columns of a curved patch and the rows in them. Column c is at the angle start + c * width around the axis. Its
 /// points are in every second row: in the even rows if c is even, and otherwise in the odd ones. Row i is at low + i *
-/// row along the axis, as SurfaceMap::Around counts.
+/// row, a length along the axis that is measured as in SurfaceMap::Around.
 struct ColumnGrid {
   double start = 0, width = 0;        ///< without columns the width is 0
   double first = 0, last = 0;         ///< the first and the last column in the patch

@@ -10,10 +10,10 @@ namespace {
 /// Refinement aims at angles that are larger than the bound by this number of degrees, because angles are measured in
 /// space in the end, on rounded coordinates.
 constexpr double kAngleMargin = 0.01;
-/// An off-centre lies at kOffCentre times the height at which the new triangle just meets the bound, and lower places
-/// are tried too. Several heights take fewer faces than the best single height, kOnlyOffCentre. Where sizes vary, only
-/// that single height is used: more angles near the bound would be worse for the tetrahedra behind thin walls. See
-/// experiments.md, Off-centres.
+/// An off-centre lies at kOffCentre times the height at which the new triangle just meets the bound on angles. Lower
+/// heights are tried as well, because results then have fewer faces than with the best single height, kOnlyOffCentre.
+/// Where sizes vary, only that single height is used: several heights leave more angles near the bound, and the
+/// tetrahedra inside thin walls would be worse. See experiments.md, Off-centres.
 constexpr double kOffCentre = 0.97;
 constexpr double kOnlyOffCentre = 0.85;
 

@@ -328,7 +328,7 @@ std::optional<ChainGap> BoundaryCheck::gap_between(const Chain& input, const Cha
 void BoundaryCheck::add_gap(const Edge& edge, const Chain& chain, const ChainGap& gap) {
   const VertexId at = chain.low;
   const double allowed = allowed_gap(numbered_, edge.uses, chain.low, chain.high);
-  // The coordinates are at most 1, and new vertices were rounded when they were made.
+  // New vertices were rounded when they were made, so a gap may exceed the allowed distance by one rounding.
   const double reach = largest_coordinate(numbered_.points[at.value]) + gap.distance;
   const double rounding = NumberedClaim::rounding(reach);
   if (!NumberedClaim::is_within(gap.distance, allowed + rounding, reach)) blame(edge, Fault::kReplacedSpan, at);

@@ -38,7 +38,9 @@ std::string words(const FoundFault& found) {
   switch (found.fault) {
     case Fault::kMalformed: return "the arrays that describe the result do not fit together";
     case Fault::kMovedVertex:
-      return "output vertex " + id + " is neither an input vertex nor new, or shares its place with another vertex";
+      return "output vertex " + id +
+             " is neither at the place of its input vertex nor declared as new, or has the same place as another "
+             "vertex";
     case Fault::kForeignVertex: return "vertex " + id + " is used by the patch, but does not belong to it in the input";
     case Fault::kLostVertex: return "vertex " + id + " is gone, although it joins the patch to others";
     case Fault::kNoFaces: return "no faces are left";

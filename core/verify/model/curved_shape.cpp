@@ -159,7 +159,7 @@ Bounds bound_piece(const CentredTorus& torus, const Piece& piece, const Vec3& no
   const double to_axis = at.from_axis - extent, to_circle = at.from_circle - extent;
   if (!(to_axis > 0 && to_circle > 0)) return bounds;
   bounds.distance = bound_distance(torus, piece, centre, extent, at, at_corners);
-  // The nearest point must be on the same side of the axis.
+  // The bound on normals holds if the point of the torus that is nearest to the piece is on its side of the axis.
   const double out = at.from_axis - extent - torus.radius;
   const double outwards = std::max(-1.0, out / (out > 0 ? at.from_circle + extent : to_circle));
   if (torus.radius + torus.minor_radius * outwards > 0)

@@ -76,7 +76,7 @@ TEST_F(a_box, is_told_with_all_its_kinds_and_what_is_predicted_is_rounded) {
             "found 2 cylinders, 1 torus and 1 free region, made of 5 facets; each stays flat as a patch of its own, "
             "and refinement makes about 6,200 faces of them; another surface_tolerance (above 0), elements_per_circle "
             "or feature_angle_deg may let curved surfaces be remeshed as a whole; another feature_angle_deg may let a "
-            "free region be recognised");
+            "free region be recognised as a cylinder, cone, sphere or torus");
 }
 
 TEST_F(a_box, with_a_small_free_region_is_a_polyhedron) {
@@ -113,10 +113,10 @@ TEST(warn_of_curved_surfaces, a_free_region_that_may_become_coarser_is_told_with
   ASSERT_EQ(found.size(), 1u);
   EXPECT_THAT(found[0].message,
               HasSubstr("; surface_tolerance (above 0) or elements_per_circle makes free regions coarser, within a "
-                        "proven distance (elements_per_circle=16 makes about 1,700 faces of them); "));
+                        "proven distance of the input (elements_per_circle=16 makes about 1,700 faces of them); "));
   ASSERT_EQ(found[0].remedies.size(), 1u);
   EXPECT_EQ(found[0].remedies[0].options, "elements_per_circle=16");
-  EXPECT_THAT(warned({true, true, std::nullopt})[0].message, HasSubstr("within a proven distance; "));
+  EXPECT_THAT(warned({true, true, std::nullopt})[0].message, HasSubstr("within a proven distance of the input; "));
   EXPECT_THAT(warned({false, true, 1694.2}), IsEmpty());
 }
 
