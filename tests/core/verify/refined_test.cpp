@@ -370,7 +370,7 @@ TEST(verify_refined, new_vertices_of_two_sheets_at_one_place_are_found) {
   split_face(e, other, place);
   e.positions[first.value] = place;
   e.project();
-  EXPECT_TRUE(mentions(e.verify(), "shares its place"));
+  EXPECT_TRUE(mentions(e.verify(), "has the same place as another vertex"));
 }
 
 TEST(verify_refined, a_new_vertex_that_is_not_finite_or_not_used_is_found) {
