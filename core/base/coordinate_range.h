@@ -7,8 +7,8 @@ namespace remesh {
 /// limit, except at the ends of the range of doubles. Nothing can be proven of points whose coordinates become equal in
 /// these units.
 struct CoordinateRange {
-  /// Every vertex must be nearer to the middle of the mesh than this. Frames are up to twice as large, and must not
-  /// overflow.
+  /// Every vertex must be nearer to the middle of the mesh than this. Coordinates in the frame of a patch may be
+  /// twice as large, and must not overflow either.
   static constexpr double kFarthest = 0x1p1022;
   /// Some vertex must be at least this far from the middle of the mesh. Smaller doubles are subnormal and have fewer
   /// digits.

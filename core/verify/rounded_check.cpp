@@ -278,8 +278,8 @@ class StoredCheck {
     return std::binary_search(faces.begin(), faces.end(), FaceId(f));
   }
 
-  /// True if the face was listed for a bound that varies from place to place. The check of the verified mesh has tested
-  /// whether it may be listed.
+  /// Returns whether the face was in the list of unrefined faces before rounding, because it misses a bound that varies
+  /// from place to place. The check of the mesh before rounding has tested whether it may be in that list.
   bool is_listed_for_sizes(FaceId f) const {
     const auto before = std::lower_bound(claim_.unrefined_before.begin(), claim_.unrefined_before.end(), f);
     return before != claim_.unrefined_before.end() && *before == f &&

@@ -43,7 +43,7 @@ inline Error truncated_error(std::uint64_t end_of_data, const std::string& what)
 /// Shortens text and puts it in quotes on one line, so that it can be cited in a message.
 std::string cited(std::string_view text);
 
-/// Reports what a file has that is not read, as `what: count`, if there is any.
+/// Adds a diagnostic with the text `what: count` for things in a file that are not read, if there are any.
 void record_dropped(const std::string& what, std::uint64_t count, std::vector<Diagnostic>& diagnostics);
 
 /// Reports bytes after the last record of binary data. There may be fewer than a record has, or only zeros as

@@ -77,7 +77,7 @@ class MeditReader {
   void read_faces(int corners) {
     if (!vertices_) throw error("there are faces before Vertices");
     const std::uint64_t count = tokens_.integer<std::uint64_t>("the number of faces");
-    // The sum cannot overflow, because the first summand is within the limits.
+    // A file may claim any number of faces. The sum of such numbers ends at kMost, so that it cannot overflow.
     faces_ = count > kMost - faces_ ? kMost : faces_ + count;
     announce();
     for (std::uint64_t f = 0; f < count; ++f) {

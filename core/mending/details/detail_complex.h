@@ -31,7 +31,7 @@ struct PresentTriangle {
 /// their corners are one node are kept as pieces of the map, but are no longer present.
 class DetailComplex {
  public:
-  /// Input: nodes are numbered as the positions at first.
+  /// Makes one node for each position, with the same number.
   DetailComplex(std::span<const Vec3> positions, std::span<const Triangle> faces, RunControl& control);
 
   const Vec3& place(std::uint32_t node) const { return place_[node]; }

@@ -289,7 +289,7 @@ void set_local_units(Surface& surface, RunControl& control) {
   int exponent = 0;
   const double largest = std::max({half.x, half.y, half.z});
   std::frexp(largest, &exponent);
-  // Frames are up to twice as large, and must not overflow either.
+  // Coordinates in the frame of a patch may be twice as large, and must not overflow either.
   if (exponent > std::ilogb(CoordinateRange::kFarthest)) throw_too_large(surface);
   // Smaller doubles are subnormal and have too few digits for points in a plane.
   if (largest < CoordinateRange::kSmallest && box.min != box.max)

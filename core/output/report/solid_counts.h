@@ -6,8 +6,8 @@
 
 namespace remesh {
 
-/// Tells how triangles were made one conforming surface, or the boundary of a union of solids. The triangles are those
-/// between the vertices that stay, before refinement.
+/// Counts what was done to make triangles one conforming surface, or the boundary of a union of solids. These are the
+/// triangles before refinement, whose corners are the input's vertices that stay.
 struct SolidCounts {
   std::size_t curves = 0;            ///< pairs of triangles that crossed each other, and were cut along their curve
   std::size_t cut_patches = 0;       ///< patches with triangles that were cut

@@ -22,7 +22,7 @@ struct Outcome {
     kSurfaceReplaced,    ///< details were removed, or the surface was made coarser, so there is another one
     kNothingCut,         ///< no faces were cut, and what has waited for that begins without the ladder
     kPatchesFailed,      ///< patches could not be triangulated
-    kWorkInVain,         ///< too much work was for results that failed the check, so nothing was tried
+    kWorkInVain,         ///< earlier results that failed the check took too much work, so none was tried
     kMinEdgeTooShort,    ///< there would surely be more faces than are in proportion
     kGapsTooFine,        ///< gaps ask for far more faces than are allowed
     kTooManyMade,        ///< refinement made far too many faces, or would make them

@@ -38,7 +38,8 @@ constexpr double kFacing = -0.2;
 /// The share of the gap between such faces that each of them may use.
 constexpr double kShareOfGap = 0.4;
 constexpr float kMinShare = 0.01F;
-/// The search for the gap at a face ends after so many boxes. A gap that is not found only costs a refinement.
+/// The search for the gap at a face ends after this number of boxes. Where a gap is not found, the proof may fail, and
+/// the coarser surface is refined there.
 constexpr int kMaxBoxes = 4096;
 /// The number of rings of faces around a face at fault that get the smaller share as well.
 constexpr int kRingsAround = 2;

@@ -32,8 +32,8 @@ struct CoplanarityRule {
   /// One zone per face. Only faces in equal zones may share a region. Zones come from labels and from what the ladder
   /// separates. Empty: all faces are in one zone.
   const IdVector<FaceId, std::uint32_t>* zone = nullptr;
-  /// One rung of the ladder per face, 0 to kSingleFace. It scales the tolerance, and on the last rung each face is
-  /// alone.
+  /// One rung per face, 0 to kSingleFace (see face_rungs.h). Faces of patches that fail get higher rungs, where the
+  /// tolerance is smaller. On the last rung each face is a region of its own.
   const IdVector<FaceId, std::uint8_t>* rung = nullptr;
   /// The step to which each coordinate is printed, if the tolerance comes from that; 0 if unknown.
   Vec3 printed_steps = {};

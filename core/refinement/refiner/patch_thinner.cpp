@@ -138,8 +138,8 @@ bool PatchThinner::are_remade_well(double worst_shape) const {
   });
 }
 
-/// Returns whether a triangle of a curved patch meets the bound on angles in space, no edge of it inside is bent, and
-/// it is not too deep.
+/// Returns whether a triangle of a curved patch meets the bound on angles in space, and none of its edges inside the
+/// patch is bent (CurvedChart::is_bent). Where shapes are free, it must not be too deep either (CurvedChart::is_deep).
 bool PatchThinner::is_good_in_space(std::uint32_t t) const {
   if (TriangleJudge(sizes_, patch_).shape_of(t).is_sharp) return false;
   const CurvedChart& curved = *sizes_.chart().curved();

@@ -19,12 +19,13 @@ namespace remesh {
 
 /// The size at a place is the minimum, over all samples, of the sample's size plus the slope times the distance from
 /// the sample. It may be a little less than that. A sample is a segment, or a box along the axes of its patch. Samples
-/// lie in space, so sizes also change gradually from patch to patch, and they turn with the model.
-/// Holds: at(x) <= goals.max_edge_length. |at(x) - at(y)| <= slope |x - y|, where slope = gradation - 1. (If two edges
-///        of lengths h and gradation h meet, their sizes are read at places one h apart.) The field is computed from
-///        the input and never from the growing mesh. It scales with the input by powers of two, exactly. It is the same
-///        for any number of threads.
-/// Cost:  at() is O(log n) as long as sizes vary slowly. It is constant if there is neither proximity nor gradation.
+/// lie in space and not in the plane of a patch. So sizes also change gradually from patch to patch, and samples turn
+/// with the model.
+/// Holds: at(x) <= goals.max_edge_length. |at(x) - at(y)| <= slope |x - y|, where slope = gradation - 1. (If an edge of
+///        length h meets one of length gradation * h, their sizes are read at places that are h apart.) The field is
+///        computed from the input and never from the growing mesh. It scales with the input by powers of two, exactly.
+///        It is the same for any number of threads.
+/// Cost:  at() takes O(log n) as long as sizes vary slowly, and constant time without proximity and gradation.
 ///        The memory is some 70 bytes a sample, for at most kMaxSamples samples and two a segment. Samples that another
 ///        one undercuts everywhere are left out, which takes as long as one at() for each.
 class SizeField {

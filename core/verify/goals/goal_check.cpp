@@ -27,7 +27,7 @@ Standing at_least(double value, double bound) {
   return value > bound * (1 + kGoalMargin) ? Standing::kMeets : Standing::kOnTheEdge;
 }
 
-/// The lengths, angles and area of a triangle. Side i and angle i are opposite and at corner i.
+/// The lengths, angles and area of a triangle. Side i is opposite to corner i, and angle i is at it.
 class Triangle3 {
  public:
   std::array<double, 3> side{};

@@ -350,7 +350,9 @@ class BlockMeasure {
   template <class GainAt>
   static double place_of_equal(const FacePiece& piece, std::uint32_t i, const Values& gain, const GainAt& gain_at) {
     constexpr int kSteps = 4;
-    constexpr double kMinStep = 0.125, kMinShare = 0x1p-4;  // so that both parts are smaller than the piece
+    // Each step stays off the ends of the interval, so that the interval shrinks. The cut stays off the ends of the
+    // side, so that both parts of the piece are smaller than the piece.
+    constexpr double kMinStep = 0.125, kMinShare = 0x1p-4;
     const Vec3 &p = piece.corners[i], &q = piece.corners[piece.after(i)];
     double low = 0, high = 1, gain_low = gain[i], gain_high = gain[piece.after(i)];
     for (int step = 0; step < kSteps && gain_low != gain_high; ++step) {
